@@ -1,0 +1,113 @@
+"""Grids: named axes in order and fixed values for the rest."""
+
+from __future__ import annotations
+
+from numbers import Real
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from locosweep import _core
+from locosweep.errors import InputError
+from locosweep.registry import parameter
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+__all__ = ["Grid"]
+
+
+class Grid:
+    """Parameters of a sweep: one-dimensional values are axes, numbers are fixed.
+
+    Parameters
+    ----------
+    **parameters
+        By name (see ``locosweep.parameters()``). A number fixes the parameter, a
+        sequence, range or array makes it an axis; the order of the axes is the
+        order of the arguments. Units are SI (degrees in names that end in
+        ``_deg``); objects with ``to`` and ``magnitude`` (Pint) are converted.
+
+    Attributes
+    ----------
+    axes : dict of str to ndarray
+        The axes in order.
+    fixed : dict of str to float
+        The parameters given as numbers.
+
+    Raises
+    ------
+    InputError
+        An unknown name, a value outside its range (with its index), an empty
+        axis, an array that is not one-dimensional or not real.
+
+    Examples
+    --------
+    >>> import numpy as np, locosweep as ls
+    >>> grid = ls.Grid(mu_static=0.5, mu_coulomb=0.3, segments=range(2, 9))
+    >>> grid.shape
+    (7,)
+    """
+
+    __slots__ = ("axes", "fixed")
+
+    def __init__(self, **parameters: Any) -> None:
+        self.axes: dict[str, NDArray[np.float64]] = {}
+        self.fixed: dict[str, float] = {}
+        for name, value in parameters.items():
+            number, values = _read(name, value)
+            if values is None:
+                self.fixed[name] = number
+            else:
+                self.axes[name] = values
+        _core.Sweep(list(self.axes.items()), list(self.fixed.items()), [])
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Length of each axis."""
+        return tuple(len(values) for values in self.axes.values())
+
+    @property
+    def size(self) -> int:
+        """Number of points."""
+        return int(np.prod(self.shape, dtype=object))
+
+    def with_fixed(self, parameters: Mapping[str, Any]) -> Grid:
+        """Return a grid with further parameters (fixed values or axes, at the end)."""
+        if not parameters:
+            return self
+        for name in parameters:
+            if name in self.axes or name in self.fixed:
+                raise InputError(f"{name} is given twice: in the grid and beside it")
+        return Grid(**self.axes, **self.fixed, **parameters)
+
+    def __repr__(self) -> str:
+        axes = [f"{name}[{len(values)}]" for name, values in self.axes.items()]
+        fixed = [f"{name}={value:g}" for name, value in self.fixed.items()]
+        return f"Grid({', '.join(axes + fixed)})"
+
+
+def _read(name: str, value: Any) -> tuple[float, NDArray[np.float64] | None]:
+    """Turn what a user gave into a number or an axis."""
+    if isinstance(value, Real) and not isinstance(value, bool | np.bool_):
+        return float(value), None
+    if hasattr(value, "magnitude") and hasattr(value, "to"):
+        unit = parameter(name).unit
+        value = value.to("dimensionless" if unit == "1" else unit).magnitude
+    if np.ma.isMaskedArray(value):
+        raise InputError(f"{name} is a masked array: allowed are plain numbers (drop or fill first)")
+    try:
+        array = np.asarray(value)
+    except ValueError as error:
+        raise InputError(f"{name} is not an array of numbers: {error}") from None
+    if array.dtype.kind not in "iuf":
+        raise InputError(f"{name} has type {array.dtype}: allowed are real numbers")
+    if array.ndim > 1:
+        raise InputError(f"{name} has {array.ndim} dimensions: allowed is a number or one dimension")
+    array = array.astype(np.float64, order="C", copy=True)
+    if array.ndim == 0:
+        return float(array), None
+    array.flags.writeable = False
+    return 0.0, array

@@ -1,0 +1,61 @@
+"""How much memory a call may take."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from locosweep.errors import InputError
+
+__all__ = ["check", "default_limit"]
+
+_SHARE = 0.8
+
+
+def default_limit() -> int:
+    """Return 80 % of the memory that is free now, within the limit of a cgroup."""
+    free = [_system()]
+    for limit, used in (
+        ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current"),
+        (
+            "/sys/fs/cgroup/memory/memory.limit_in_bytes",
+            "/sys/fs/cgroup/memory/memory.usage_in_bytes",
+        ),
+    ):
+        try:
+            free.append(int(Path(limit).read_text()) - int(Path(used).read_text()))
+        except (OSError, ValueError):
+            continue
+    return int(_SHARE * max(0, min(free)))
+
+
+def _system() -> int:
+    try:
+        for line in Path("/proc/meminfo").read_text().splitlines():
+            if line.startswith("MemAvailable:"):
+                return int(line.split()[1]) * 1024
+    except OSError:
+        pass
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, OSError, ValueError):
+        return 8 << 30
+
+
+def check(needed: int, limit: int | None, what: str) -> None:
+    """Refuse before anything is allocated."""
+    allowed = default_limit() if limit is None else limit
+    if needed > allowed:
+        raise InputError(
+            f"{what} needs {_size(needed)}, the limit is {_size(allowed)}: reduce an axis "
+            "(over=, reduce=), use dtype='float32', or raise memory_limit="
+        )
+
+
+def _size(count: int) -> str:
+    size = float(count)
+    for unit in ("bytes", "kB", "MB", "GB", "TB"):
+        if size < 1000 or unit == "TB":
+            return f"{size:.4g} {unit}"
+        size /= 1000
+    return f"{size:.4g} TB"

@@ -1,0 +1,125 @@
+"""Parameters, quantities, statuses and reductions, as the Rust core defines them."""
+
+from __future__ import annotations
+
+import difflib
+from enum import IntEnum
+from functools import cache
+from typing import TYPE_CHECKING
+
+from locosweep import _core
+from locosweep._core import Parameter, Quantity
+from locosweep.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = [
+    "Parameter",
+    "Quantity",
+    "Status",
+    "parameter",
+    "parameters",
+    "quantities",
+    "quantity",
+    "reductions",
+    "unknown",
+]
+
+
+@cache
+def _parameters() -> dict[str, Parameter]:
+    return {p.name: p for p in _core.parameters()}
+
+
+@cache
+def _quantities() -> dict[str, Quantity]:
+    return {q.name: q for q in _core.quantities()}
+
+
+def parameters() -> list[Parameter]:
+    """List all parameters of the closed forms.
+
+    Returns
+    -------
+    list of Parameter
+        Records with ``name``, ``symbol``, ``unit``, ``default``, ``range``,
+        ``integer``, ``file_key`` and ``meaning``.
+
+    Examples
+    --------
+    >>> import locosweep as ls
+    >>> [p.name for p in ls.parameters() if p.unit == "N"]
+    ['drive_limit', 'wall_force']
+    """
+    return list(_parameters().values())
+
+
+def quantities() -> list[Quantity]:
+    """List all quantities that a sweep can compute.
+
+    Returns
+    -------
+    list of Quantity
+        Records with ``name``, ``symbol``, ``unit``, ``formula`` (TeX), ``source``,
+        ``limits``, ``meaning``, ``integer`` and ``parameters``.
+
+    Examples
+    --------
+    >>> import locosweep as ls
+    >>> best = next(q for q in ls.quantities() if q.name == "optimal_segments")
+    >>> best.source
+    'paper, equations (7) and (8): the zero of d(mean velocity)/dN'
+    """
+    return list(_quantities().values())
+
+
+def reductions() -> dict[str, str]:
+    """Map the name of every reduction to its meaning.
+
+    Examples
+    --------
+    >>> import locosweep as ls
+    >>> "argmax" in ls.reductions()
+    True
+    """
+    return dict(_core.reductions())
+
+
+def parameter(name: str) -> Parameter:
+    """Return one parameter by name; InputError with the nearest name if unknown."""
+    try:
+        return _parameters()[name]
+    except KeyError:
+        raise unknown("parameter", name, _parameters()) from None
+
+
+def quantity(name: str) -> Quantity:
+    """Return one quantity by name; InputError with the nearest name if unknown."""
+    try:
+        return _quantities()[name]
+    except KeyError:
+        raise unknown("quantity", name, _quantities()) from None
+
+
+def unknown(kind: str, given: str, known: Iterable[str]) -> InputError:
+    """Build the error for an unknown name, with the nearest known one."""
+    names = list(known)
+    near = difflib.get_close_matches(given, names, n=1)
+    hint = f"did you mean '{near[0]}'? Known are " if near else "known are "
+    return InputError(f"unknown {kind} '{given}': {hint}{', '.join(names)}")
+
+
+class _StatusBase(IntEnum):
+    """Why a point has no value; 0 is ok, and only then the value is a number."""
+
+    @property
+    def sentence(self) -> str:
+        """One sentence for people."""
+        return _SENTENCES[int(self)]
+
+
+_SENTENCES: dict[int, str] = {code: sentence for code, _, sentence in _core.statuses()}
+
+Status = _StatusBase("Status", {name.upper(): code for code, name, _ in _core.statuses()})  # type: ignore[call-overload]
+Status.__doc__ = _StatusBase.__doc__

@@ -1,0 +1,227 @@
+"""What a sweep returns: values with their axes, statuses, frames, files, plots."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from locosweep import _core, memory
+from locosweep.errors import InputError
+from locosweep.registry import Status, parameter, quantity, unknown
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Mapping, Sequence
+
+    import polars as pl
+    import xarray as xr
+    from numpy.typing import NDArray
+
+    from locosweep.plot import Plotter
+
+__all__ = ["Output", "Result"]
+
+
+@dataclass(frozen=True)
+class Output:
+    """One output of a sweep: a quantity, or a reduction of it."""
+
+    name: str
+    quantity: str
+    reduce: str | None
+    unit: str
+    symbol: str
+    label: str
+    integer: bool
+
+    @classmethod
+    def of(cls, name: str, reduce: str | None, over: str | None) -> Output:
+        """Name, unit and label from the registry."""
+        info = quantity(name)
+        if reduce is None or over is None:
+            words = name.removesuffix("_deg").replace("_", " ")
+            return cls(name, name, None, info.unit, info.symbol, words, info.integer)
+        axis = parameter(over)
+        full = f"{name}_{reduce}"
+        words = name.replace("_", " ")
+        if reduce in ("argmax", "argmin", "last_feasible"):
+            which = {"argmax": "highest", "argmin": "lowest"}.get(reduce, "last feasible")
+            label = f"{over.removesuffix('_deg').replace('_', ' ')} of {which} {words}"
+            return cls(full, name, reduce, axis.unit, axis.symbol, label, axis.integer)
+        if reduce == "count":
+            return cls(full, name, reduce, "1", "n", f"feasible {over.replace('_', ' ')}", True)
+        label = f"{reduce} {words} over {over.replace('_', ' ')}"
+        return cls(full, name, reduce, info.unit, info.symbol, label, False)
+
+
+class Result:
+    """Values of a sweep, one axis per swept parameter, in order.
+
+    Attributes
+    ----------
+    values : ndarray
+        Values of the first output; NaN exactly where `status` is not 0.
+    status : ndarray of uint8
+        Status codes of the first output (see ``locosweep.Status``), computed
+        when first asked for.
+    axes : dict of str to ndarray
+        The axes in order.
+    fixed : dict of str to float
+        Value of every other parameter that has one, defaults included.
+    outputs : tuple of Output
+        Name, quantity, reduction, unit and label of each output.
+
+    Examples
+    --------
+    >>> import locosweep as ls
+    >>> r = ls.sweep("mean_velocity", mu_static=0.5, mu_coulomb=0.3, segments=4,
+    ...              slope_deg=[0, 10, 30])
+    >>> r.values.round(4)
+    array([0.0858, 0.0509,    nan])
+    >>> [ls.Status(code).name for code in r.status]
+    ['OK', 'OK', 'SLIDES_BACK']
+    """
+
+    def __init__(
+        self,
+        outputs: Sequence[Output],
+        axes: Mapping[str, NDArray[np.float64]],
+        fixed: Mapping[str, float],
+        values: Sequence[NDArray[Any]],
+        *,
+        over: str | None = None,
+        job: _core.Sweep | None = None,
+        statuses: Mapping[str, NDArray[np.uint8]] | None = None,
+    ) -> None:
+        self.outputs = tuple(outputs)
+        self.axes = dict(axes)
+        self.fixed = dict(fixed)
+        self.over = over
+        self._values = {o.name: v for o, v in zip(outputs, values, strict=True)}
+        self._statuses = dict(statuses or {})
+        self._job = job
+
+    @property
+    def name(self) -> str:
+        """Name of the first output."""
+        return self.outputs[0].name
+
+    @property
+    def unit(self) -> str:
+        """Unit of the first output."""
+        return self.outputs[0].unit
+
+    @property
+    def values(self) -> NDArray[Any]:
+        """Values of the first output."""
+        return self._values[self.name]
+
+    @property
+    def status(self) -> NDArray[np.uint8]:
+        """Status codes of the first output."""
+        return self.status_of(self.name)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Length of each axis."""
+        return tuple(len(values) for values in self.axes.values())
+
+    @property
+    def plot(self) -> Plotter:
+        """Pictures of this result."""
+        from locosweep.plot import Plotter
+
+        return Plotter(self)
+
+    def output(self, name: str | None = None) -> Output:
+        """Return one output's record, by name; the first one without."""
+        for output in self.outputs:
+            if name in (None, output.name):
+                return output
+        raise unknown("output", str(name), self._values)
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        """Values of an output by name."""
+        return self._values[self.output(name).name]
+
+    def status_of(self, name: str) -> NDArray[np.uint8]:
+        """Status codes of an output by name."""
+        name = self.output(name).name
+        if name not in self._statuses:
+            if self._job is None:
+                raise InputError(f"the statuses of {name} are not in this result")
+            codes = np.empty(self.shape, np.uint8)
+            memory.check(codes.nbytes, None, "the status array")
+            place = [o.name for o in self.outputs].index(name)
+            self._job.run([(place, codes)], _core.threads_to_use())
+            self._statuses[name] = codes
+        return self._statuses[name]
+
+    def status_counts(self, name: str | None = None) -> dict[Status, int]:
+        """Count the cells of each status that occurs."""
+        codes = self.status_of(self.output(name).name)
+        counts = np.bincount(codes.ravel(), minlength=1)
+        return {Status(code): int(n) for code, n in enumerate(counts) if n}
+
+    def to_polars(self) -> pl.DataFrame:
+        """Return a long table: axis columns, then each output with its status."""
+        import polars as pl
+
+        cells = int(np.prod(self.shape, dtype=object))
+        width = 8 * len(self.axes) + 12 * len(self.outputs)
+        memory.check(cells * width, None, "the table")
+        columns: dict[str, Any] = {}
+        for place, (name, axis) in enumerate(self.axes.items()):
+            view = axis.reshape([-1 if i == place else 1 for i in range(len(self.axes))])
+            columns[name] = np.broadcast_to(view, self.shape).ravel()
+        kind = pl.Enum([status.name.lower() for status in Status])
+        for output in self.outputs:
+            columns[output.name] = self[output.name].ravel()
+            codes = pl.Series(self.status_of(output.name).ravel())
+            label = "status" if len(self.outputs) == 1 else f"{output.name}_status"
+            columns[label] = codes.cast(kind)
+        return pl.DataFrame(columns)
+
+    def to_xarray(self) -> xr.Dataset:
+        """Return an xarray Dataset with units; needs the extra ``xarray``."""
+        try:
+            import xarray as xr
+        except ModuleNotFoundError:
+            raise InputError("to_xarray needs xarray: pip install locosweep[xarray]") from None
+        dims = list(self.axes)
+        data = {}
+        for output in self.outputs:
+            attributes = {"units": output.unit, "long_name": output.label}
+            data[output.name] = (dims, self[output.name], attributes)
+            data[f"{output.name}_status"] = (dims, self.status_of(output.name), {"units": "1"})
+        coords = {
+            name: (name, axis, {"units": parameter(name).unit, "long_name": parameter(name).meaning})
+            for name, axis in self.axes.items()
+        }
+        return xr.Dataset(data, coords, attrs=dict(self.fixed))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the long table to a Parquet file that `load` reads back exactly."""
+        from locosweep.files import save_result
+
+        save_result(self, path)
+
+    def __repr__(self) -> str:
+        lines = [f"Result of {', '.join(o.name for o in self.outputs)}"]
+        for name, axis in self.axes.items():
+            span = f"{axis[0]:g} .. {axis[-1]:g}" if len(axis) > 1 else f"{axis[0]:g}"
+            lines.append(f"  {name} [{parameter(name).unit}]: {len(axis)} values, {span}")
+        for output in self.outputs:
+            values = self[output.name]
+            works = np.isfinite(values)
+            if works.any():
+                low, high = np.min(values, where=works, initial=np.inf), np.max(
+                    values, where=works, initial=-np.inf
+                )
+                text = f"{low:.6g} .. {high:.6g} {output.unit}, {works.mean():.1%} of the cells"
+            else:
+                text = "no cell has a value"
+            lines.append(f"  {output.label}: {text}")
+        return "\n".join(lines)

@@ -1,0 +1,145 @@
+//! Sweeps as a Python class: checked when made, run as often as wanted.
+
+use crate::arrays::Output;
+use crate::door::{SMALL, enter, enter_briefly, raise};
+use locosweep::lane::Level;
+use locosweep::sweep::{Control, DEFAULT_CHUNK, Entry, Grid, Job, Options, Reduce, Request, run};
+use numpy::PyReadonlyArray1;
+use pyo3::prelude::*;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+/// Stops a running sweep from another thread.
+#[pyclass(frozen, module = "locosweep._core")]
+#[derive(Default)]
+pub struct CancelToken {
+    control: Arc<Control>,
+}
+
+#[pymethods]
+impl CancelToken {
+    #[new]
+    fn new() -> Self {
+        Self::default()
+    }
+
+    /// Ask the sweep that holds this token to stop.
+    fn cancel(&self) {
+        self.control.cancel.store(true, Ordering::Relaxed);
+    }
+
+    /// Evaluations finished so far.
+    #[getter]
+    fn done(&self) -> u64 {
+        self.control.done.load(Ordering::Relaxed)
+    }
+}
+
+/// A checked grid and what to compute on it.
+#[pyclass(frozen, module = "locosweep._core")]
+pub struct Sweep {
+    job: Job,
+}
+
+#[pymethods]
+impl Sweep {
+    /// `requests` are (quantity, reduction or None, q or None).
+    #[new]
+    #[pyo3(signature = (axes, fixed, requests, over=None))]
+    fn new(
+        py: Python<'_>,
+        axes: Vec<(String, PyReadonlyArray1<'_, f64>)>,
+        fixed: Vec<(String, f64)>,
+        requests: Vec<(String, Option<String>, Option<f64>)>,
+        over: Option<&str>,
+    ) -> PyResult<Sweep> {
+        let axes: Vec<(String, Vec<f64>)> =
+            axes.into_iter().map(|(name, values)| (name, values.as_array().to_vec())).collect();
+        let build = || {
+            let grid = Grid::new(&axes, &fixed)?;
+            let requests = requests.iter().map(|(quantity, reduce, q)| {
+                let entry = Entry::parse(quantity)?;
+                let reduce = reduce.as_ref().map(|name| Reduce::parse(name, *q)).transpose()?;
+                Ok(Request { entry, reduce })
+            });
+            Job::new(grid, requests.collect::<Result<_, _>>()?, over)
+        };
+        Ok(Sweep { job: build().map_err(|error| raise(py, error))? })
+    }
+
+    /// Shape of each result.
+    #[getter]
+    fn shape(&self) -> Vec<usize> {
+        self.job.shape()
+    }
+
+    /// Names of the axes of the result, in order.
+    #[getter]
+    fn axes(&self) -> Vec<&'static str> {
+        self.job.kept().iter().map(|axis| axis.id.param().name).collect()
+    }
+
+    /// Name and value of every parameter that is not an axis.
+    #[getter]
+    fn fixed(&self) -> Vec<(&'static str, f64)> {
+        let grid = &self.job.grid;
+        let all = locosweep::physics::ParamId::all();
+        all.filter_map(|id| Some((id.param().name, grid.fixed[id as usize]?)))
+            .filter(|(name, _)| !grid.axes.iter().any(|axis| axis.id.param().name == *name))
+            .collect()
+    }
+
+    /// Cells of each result.
+    #[getter]
+    fn cells(&self) -> usize {
+        self.job.cells()
+    }
+
+    /// How often a formula is evaluated.
+    #[getter]
+    fn evaluations(&self) -> u64 {
+        self.job.evaluations()
+    }
+
+    /// Bytes needed beside the results.
+    fn working_bytes(&self, threads: usize) -> usize {
+        self.job.working_bytes(threads)
+    }
+
+    /// Fill arrays: each output is (number of the request, array). An array of
+    /// uint8 receives status codes.
+    #[pyo3(signature = (outputs, threads, chunk=None, progress=None, token=None, level=None))]
+    #[allow(clippy::too_many_arguments)]
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        outputs: Vec<(usize, Bound<'py, PyAny>)>,
+        threads: usize,
+        chunk: Option<usize>,
+        progress: Option<Py<PyAny>>,
+        token: Option<&CancelToken>,
+        level: Option<&str>,
+    ) -> PyResult<()> {
+        let level = level.map_or_else(Level::current, Level::parse);
+        let options = Options {
+            threads,
+            chunk: chunk.unwrap_or(DEFAULT_CHUNK).max(1),
+            level: level.map_err(|error| raise(py, error))?,
+        };
+        let mut borrowed = Vec::with_capacity(outputs.len());
+        for (request, array) in &outputs {
+            borrowed.push((*request, Output::borrow(array)?));
+        }
+        let mut buffers = Vec::with_capacity(outputs.len());
+        for (request, output) in &mut borrowed {
+            buffers.push((*request, output.buffer(py)?));
+        }
+        let control = token.map_or_else(Default::default, |token| token.control.clone());
+        let total = self.job.evaluations();
+        let work = || run(&self.job, buffers, options, &control);
+        if total <= SMALL && progress.is_none() {
+            return enter_briefly(py, work);
+        }
+        enter(py, &control, total, progress.as_ref(), work)
+    }
+}

@@ -1,0 +1,163 @@
+//! The registries as Python records. Python holds no list of its own.
+
+use crate::door::raise;
+use locosweep::describe::Param;
+use locosweep::lane::Level;
+use locosweep::physics::params::{FILE_CHOICES, FILE_KEYS};
+use locosweep::physics::{PARAMS, ParamId, Status};
+use locosweep::sweep::{Entry, QUANTITIES, Reduce};
+use pyo3::prelude::*;
+
+/// A parameter: what it is called, measured in, and which values it may take.
+#[pyclass(frozen, get_all, module = "locosweep._core")]
+pub struct Parameter {
+    name: &'static str,
+    symbol: &'static str,
+    unit: &'static str,
+    /// None where the user must give it.
+    default: Option<f64>,
+    /// Smallest and largest value allowed.
+    range: (f64, f64),
+    integer: bool,
+    /// Table and key in a robot file, where it has one.
+    file_key: Option<(&'static str, &'static str)>,
+    meaning: &'static str,
+    /// What is allowed, in words.
+    allowed: String,
+}
+
+#[pymethods]
+impl Parameter {
+    fn __repr__(&self) -> String {
+        let default = self.default.map_or("none".to_owned(), |v| v.to_string());
+        format!(
+            "Parameter(name='{}', unit='{}', default={default}, range=[{}, {}])",
+            self.name, self.unit, self.range.0, self.range.1
+        )
+    }
+
+    /// Raise InputError where the value is not allowed.
+    fn check(&self, py: Python<'_>, value: f64) -> PyResult<f64> {
+        let mut all = PARAMS.iter().chain(FILE_KEYS);
+        match all.find(|p| p.name == self.name) {
+            Some(param) => param.check(value, None).map_err(|error| raise(py, error)),
+            None => Ok(value),
+        }
+    }
+}
+
+impl From<&Param> for Parameter {
+    fn from(param: &Param) -> Self {
+        Parameter {
+            name: param.name,
+            symbol: param.symbol,
+            unit: param.unit,
+            default: param.default,
+            range: param.range,
+            integer: param.integer,
+            file_key: param.file_key,
+            meaning: param.meaning,
+            allowed: param.allowed(),
+        }
+    }
+}
+
+/// A quantity that a sweep can compute.
+#[pyclass(frozen, get_all, module = "locosweep._core")]
+pub struct Quantity {
+    name: &'static str,
+    symbol: &'static str,
+    unit: &'static str,
+    /// TeX, in the symbols of the parameters.
+    formula: &'static str,
+    source: &'static str,
+    limits: &'static str,
+    meaning: &'static str,
+    integer: bool,
+    parameters: Vec<Py<Parameter>>,
+}
+
+#[pymethods]
+impl Quantity {
+    fn __repr__(&self) -> String {
+        format!("Quantity(name='{}', unit='{}', meaning='{}')", self.name, self.unit, self.meaning)
+    }
+}
+
+fn quantity(py: Python<'_>, entry: &Entry) -> PyResult<Quantity> {
+    let info = &entry.info;
+    let used = ParamId::all().filter(|id| entry.uses(*id));
+    let parameters = used.map(|id| Py::new(py, Parameter::from(id.param())));
+    Ok(Quantity {
+        name: info.name,
+        symbol: info.symbol,
+        unit: info.unit,
+        formula: info.formula,
+        source: info.source,
+        limits: info.limits,
+        meaning: info.meaning,
+        integer: info.integer,
+        parameters: parameters.collect::<PyResult<_>>()?,
+    })
+}
+
+/// All parameters of the closed forms.
+#[pyfunction]
+pub fn parameters() -> Vec<Parameter> {
+    PARAMS.iter().map(Parameter::from).collect()
+}
+
+/// All quantities, in the order of their equations.
+#[pyfunction]
+pub fn quantities(py: Python<'_>) -> PyResult<Vec<Quantity>> {
+    QUANTITIES.iter().map(|entry| quantity(py, entry)).collect()
+}
+
+/// Code, name and sentence of every status.
+#[pyfunction]
+pub fn statuses() -> Vec<(u8, &'static str, &'static str)> {
+    Status::ALL.iter().map(|s| (*s as u8, s.name(), s.sentence())).collect()
+}
+
+/// Name and meaning of every reduction.
+#[pyfunction]
+pub fn reductions() -> Vec<(&'static str, &'static str)> {
+    Reduce::ALL.to_vec()
+}
+
+/// Keys of a robot file that are not parameters of the closed forms.
+#[pyfunction]
+pub fn file_keys() -> Vec<Parameter> {
+    FILE_KEYS.iter().map(Parameter::from).collect()
+}
+
+/// Table, key and allowed words of the keys of a robot file that take a word.
+#[pyfunction]
+pub fn file_choices() -> Vec<(&'static str, &'static str, Vec<&'static str>)> {
+    FILE_CHOICES.iter().map(|(table, key, words)| (*table, *key, words.to_vec())).collect()
+}
+
+/// SIMD level in use.
+#[pyfunction]
+pub fn simd_level(py: Python<'_>) -> PyResult<&'static str> {
+    Level::current().map(Level::name).map_err(|error| raise(py, error))
+}
+
+/// SIMD levels that this machine runs, lowest first.
+#[pyfunction]
+pub fn simd_levels() -> Vec<&'static str> {
+    Level::available().into_iter().map(Level::name).collect()
+}
+
+/// Threads that a call would use.
+#[pyfunction]
+#[pyo3(signature = (asked=None))]
+pub fn threads_to_use(py: Python<'_>, asked: Option<usize>) -> PyResult<usize> {
+    locosweep::sweep::threads_to_use(asked).map_err(|error| raise(py, error))
+}
+
+/// Version of the package.
+#[pyfunction]
+pub fn version() -> &'static str {
+    env!("CARGO_PKG_VERSION")
+}

@@ -1,0 +1,171 @@
+//! Numbers in lanes: one formula, written once, runs on a single `f64` and on
+//! the widest registers of the machine.
+//!
+//! Every lane does the same operations in the same order, nothing is
+//! reassociated, and [`Lane::mul_add`] rounds once wherever the processor can:
+//! AVX-512, AVX2+FMA, NEON and the scalar `f64` give the same bits. Only the
+//! x86 baseline (SSE2, no fused multiply-add) rounds twice there.
+
+pub mod exp;
+mod level;
+mod root;
+mod wide;
+
+pub use level::{Level, Task, run};
+pub use wide::{Pack, Pack1, Pack2, Pack4};
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// Arithmetic that a formula may use.
+pub trait Lane:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+{
+    type Mask: Copy;
+
+    /// The same number in every lane, as many lanes as `self` has.
+    fn with(self, value: f64) -> Self;
+    /// `self * a + b`, rounded once where the level has a fused multiply-add.
+    fn mul_add(self, a: Self, b: Self) -> Self;
+    fn sqrt(self) -> Self;
+    /// `sqrt` for arguments in [1e-290, 1e290] or NaN: correctly rounded, as
+    /// `sqrt` is, but faster where the divider is the bottleneck.
+    fn root(self) -> Self;
+    fn abs(self) -> Self;
+    fn floor(self) -> Self;
+    fn round(self) -> Self;
+    /// `2^self` for whole numbers in [-1022, 1023].
+    fn exp2_whole(self) -> Self;
+
+    fn lt(self, other: Self) -> Self::Mask;
+    fn le(self, other: Self) -> Self::Mask;
+    fn not_nan(self) -> Self::Mask;
+    fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    fn any(mask: Self::Mask) -> bool;
+    /// `a` where the mask holds, `b` elsewhere. Never computes with the lane
+    /// that it does not take, so a NaN there does no harm.
+    fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
+
+    /// Applies a scalar function lane by lane.
+    fn map(self, f: impl FnMut(f64) -> f64) -> Self;
+    /// Lane `i`.
+    fn lane(self, i: usize) -> f64;
+    /// Builds lanes from their numbers; `self` only says how many there are.
+    fn fill(self, f: impl FnMut(usize) -> f64) -> Self;
+
+    /// Runs `f` in a function of its own, compiled for the same instructions.
+    /// For large and rare parts, which would otherwise be copied into every
+    /// kernel that might need them.
+    fn apart<R>(self, f: impl FnOnce() -> R) -> R;
+
+    #[inline(always)]
+    fn gt(self, other: Self) -> Self::Mask {
+        other.lt(self)
+    }
+    #[inline(always)]
+    fn ge(self, other: Self) -> Self::Mask {
+        other.le(self)
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self::select(self.lt(other), self, other)
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self::select(other.lt(self), self, other)
+    }
+    /// `self` where the mask holds, NaN elsewhere.
+    #[inline(always)]
+    fn only_if(self, mask: Self::Mask) -> Self {
+        Self::select(mask, self, self.with(f64::NAN))
+    }
+}
+
+impl Lane for f64 {
+    type Mask = bool;
+
+    #[inline(always)]
+    fn with(self, value: f64) -> f64 {
+        value
+    }
+    #[inline(always)]
+    fn mul_add(self, a: f64, b: f64) -> f64 {
+        f64::mul_add(self, a, b)
+    }
+    #[inline(always)]
+    fn sqrt(self) -> f64 {
+        f64::sqrt(self)
+    }
+    #[inline(always)]
+    fn root(self) -> f64 {
+        f64::sqrt(self)
+    }
+    #[inline(always)]
+    fn abs(self) -> f64 {
+        f64::abs(self)
+    }
+    #[inline(always)]
+    fn floor(self) -> f64 {
+        libm::floor(self)
+    }
+    #[inline(always)]
+    fn round(self) -> f64 {
+        libm::rint(self)
+    }
+    #[inline(always)]
+    fn exp2_whole(self) -> f64 {
+        f64::from_bits(((self as i64 + 1023) as u64) << 52)
+    }
+    #[inline(always)]
+    fn lt(self, other: f64) -> bool {
+        self < other
+    }
+    #[inline(always)]
+    fn le(self, other: f64) -> bool {
+        self <= other
+    }
+    #[inline(always)]
+    fn not_nan(self) -> bool {
+        !self.is_nan()
+    }
+    #[inline(always)]
+    fn and(a: bool, b: bool) -> bool {
+        a & b
+    }
+    #[inline(always)]
+    fn or(a: bool, b: bool) -> bool {
+        a | b
+    }
+    #[inline(always)]
+    fn any(mask: bool) -> bool {
+        mask
+    }
+    #[inline(always)]
+    fn select(mask: bool, a: f64, b: f64) -> f64 {
+        if mask { a } else { b }
+    }
+    #[inline(always)]
+    fn map(self, mut f: impl FnMut(f64) -> f64) -> f64 {
+        f(self)
+    }
+    #[inline(always)]
+    fn lane(self, _: usize) -> f64 {
+        self
+    }
+    #[inline(always)]
+    fn fill(self, mut f: impl FnMut(usize) -> f64) -> f64 {
+        f(0)
+    }
+    #[inline(always)]
+    fn apart<R>(self, f: impl FnOnce() -> R) -> R {
+        f()
+    }
+}

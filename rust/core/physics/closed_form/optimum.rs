@@ -1,0 +1,297 @@
+//! The best segment count and the steepest slope: equations (7) and (8).
+
+use super::Quantity;
+use super::motion::{MeanVelocity, why_no_phase};
+use super::phase::braking_works;
+use super::traction::{or_else, plain_acceleration, traction, why_not_anchored};
+use crate::describe::Info;
+use crate::lane::Lane;
+use crate::physics::{Point, Status};
+
+/// Relative difference below which two velocities are a tie; the lower count wins.
+pub const TIE: f64 = 1e-12;
+
+/// Continuous optimum of the segment count.
+pub struct OptimalSegments;
+
+impl Quantity for OptimalSegments {
+    const INFO: Info = Info {
+        name: "optimal_segments",
+        symbol: r"N_\mathrm{opt}",
+        unit: "1",
+        formula: r"N_\mathrm{opt} = 2k\,\frac{(\mu_S + \mu_C)n + (1-w)g\sin\alpha}{\mu_S n - w g\sin\alpha}",
+        source: "paper, equations (7) and (8): the zero of d(mean velocity)/dN",
+        limits: "without limits, viscosity or brake; best_segments obeys those and is whole",
+        meaning: "segment count of highest mean velocity, as a real number",
+        params: &[
+            "mu_static",
+            "mu_coulomb",
+            "slope_deg",
+            "mass",
+            "gravity",
+            "moving",
+            "anchor_weight",
+            "skin_ratio",
+            "wall_force",
+            "wall_release",
+            "corner_deg",
+        ],
+        integer: false,
+    };
+
+    #[inline(always)]
+    fn value<L: Lane, const PLAIN: bool>(p: &Point<L>) -> L {
+        let (hold, drag) = (p.hold(), p.drag());
+        let zero = hold.with(0.0);
+        let optimum = (p.moving + p.moving) * ((hold + drag) / hold);
+        // At N = k nothing moves: an "optimum" there or below is none.
+        let mask = L::and(hold.gt(zero), optimum.gt(p.moving));
+        if PLAIN {
+            return optimum.only_if(mask);
+        }
+        optimum.only_if(L::and(mask, super::traction::grip_against_drive(p).gt(zero)))
+    }
+
+    fn status(p: &Point<f64>) -> Status {
+        // The count itself is what is asked for: take one that leaves anchors.
+        let status = why_not_anchored(&p.with_segments(p.moving + p.anchors_ahead + 1.0));
+        or_else(status, Status::NoOptimum)
+    }
+}
+
+/// Best whole segment count.
+pub struct BestSegments;
+
+impl Quantity for BestSegments {
+    const INFO: Info = Info {
+        name: "best_segments",
+        symbol: r"N^*",
+        unit: "1",
+        formula: r"N^* = \min\{N : \bar v(N) \ge (1-10^{-12})\,\bar v(M)\ \forall M\},\quad N_\mathrm{min} \le N, M \le N_\mathrm{max}",
+        source: "derived: mean velocity has one peak over N, so the first N that its successor does not beat is the best",
+        limits: "segments_min and segments_max bound the search; a tie goes to the lower count",
+        meaning: "whole segment count of highest mean velocity",
+        params: &[
+            "mu_static",
+            "mu_coulomb",
+            "slope_deg",
+            "mass",
+            "gravity",
+            "moving",
+            "anchor_weight",
+            "skin_ratio",
+            "wall_force",
+            "wall_release",
+            "corner_deg",
+            "drive_limit",
+            "anchors_ahead",
+            "stroke",
+            "speed_limit",
+            "viscous",
+            "brake",
+            "segments_min",
+            "segments_max",
+        ],
+        integer: true,
+    };
+
+    #[inline(always)]
+    fn value<L: Lane, const PLAIN: bool>(p: &Point<L>) -> L {
+        if PLAIN { plain_best(p) } else { searched_best(p) }
+    }
+
+    fn status(p: &Point<f64>) -> Status {
+        why_no_phase(&p.with_segments(p.segments_max))
+    }
+}
+
+/// Floor or ceiling of the continuous optimum, by comparing both. The optimum
+/// is at least 2k here, and both neighbours lie above half of it, so both move.
+#[inline(always)]
+fn plain_best<L: Lane>(p: &Point<L>) -> L {
+    let one = p.moving.with(1.0);
+    let optimum = OptimalSegments::value::<L, true>(p);
+    let low = optimum.floor().max(p.segments_min).min(p.segments_max);
+    let high = (low + one).min(p.segments_max);
+    // v^2 of each, up to a common factor and without a division.
+    let push = |n: L| {
+        let mut at = *p;
+        at.segments = n;
+        plain_acceleration(&at)
+    };
+    let (lower, higher) = (push(low) * (high * high), push(high) * (low * low));
+    let best = L::select(higher.gt(lower * (1.0 + 2.0 * TIE)), high, low);
+    let moves = L::select(higher.gt(lower), higher, lower).gt(one.with(0.0));
+    best.only_if(L::and(moves, optimum.not_nan()))
+}
+
+/// Bisection for the first count that its successor does not beat, above the
+/// last one that cannot move.
+#[inline(always)]
+fn searched_best<L: Lane>(p: &Point<L>) -> L {
+    let one = p.moving.with(1.0);
+    let zero = one.with(0.0);
+    let speed = |n: L| MeanVelocity::value::<L, false>(&p.with_segments(n));
+    let moves = |n: L| traction::<L, false>(&p.with_segments(n)).acceleration.not_nan();
+    // Least count whose anchors hold the movers: k B/A beyond k. Rounding may
+    // have put it one too low.
+    let need = p.moving * (p.drag() / p.hold());
+    let need = L::select(need.gt(zero), need, zero);
+    let least = (p.moving + need).floor() + one;
+    let least = least.max(p.moving + p.anchors_ahead.max(one)).max(p.segments_min);
+    let least = L::select(moves(least), least, least + one);
+    let (mut low, mut high) = (least, p.segments_max.max(least));
+    // 2^20 > 10^6, the largest count allowed.
+    for _ in 0..20 {
+        let open = low.lt(high);
+        if !L::any(open) {
+            break;
+        }
+        let middle = ((low + high) * 0.5).floor();
+        let rises = speed(middle + one).gt(speed(middle) * (1.0 + TIE));
+        low = L::select(L::and(open, rises), middle + one, low);
+        high = L::select(L::and(open, rises), high, L::select(open, middle, high));
+    }
+    let stops = L::or(p.brake.le(zero), braking_works(&p.with_segments(low)));
+    low.only_if(L::and(L::and(moves(low), stops), low.le(p.segments_max)))
+}
+
+/// Mean velocity at the best whole segment count.
+pub struct BestVelocity;
+
+impl Quantity for BestVelocity {
+    const INFO: Info = Info {
+        name: "best_velocity",
+        symbol: r"\bar v^*",
+        unit: "m/s",
+        formula: r"\bar v^* = \bar v(N^*)",
+        source: "derived from equations (5) to (8)",
+        limits: "as best_segments",
+        meaning: "mean velocity with the best whole segment count",
+        params: BestSegments::INFO.params,
+        integer: false,
+    };
+
+    #[inline(always)]
+    fn value<L: Lane, const PLAIN: bool>(p: &Point<L>) -> L {
+        let best = BestSegments::value::<L, PLAIN>(p);
+        MeanVelocity::value::<L, PLAIN>(&p.with_segments(best))
+    }
+
+    fn status(p: &Point<f64>) -> Status {
+        BestSegments::status(p)
+    }
+}
+
+/// Steepest slope that the robot climbs.
+pub struct SlopeLimitDeg;
+
+impl Quantity for SlopeLimitDeg {
+    const INFO: Info = Info {
+        name: "slope_limit_deg",
+        symbol: r"\alpha_\mathrm{max}",
+        unit: "deg",
+        formula: r"\tan\alpha_\mathrm{max} = \frac{(N-k)\mu_S - k\mu_C}{k + w(N-k)} \text{ without wall force and drive limit}",
+        source: "derived: acceleration zero; w = 1: tan a = mu_S - (k/N)(mu_S + mu_C)",
+        limits: "the lower one of what the anchors hold and what the drive lifts; no value where the robot cannot move on the flat; 90 where nothing limits it",
+        meaning: "steepest slope on which the robot still moves up",
+        params: &[
+            "mu_static",
+            "mu_coulomb",
+            "segments",
+            "mass",
+            "gravity",
+            "moving",
+            "anchor_weight",
+            "skin_ratio",
+            "wall_force",
+            "wall_release",
+            "corner_deg",
+            "drive_limit",
+            "anchors_ahead",
+        ],
+        integer: false,
+    };
+
+    #[inline(always)]
+    fn value<L: Lane, const PLAIN: bool>(p: &Point<L>) -> L {
+        p.segments.fill(
+            #[inline(always)]
+            |i| slope_limit(&p.lane(i)),
+        )
+    }
+
+    fn status(p: &Point<f64>) -> Status {
+        let mut flat = *p;
+        (flat.cos_slope, flat.sin_slope) = (1.0, 0.0);
+        or_else(super::traction::why_no_motion(&flat), Status::NotFinite)
+    }
+}
+
+/// Never inlined into a vector kernel: it is scalar and not on a hot path.
+#[inline(never)]
+fn slope_limit(p: &Point<f64>) -> f64 {
+    // `why_no_motion` knows every reason not to move, so the steepest slope is
+    // where it first gives one. It does so for good: what the anchors hold only
+    // falls with the slope and what the movers need only rises until the normal
+    // force fades, which it does for both.
+    let moves = |degrees: f64| {
+        let [cos, sin] = crate::physics::point::columns(crate::physics::ParamId::SlopeDeg, degrees);
+        let mut at = *p;
+        (at.cos_slope, at.sin_slope) = (cos, sin);
+        !super::traction::traction::<f64, false>(&at).acceleration.is_nan()
+    };
+    if !moves(0.0) {
+        return f64::NAN;
+    }
+    if p.drive_limit.is_infinite() && p.wall_force == 0.0 {
+        let ratio = p.anchor_ratio();
+        let lift = ratio * p.mu_anchor() - p.mu_coulomb;
+        let pull = ratio.mul_add(p.anchor_weight, 1.0);
+        return libm::atan(lift * p.per_cos_corner / pull).to_degrees();
+    }
+    if moves(90.0) {
+        return 90.0;
+    }
+    let (mut low, mut high) = (0.0, 90.0);
+    // Down to neighbouring doubles; 64 halvings of 90 are beyond that.
+    for _ in 0..64 {
+        let middle = 0.5 * (low + high);
+        if moves(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::traction::limited;
+    use super::*;
+    use crate::physics::ParamId::*;
+
+    #[test]
+    fn limit_by_formula_and_by_bisection_agree() {
+        for n in 2..30 {
+            let given = [(MuStatic, 0.5), (MuCoulomb, 0.3), (Segments, f64::from(n))];
+            let formula = slope_limit(&Point::of(&given));
+            let mut limited = Point::of(&given);
+            limited.drive_limit = 1e9;
+            assert!((formula - slope_limit(&limited)).abs() < 1e-12, "N = {n}");
+        }
+        let stuck = Point::of(&[(MuStatic, 0.2), (MuCoulomb, 0.9), (Segments, 3.0)]);
+        assert!(slope_limit(&stuck).is_nan());
+        assert_eq!(SlopeLimitDeg::status(&stuck), Status::AnchorsTooWeak);
+    }
+
+    #[test]
+    fn a_limited_drive_lifts_its_force() {
+        // Frictionless mover: F = m g sin(alpha).
+        let p = Point::of(&[(MuStatic, 5.0), (MuCoulomb, 0.0), (Segments, 4.0), (DriveLimit, 1.0)]);
+        let expected = libm::asin(1.0 / (0.271 * 9.81)).to_degrees();
+        assert!((slope_limit(&p) - expected).abs() < 1e-12);
+        assert!((limited(&p, p.hold()) * 0.271 - 1.0).abs() < 1e-15);
+    }
+}

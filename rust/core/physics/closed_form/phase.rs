@@ -1,0 +1,137 @@
+//! One phase: from rest over the stroke, with or without viscous friction, a
+//! speed limit and a brake.
+
+use super::traction::{Traction, grip_against_drive, limited};
+use crate::lane::Lane;
+use crate::lane::exp::{log_factor, log_path_factor, path_factor, speed_factor};
+use crate::physics::Point;
+
+/// How the moving segments cover one stroke. All NaN where they don't.
+pub struct Phase<L> {
+    /// Stroke over phase time.
+    pub mean_speed: L,
+    pub peak_speed: L,
+    /// Path under full drive force.
+    pub driven_path: L,
+    /// Path at the speed limit.
+    pub cruise_path: L,
+}
+
+#[inline(always)]
+pub fn phase<L: Lane, const PLAIN: bool>(p: &Point<L>, traction: &Traction<L>) -> Phase<L> {
+    let acceleration = traction.acceleration;
+    let half_stroke = p.stroke * 0.5;
+    if PLAIN {
+        let mean_speed = (acceleration * half_stroke).root();
+        return Phase {
+            mean_speed,
+            peak_speed: mean_speed + mean_speed,
+            driven_path: p.stroke,
+            cruise_path: p.stroke.with(0.0),
+        };
+    }
+    p.stroke.apart(
+        #[inline(always)]
+        || general_phase(p, traction),
+    )
+}
+
+#[inline(always)]
+fn general_phase<L: Lane>(p: &Point<L>, traction: &Traction<L>) -> Phase<L> {
+    let acceleration = traction.acceleration;
+    let zero = p.stroke.with(0.0);
+    let braked = p.brake.gt(zero);
+    let braking = (limited(p, grip_against_drive(p)) + traction.drag).only_if(
+        // Only a brake that is used may fail.
+        L::or(p.brake.le(zero), braking_works(p)),
+    );
+    let dry = dry_phase(p, acceleration, L::select(braked, braking, zero), braked);
+    if !L::any(p.viscous.gt(zero)) {
+        return dry;
+    }
+    let wet = viscous_phase(p, acceleration, braking, braked, dry.peak_speed);
+    let is_wet = p.viscous.gt(zero);
+    Phase {
+        mean_speed: L::select(is_wet, wet.mean_speed, dry.mean_speed),
+        peak_speed: L::select(is_wet, wet.peak_speed, dry.peak_speed),
+        driven_path: L::select(is_wet, wet.driven_path, dry.driven_path),
+        cruise_path: L::select(is_wet, wet.cruise_path, dry.cruise_path),
+    }
+}
+
+/// Whether anchors, capped by the actuator, could stop the movers.
+#[inline(always)]
+pub fn braking_works<L: Lane>(p: &Point<L>) -> L::Mask {
+    (limited(p, grip_against_drive(p)) + p.drag()).gt(p.stroke.with(0.0))
+}
+
+/// Constant acceleration, cruise at the speed limit, constant braking. With
+/// 1/a' = 1/a + 1/b the braked phase has the same formulas as the unbraked one.
+#[inline(always)]
+fn dry_phase<L: Lane>(p: &Point<L>, acceleration: L, braking: L, braked: L::Mask) -> Phase<L> {
+    let both = acceleration * braking / (acceleration + braking);
+    let effective = L::select(braked, both, acceleration);
+    let free_mean = (effective * (p.stroke * 0.5)).root();
+    let free_peak = free_mean + free_mean;
+    let limited = p.speed_limit.lt(free_peak);
+    let top = L::select(limited, p.speed_limit, free_peak);
+    let time = p.stroke / top + top / (effective + effective);
+    Phase {
+        mean_speed: L::select(limited, p.stroke / time, free_mean),
+        peak_speed: top,
+        driven_path: L::select(
+            limited,
+            top * top / (acceleration + acceleration),
+            p.stroke * (effective / acceleration),
+        ),
+        cruise_path: L::select(
+            limited,
+            p.stroke - top * top / (effective + effective),
+            p.stroke.with(0.0),
+        ),
+    }
+}
+
+/// The same with viscous friction: path(t) = a t^2 E2(t/tau) under drive, then
+/// v^2/b M(v/(b tau)) under the brake, solved for the driven time t.
+///
+/// The path is convex in t, so Newton's method overshoots at most once and then
+/// falls on the root from above; it needs no bracket.
+#[inline(always)]
+fn viscous_phase<L: Lane>(
+    p: &Point<L>,
+    acceleration: L,
+    braking: L,
+    braked: L::Mask,
+    dry_peak: L,
+) -> Phase<L> {
+    let zero = p.stroke.with(0.0);
+    let rate = p.viscous * p.per_mass;
+    let braking_path = |v: L| {
+        let path = v * v / braking * log_path_factor(rate * v / braking);
+        L::select(braked, path, zero)
+    };
+    let mut t = dry_peak / acceleration;
+    for _ in 0..100 {
+        let v = acceleration * t * speed_factor(rate * t);
+        let path = acceleration * t * t * path_factor(rate * t) + braking_path(v);
+        let braked_slope = v * (acceleration + braking) / rate.mul_add(v, braking);
+        let step = (path - p.stroke) / L::select(braked, braked_slope, v);
+        t = t - step;
+        if !L::any(step.abs().gt(t * 1e-15)) {
+            break;
+        }
+    }
+    let free_peak = acceleration * t * speed_factor(rate * t);
+    let limited = p.speed_limit.lt(free_peak);
+    let top = L::select(limited, p.speed_limit, free_peak);
+    // Where the limit binds, top < a tau, so the logarithm exists.
+    let rise = L::select(limited, -(rate * top / acceleration), zero);
+    let driven_time = L::select(limited, top / acceleration * log_factor(rise), t);
+    let driven_path = acceleration * driven_time * driven_time * path_factor(rate * driven_time);
+    let braking_time = top / braking * log_factor(rate * top / braking);
+    let cruise_path =
+        L::select(limited, p.stroke - driven_path - braking_path(top), zero).max(zero);
+    let time = driven_time + L::select(braked, braking_time, zero) + cruise_path / top;
+    Phase { mean_speed: p.stroke / time, peak_speed: top, driven_path, cruise_path }
+}

@@ -1,0 +1,105 @@
+//! What pushes a moving segment and whether it moves at all.
+
+use crate::lane::Lane;
+use crate::physics::{Point, Status};
+
+/// Accelerations at or below this are no motion: the stroke would take longer
+/// than any number can tell.
+const LEAST_ACCELERATION: f64 = 1e-150;
+
+/// Forces on one moving segment, per mass.
+pub struct Traction<L> {
+    /// Share of the drive force.
+    pub push: L,
+    /// Friction and weight that oppose it.
+    pub drag: L,
+    /// Acceleration; NaN where the robot cannot move.
+    pub acceleration: L,
+}
+
+/// Push of an ideal drive that pulls what the anchors hold; -inf where they
+/// slide, so that no comparison can take it for a value.
+#[inline(always)]
+fn anchored_push<L: Lane>(p: &Point<L>) -> L {
+    let hold = p.hold();
+    let hold = L::select(hold.gt(hold.with(0.0)), hold, hold.with(f64::NEG_INFINITY));
+    p.anchor_ratio() * hold
+}
+
+/// Acceleration without the check that there is one (PLAIN points only).
+#[inline(always)]
+pub fn plain_acceleration<L: Lane>(p: &Point<L>) -> L {
+    anchored_push(p) - p.drag()
+}
+
+#[inline(always)]
+pub fn traction<L: Lane, const PLAIN: bool>(p: &Point<L>) -> Traction<L> {
+    let drag = p.drag();
+    let push = if PLAIN { anchored_push(p) } else { limited(p, p.hold()).only_if(anchored(p)) };
+    let acceleration = push - drag;
+    let moves = acceleration.gt(drag.with(LEAST_ACCELERATION));
+    Traction { push, drag, acceleration: acceleration.only_if(moves) }
+}
+
+/// The force that the joints at both ends of the moving block put on one
+/// moving segment, per mass: each joint gives at most its actuator's limit and
+/// at most what the anchors on its side hold (`grip` per anchor).
+#[inline(always)]
+pub fn limited<L: Lane>(p: &Point<L>, grip: L) -> L {
+    let limit = (p.drive_limit * p.per_mass) * p.per_moving;
+    let ahead = (p.anchors_ahead * p.per_moving) * grip;
+    let behind = ((p.segments - p.moving - p.anchors_ahead) * p.per_moving) * grip;
+    limit.min(ahead) + limit.min(behind)
+}
+
+/// Whether there are anchors and they stay where they are without a drive.
+#[inline(always)]
+pub fn anchored<L: Lane>(p: &Point<L>) -> L::Mask {
+    let zero = p.segments.with(0.0);
+    let anchors = p.segments - p.moving;
+    let stay = L::and(p.hold().gt(zero), grip_against_drive(p).gt(zero));
+    L::and(stay, L::and(anchors.gt(zero), p.anchors_ahead.le(anchors)))
+}
+
+/// What one anchor holds against being pulled forward, per mass.
+#[inline(always)]
+pub fn grip_against_drive<L: Lane>(p: &Point<L>) -> L {
+    p.mu_anchor().mul_add(p.anchor_normal(), p.anchor_pull())
+}
+
+/// Why the anchors are none, or `Ok`.
+pub fn why_not_anchored(p: &Point<f64>) -> Status {
+    let anchors = p.segments - p.moving;
+    if anchors <= 0.0 {
+        Status::NothingAnchored
+    } else if p.anchors_ahead > anchors {
+        Status::NoRoomAhead
+    } else if p.hold() <= 0.0 {
+        Status::SlidesBack
+    } else if grip_against_drive(p) <= 0.0 {
+        Status::SlidesDown
+    } else {
+        Status::Ok
+    }
+}
+
+/// Why the robot does not move, or `Ok`.
+pub fn why_no_motion(p: &Point<f64>) -> Status {
+    match why_not_anchored(p) {
+        Status::Ok => {}
+        other => return other,
+    }
+    if p.anchor_ratio() * p.hold() - p.drag() <= LEAST_ACCELERATION {
+        Status::AnchorsTooWeak
+    } else if traction::<f64, false>(p).acceleration.is_nan() {
+        Status::DriveTooWeak
+    } else {
+        Status::Ok
+    }
+}
+
+/// `status`, or `otherwise` where nothing stands in the way of a value but the
+/// formula itself.
+pub fn or_else(status: Status, otherwise: Status) -> Status {
+    if status == Status::Ok { otherwise } else { status }
+}

@@ -1,0 +1,37 @@
+//! Why a point has no value. A value is NaN exactly where its status is not ok.
+
+macro_rules! statuses {
+    ($($id:ident $code:literal $name:literal $sentence:literal;)+) => {
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[repr(u8)]
+        pub enum Status { $($id = $code),+ }
+
+        impl Status {
+            pub const ALL: &'static [Status] = &[$(Status::$id),+];
+
+            pub fn name(self) -> &'static str {
+                match self { $(Status::$id => $name),+ }
+            }
+
+            pub fn sentence(self) -> &'static str {
+                match self { $(Status::$id => $sentence),+ }
+            }
+        }
+    };
+}
+
+statuses! {
+    Ok 0 "ok" "the value holds";
+    SlidesBack 1 "slides_back" "the anchors slide back down the slope under their own weight";
+    SlidesDown 2 "slides_down" "the anchors slide forward down the slope under their own weight";
+    NothingAnchored 3 "nothing_anchored" "every segment moves at once, none is left as an anchor";
+    NoRoomAhead 4 "no_room_ahead" "more anchors are asked for ahead of the moving block than there are";
+    AnchorsTooWeak 5 "anchors_too_weak" "the anchors cannot hold the force that the moving segments need";
+    DriveTooWeak 6 "drive_too_weak" "the drive cannot overcome friction and weight of the moving segments";
+    NoOptimum 7 "no_optimum" "there is no best segment count: fewer segments are always faster";
+    Unbounded 8 "unbounded" "the value grows without limit (nothing opposes it)";
+    SetValued 9 "set_valued" "at rest friction takes any value up to break-away";
+    NoneFeasible 10 "none_feasible" "no value along the reduced axis works";
+    CannotBrake 11 "cannot_brake" "the anchors cannot brake the moving segments to rest";
+    NotFinite 12 "not_finite" "the formula has no finite value here";
+}

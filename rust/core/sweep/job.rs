@@ -1,0 +1,120 @@
+//! A job: a checked grid, what to compute on it, and how much memory that takes.
+
+use super::columns::{Layout, PADDING};
+use super::grid::{Axis, Grid};
+use super::reduce::Reduce;
+use super::registry::Entry;
+use crate::error::{Error, Result};
+use crate::physics::ParamId;
+use crate::physics::point::{COLUMNS, columns};
+
+/// One quantity, reduced along the job's reduced axis or not.
+pub struct Request {
+    pub entry: &'static Entry,
+    pub reduce: Option<Reduce>,
+}
+
+pub struct Job {
+    pub grid: Grid,
+    pub requests: Vec<Request>,
+    pub(super) over: Option<usize>,
+    pub(super) layout: Layout,
+    pub(super) fixed: [f64; COLUMNS],
+    /// The reduced axis as columns.
+    pub(super) rivals: [Vec<f64>; 2],
+    pub(super) plain: bool,
+    cells: usize,
+    evaluations: u64,
+}
+
+impl Job {
+    /// `over` names the reduced axis; every request then needs a reduction, and
+    /// none may have one without it.
+    pub fn new(grid: Grid, requests: Vec<Request>, over: Option<&str>) -> Result<Job> {
+        let names = || grid.axes.iter().map(|a| a.id.param().name.to_owned()).collect::<Vec<_>>();
+        let over = match over {
+            None => None,
+            Some(name) => {
+                let id = ParamId::parse(name)?;
+                let place = grid.axes.iter().position(|axis| axis.id == id);
+                Some(place.ok_or(Error::NotAnAxis { axis: name.to_owned(), axes: names() })?)
+            }
+        };
+        for request in &requests {
+            if over.is_some() != request.reduce.is_some() {
+                return Err(Error::BadOption {
+                    name: "reduce",
+                    given: if over.is_some() { "missing" } else { "given without 'over'" }
+                        .to_owned(),
+                    allowed: "'over' (the axis) and 'reduce' (how) go together".to_owned(),
+                });
+            }
+            for id in ParamId::all() {
+                let missing = grid.axis(id).is_none() && grid.fixed[id as usize].is_none();
+                if request.entry.uses(id) && missing {
+                    return Err(Error::MissingParameter {
+                        name: id.param().name.to_owned(),
+                        quantity: request.entry.info.name.to_owned(),
+                    });
+                }
+            }
+        }
+        let mut fixed = [f64::NAN; COLUMNS];
+        for id in ParamId::all() {
+            if let Some(value) = grid.fixed[id as usize] {
+                [fixed[id.main()], fixed[id.derived()]] = columns(id, value);
+            }
+        }
+        let mut rivals = [Vec::new(), Vec::new()];
+        if let Some(over) = over {
+            let axis = &grid.axes[over];
+            for value in &axis.values {
+                let pair = columns(axis.id, *value);
+                rivals[0].push(pair[0]);
+                rivals[1].push(pair[1]);
+            }
+        }
+        let kept = kept(&grid, over);
+        let cells = kept.iter().map(|axis| axis.values.len()).product();
+        let points = grid.points()? as u64;
+        let evaluations = points.saturating_mul(requests.len() as u64);
+        let layout = Layout::new(&kept);
+        let plain = grid.is_plain();
+        Ok(Job { layout, plain, cells, evaluations, over, fixed, rivals, requests, grid })
+    }
+
+    /// The axes of the result, in order.
+    pub fn kept(&self) -> Vec<&Axis> {
+        kept(&self.grid, self.over)
+    }
+
+    pub fn shape(&self) -> Vec<usize> {
+        self.kept().iter().map(|axis| axis.values.len()).collect()
+    }
+
+    /// Cells of the result.
+    pub fn cells(&self) -> usize {
+        self.cells
+    }
+
+    /// How often a formula is evaluated.
+    pub fn evaluations(&self) -> u64 {
+        self.evaluations
+    }
+
+    pub(super) fn rival_count(&self) -> usize {
+        self.rivals[0].len()
+    }
+
+    /// Bytes needed beside the results: expanded axes and, for quantiles, the
+    /// rivals of a pack of cells per thread.
+    pub fn working_bytes(&self, threads: usize) -> usize {
+        let quantile = self.requests.iter().any(|r| matches!(r.reduce, Some(Reduce::Quantile(_))));
+        let trace = if quantile { self.rival_count() * PADDING * size_of::<f64>() } else { 0 };
+        Layout::bytes(&self.kept()).saturating_add(threads.saturating_mul(trace))
+    }
+}
+
+fn kept(grid: &Grid, over: Option<usize>) -> Vec<&Axis> {
+    grid.axes.iter().enumerate().filter(|(i, _)| Some(*i) != over).map(|(_, axis)| axis).collect()
+}

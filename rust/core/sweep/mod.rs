@@ -1,0 +1,20 @@
+//! The sweep engine: named axes in, one number (or a reduction over one axis)
+//! per cell out, over threads and SIMD lanes, with the same bits whatever their
+//! number.
+
+mod columns;
+mod grid;
+mod job;
+mod kernel;
+mod pool;
+mod reduce;
+mod registry;
+mod run;
+mod stream;
+
+pub use grid::{Axis, Grid};
+pub use job::{Job, Request};
+pub use pool::threads_to_use;
+pub use reduce::Reduce;
+pub use registry::{Entry, QUANTITIES};
+pub use run::{Buffer, Control, DEFAULT_CHUNK, Options, run};

@@ -1,0 +1,399 @@
+//! Running a job: chunks of cells over threads, blocks within a chunk, kernels
+//! on a block. No cell's result depends on where those cuts fall.
+
+use super::columns::{BLOCK, Cursor, PADDING, Vary, is_wide};
+use super::grid::Axis;
+use super::job::{Job, Request};
+use super::kernel::{FoldAll, FoldBest, Kept, Rivals};
+use super::pool::pool;
+use super::reduce::{Reduce, quantile};
+use super::registry::{Entry, Search};
+use super::stream::copy_past_caches;
+use crate::error::{Error, Result};
+use crate::lane::{self, Level};
+use crate::physics::closed_form::TIE;
+use crate::physics::{ParamId, Status};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+/// Cells of a chunk, the unit of work.
+pub const DEFAULT_CHUNK: usize = 1 << 16;
+/// Evaluations between two looks at the cancel flag, in searches.
+const PATIENCE: usize = 1 << 16;
+/// Results beyond this many bytes do not stay in caches anyway.
+const STREAMED: usize = 8 << 20;
+
+/// Where a result goes.
+pub enum Buffer<'a> {
+    F64(&'a mut [f64]),
+    F32(&'a mut [f32]),
+    /// Status codes of the same cells.
+    Status(&'a mut [u8]),
+}
+
+impl<'a> Buffer<'a> {
+    fn len(&self) -> usize {
+        match self {
+            Buffer::F64(to) => to.len(),
+            Buffer::F32(to) => to.len(),
+            Buffer::Status(to) => to.len(),
+        }
+    }
+
+    fn split(self, at: usize) -> (Buffer<'a>, Buffer<'a>) {
+        macro_rules! halves {
+            ($kind:path, $to:ident) => {{
+                let (a, b) = $to.split_at_mut(at);
+                ($kind(a), $kind(b))
+            }};
+        }
+        match self {
+            Buffer::F64(to) => halves!(Buffer::F64, to),
+            Buffer::F32(to) => halves!(Buffer::F32, to),
+            Buffer::Status(to) => halves!(Buffer::Status, to),
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+pub struct Options {
+    pub threads: usize,
+    /// Cells per chunk.
+    pub chunk: usize,
+    pub level: Level,
+}
+
+/// Shared with whoever watches: a flag to stop, a count of finished evaluations.
+#[derive(Default)]
+pub struct Control {
+    pub cancel: AtomicBool,
+    pub done: AtomicU64,
+}
+
+struct Chunk<'a> {
+    start: usize,
+    len: usize,
+    /// With the number of its request.
+    buffers: Vec<(usize, Buffer<'a>)>,
+}
+
+/// Fills the buffers, each with the result of the request it names.
+pub fn run(
+    job: &Job,
+    buffers: Vec<(usize, Buffer)>,
+    options: Options,
+    control: &Control,
+) -> Result<()> {
+    for (request, buffer) in &buffers {
+        if buffer.len() != job.cells() {
+            return Err(Error::OutSize {
+                quantity: job.requests[*request].entry.info.name.to_owned(),
+                given: buffer.len(),
+                needed: job.cells(),
+            });
+        }
+    }
+    let streamed = job.cells() * size_of::<f64>() > STREAMED;
+    let chunks = cut(job, buffers, options.chunk);
+    let work = |worker: &mut Worker, chunk: Chunk| worker.chunk(chunk);
+    let new_worker = || Worker::new(job, options.level, control, streamed);
+    if options.threads == 1 || chunks.len() == 1 {
+        let mut worker = new_worker();
+        chunks.into_iter().for_each(|chunk| work(&mut worker, chunk));
+    } else {
+        pool(options.threads)?.install(|| {
+            chunks.into_par_iter().with_max_len(1).for_each_init(new_worker, work);
+        });
+    }
+    if control.cancel.load(Ordering::Relaxed) {
+        let done = control.done.load(Ordering::Relaxed);
+        return Err(Error::Cancelled { done, total: job.evaluations() });
+    }
+    Ok(())
+}
+
+fn cut<'a>(job: &Job, buffers: Vec<(usize, Buffer<'a>)>, chunk: usize) -> Vec<Chunk<'a>> {
+    // A reduction does the work of all rivals per cell: smaller chunks keep all
+    // threads busy to the end.
+    let cells = (chunk / job.rival_count().max(1)).max(PADDING).min(chunk.max(1));
+    let mut chunks = Vec::with_capacity(job.cells().div_ceil(cells));
+    let mut rest = buffers;
+    let mut start = 0;
+    while start < job.cells() {
+        let len = cells.min(job.cells() - start);
+        let (mut now, mut later) = (Vec::new(), Vec::new());
+        for (request, buffer) in rest {
+            let (a, b) = buffer.split(len);
+            now.push((request, a));
+            later.push((request, b));
+        }
+        chunks.push(Chunk { start, len, buffers: now });
+        rest = later;
+        start += len;
+    }
+    chunks
+}
+
+/// One thread's view of the job and its scratch memory.
+struct Worker<'a> {
+    job: &'a Job,
+    level: Level,
+    control: &'a Control,
+    streamed: bool,
+    cursor: Cursor<'a>,
+    scratch: Scratch,
+}
+
+#[derive(Default)]
+struct Scratch {
+    values: Vec<f64>,
+    best: Vec<f64>,
+    at: Vec<f64>,
+    count: Vec<f64>,
+    chosen: [Vec<f64>; 2],
+    trace: Vec<f64>,
+}
+
+impl<'a> Worker<'a> {
+    fn new(job: &'a Job, level: Level, control: &'a Control, streamed: bool) -> Worker<'a> {
+        let cursor = Cursor::new(&job.layout, &job.fixed);
+        Worker { job, level, control, streamed, cursor, scratch: Scratch::default() }
+    }
+
+    fn chunk(&mut self, chunk: Chunk) {
+        let Chunk { start, len, mut buffers } = chunk;
+        let mut offset = 0;
+        while offset < len && !self.cancelled() {
+            let cell = start + offset;
+            let left_in_row = self.job.layout.row - cell % self.job.layout.row;
+            let block = left_in_row.min(self.block_size()).min(len - offset);
+            for request in 0..self.job.requests.len() {
+                self.compute(request, cell, block);
+                for (target, buffer) in &mut buffers {
+                    if *target == request {
+                        self.emit(request, cell, block, buffer, offset);
+                    }
+                }
+            }
+            let rivals = self.job.rival_count().max(1);
+            let evaluated = block * rivals * self.job.requests.len();
+            self.control.done.fetch_add(evaluated as u64, Ordering::Relaxed);
+            offset += block;
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        self.control.cancel.load(Ordering::Relaxed)
+    }
+
+    fn block_size(&self) -> usize {
+        let has_quantile = |r: &Request| matches!(r.reduce, Some(Reduce::Quantile(_)));
+        if self.job.requests.iter().any(has_quantile) {
+            PADDING
+        } else if self.job.over.is_some() {
+            BLOCK / 4
+        } else {
+            BLOCK
+        }
+    }
+
+    /// Values of one request on a block, into `scratch.values`.
+    fn compute(&mut self, request: usize, cell: usize, len: usize) {
+        let Request { entry, reduce } = &self.job.requests[request];
+        let padded = len.next_multiple_of(PADDING);
+        let mut scratch = std::mem::take(&mut self.scratch);
+        reset(&mut scratch.values, padded, f64::NAN);
+        match reduce {
+            None => {
+                let vary = if self.job.plain { self.job.layout.vary } else { Vary::Any };
+                let columns = self.cursor.at(cell, vary as u8);
+                (entry.dense)(self.level, self.job.plain, vary, &columns, &mut scratch.values);
+            }
+            Some(reduce) => self.reduce(entry, *reduce, cell, &mut scratch),
+        }
+        self.scratch = scratch;
+    }
+
+    fn reduce(&mut self, entry: &Entry, reduce: Reduce, cell: usize, scratch: &mut Scratch) {
+        let cells = scratch.values.len();
+        let axis = self.over();
+        match reduce {
+            Reduce::Argmax | Reduce::Argmin | Reduce::Max | Reduce::Min => {
+                self.search(entry, reduce, cell, scratch);
+                if reduce.gives_axis_value() {
+                    look_up(&axis.values, &scratch.at, &mut scratch.values);
+                } else {
+                    self.value_at_best(entry, cell, scratch);
+                }
+            }
+            Reduce::Mean | Reduce::Count | Reduce::LastFeasible => {
+                reset(&mut scratch.best, cells, 0.0);
+                reset(&mut scratch.at, cells, f64::NAN);
+                reset(&mut scratch.count, cells, 0.0);
+                self.for_each_rival(entry, cell, scratch, |level, place, values, kept| {
+                    lane::run(level, FoldAll { values, kept, place });
+                });
+                match reduce {
+                    Reduce::Mean => {
+                        for (i, value) in scratch.values.iter_mut().enumerate() {
+                            // 0/0 is the NaN of a cell where nothing works.
+                            *value = scratch.best[i] / scratch.count[i];
+                        }
+                    }
+                    Reduce::Count => scratch.values.copy_from_slice(&scratch.count),
+                    _ => look_up(&axis.values, &scratch.at, &mut scratch.values),
+                }
+            }
+            Reduce::Quantile(q) => {
+                let mut trace = std::mem::take(&mut scratch.trace);
+                reset(&mut trace, axis.values.len() * cells, f64::NAN);
+                self.for_each_rival(entry, cell, scratch, |_, place, values, _| {
+                    trace[place * cells..][..cells].copy_from_slice(values);
+                });
+                let sorted = &mut scratch.best;
+                for (i, value) in scratch.values.iter_mut().enumerate() {
+                    sorted.clear();
+                    sorted.extend(trace.iter().skip(i).step_by(cells).filter(|v| !v.is_nan()));
+                    sorted.sort_unstable_by(f64::total_cmp);
+                    *value = quantile(sorted, q);
+                }
+                scratch.trace = trace;
+            }
+        }
+    }
+
+    /// Places of the best rivals, into `scratch.at`.
+    fn search(&mut self, entry: &Entry, reduce: Reduce, cell: usize, scratch: &mut Scratch) {
+        let cells = scratch.values.len();
+        let min = matches!(reduce, Reduce::Argmin | Reduce::Min);
+        let margin = if reduce.gives_axis_value() { TIE } else { 0.0 };
+        reset(&mut scratch.at, cells, f64::NAN);
+        let over = self.over().id;
+        if self.job.plain && over == ParamId::Segments && self.job.layout.vary != Vary::Any {
+            let floor = if min { f64::NEG_INFINITY } else { entry.score_floor };
+            reset(&mut scratch.best, cells, floor);
+            let ahead = margin * if min { 1.0 } else { entry.score_power };
+            let columns = self.cursor.at(cell, Vary::MAIN);
+            let [main, derived] = &self.job.rivals;
+            let part = (PATIENCE / cells).max(1);
+            for (i, (main, derived)) in main.chunks(part).zip(derived.chunks(part)).enumerate() {
+                let rivals = Rivals { main, derived, first: i * part };
+                let search = Search { columns: &columns, rivals, ahead, min };
+                (entry.extremum)(self.level, search, &mut scratch.best, &mut scratch.at);
+                if self.control.cancel.load(Ordering::Relaxed) {
+                    return;
+                }
+            }
+            return;
+        }
+        reset(&mut scratch.best, cells, f64::NEG_INFINITY);
+        let sign = if min { -1.0 } else { 1.0 };
+        self.for_each_rival(entry, cell, scratch, |level, place, values, kept| {
+            lane::run(level, FoldBest { values, kept, place, ahead: margin, sign });
+        });
+    }
+
+    fn over(&self) -> &'a Axis {
+        &self.job.grid.axes[self.job.over.unwrap_or(0)]
+    }
+
+    /// Computes the block once per rival, into `scratch.values`, and calls
+    /// `fold` with the rival's place, its values and what to keep.
+    fn for_each_rival(
+        &mut self,
+        entry: &Entry,
+        cell: usize,
+        scratch: &mut Scratch,
+        mut fold: impl FnMut(Level, usize, &[f64], Kept),
+    ) {
+        let id = self.over().id;
+        // The reduced parameter joins those that vary within the block.
+        let main = self.job.layout.vary != Vary::Any && is_wide(Vary::MAIN, id.main());
+        let vary = if self.job.plain && main { Vary::Main } else { Vary::Any };
+        let plain = vary == Vary::Main;
+        let (job, level, control) = (self.job, self.level, self.control);
+        let columns = self.cursor.at(cell, vary as u8);
+        let Scratch { values, chosen, best, at, count, .. } = scratch;
+        for place in 0..job.rival_count() {
+            if control.cancel.load(Ordering::Relaxed) {
+                return;
+            }
+            for (chosen, rivals) in chosen.iter_mut().zip(&job.rivals) {
+                reset(chosen, values.len(), rivals[place]);
+            }
+            let mut columns = columns.clone();
+            columns.replace(id.main(), &chosen[0]);
+            columns.replace(id.derived(), &chosen[1]);
+            (entry.dense)(level, plain, vary, &columns, values);
+            fold(level, place, values, Kept { best, at, count });
+        }
+    }
+
+    /// The quantity itself at the places in `scratch.at`.
+    fn value_at_best(&mut self, entry: &Entry, cell: usize, scratch: &mut Scratch) {
+        let param = self.over().id;
+        let mut columns = self.cursor.at(cell, Vary::ANY);
+        let Scratch { chosen, at, values, .. } = scratch;
+        for (chosen, rivals) in chosen.iter_mut().zip(&self.job.rivals) {
+            reset(chosen, at.len(), f64::NAN);
+            look_up(rivals, at, chosen);
+        }
+        columns.replace(param.main(), &chosen[0]);
+        columns.replace(param.derived(), &chosen[1]);
+        (entry.dense)(self.level, false, Vary::Any, &columns, values);
+        for (value, at) in values.iter_mut().zip(at) {
+            if at.is_nan() {
+                *value = f64::NAN;
+            }
+        }
+    }
+
+    /// Hands a computed block on.
+    fn emit(
+        &mut self,
+        request: usize,
+        cell: usize,
+        len: usize,
+        buffer: &mut Buffer,
+        offset: usize,
+    ) {
+        let values = &self.scratch.values[..len];
+        match buffer {
+            Buffer::F64(to) if self.streamed => {
+                copy_past_caches(&mut to[offset..offset + len], values);
+            }
+            Buffer::F64(to) => to[offset..offset + len].copy_from_slice(values),
+            Buffer::F32(to) => {
+                for (to, value) in to[offset..offset + len].iter_mut().zip(values) {
+                    *to = *value as f32;
+                }
+            }
+            Buffer::Status(to) => {
+                let Request { entry, reduce } = &self.job.requests[request];
+                let columns = self.cursor.at(cell, Vary::ANY);
+                for (i, value) in values.iter().enumerate() {
+                    let status = if !value.is_nan() {
+                        Status::Ok
+                    } else if reduce.is_some() {
+                        Status::NoneFeasible
+                    } else {
+                        (entry.status)(&columns.point(i))
+                    };
+                    to[offset + i] = status as u8;
+                }
+            }
+        }
+    }
+}
+
+fn reset(buffer: &mut Vec<f64>, len: usize, value: f64) {
+    buffer.clear();
+    buffer.resize(len, value);
+}
+
+/// `to[i] = values[at[i]]`, NaN where there is no place.
+fn look_up(values: &[f64], at: &[f64], to: &mut [f64]) {
+    for (to, at) in to.iter_mut().zip(at) {
+        *to = if at.is_nan() { f64::NAN } else { values[*at as usize] };
+    }
+}
