@@ -9,6 +9,7 @@
 pub mod exp;
 mod level;
 mod root;
+pub mod stream;
 mod wide;
 
 pub use level::{Level, Task, run};

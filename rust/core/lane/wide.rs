@@ -3,7 +3,7 @@
 //! More than one vector per pack hides the latency of an operation behind its
 //! neighbours; how many pay depends on the number of registers (see `level`).
 
-use super::{Lane, root};
+use super::{Lane, root, stream};
 use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdMask, f64x8, u64x8};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -16,6 +16,9 @@ pub trait Pack: Lane {
     fn load(token: Self::Token, from: &[f64]) -> Self;
     /// Stores to the first `LANES` numbers of `to`.
     fn store(self, to: &mut [f64]);
+    /// As `store`, past the caches where `to` begins a cache line. Other threads
+    /// may read only after `stream::fence`.
+    fn stream(self, to: &mut [f64]);
 }
 
 macro_rules! pack {
@@ -39,6 +42,11 @@ macro_rules! pack {
             fn store(self, to: &mut [f64]) {
                 let to = &mut to[..Self::LANES];
                 $(self.0[$i].store_slice(&mut to[8 * $i..8 * $i + 8]);)+
+            }
+            #[inline(always)]
+            fn stream(self, to: &mut [f64]) {
+                let to = &mut to[..Self::LANES];
+                $(stream::line(self.0[$i], &mut to[8 * $i..8 * $i + 8]);)+
             }
         }
 

@@ -39,13 +39,27 @@ macro_rules! point {
         #[derive(Clone, Copy)]
         pub struct Point<L> { $(pub $field: L),+ }
 
-        impl<L: Lane> Point<L> {
+        impl<T> Point<T> {
             /// Collects a point from its columns.
             #[inline(always)]
-            pub fn gather(mut column: impl FnMut(usize) -> L) -> Self {
+            pub fn gather(mut column: impl FnMut(usize) -> T) -> Self {
                 Self { $($field: column(ParamId::$id.$column())),+ }
             }
+        }
 
+        impl<T: Copy> Point<T> {
+            /// Makes a point from two others, column by column.
+            #[inline(always)]
+            pub fn zip<U: Copy, V>(
+                &self,
+                other: &Point<U>,
+                mut f: impl FnMut(usize, T, U) -> V,
+            ) -> Point<V> {
+                Point { $($field: f(ParamId::$id.$column(), self.$field, other.$field)),+ }
+            }
+        }
+
+        impl<L: Lane> Point<L> {
             /// Lane `i` as a scalar point.
             #[inline(always)]
             pub fn lane(&self, i: usize) -> Point<f64> {

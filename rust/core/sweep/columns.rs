@@ -8,10 +8,13 @@ use crate::lane::Pack;
 use crate::physics::ParamId;
 use crate::physics::point::{COLUMNS, Point, columns};
 
-/// Cells that a kernel call covers at most: results stay in the first cache.
-pub const BLOCK: usize = 2048;
-/// Columns reach this far beyond the last cell, so that the last pack may too.
+/// Cells that a kernel call covers at most.
+pub const BLOCK: usize = 4096;
+/// The widest pack.
 pub const PADDING: usize = 32;
+/// Columns reach this far beyond the last cell: a stretch may be rounded up to
+/// whole packs, and a reader asks for one pack more than its cells.
+const OVERHANG: usize = 2 * PADDING;
 /// Rows at least this long amortise what is done per row.
 const ROW: usize = 512;
 /// Expanded columns never grow beyond this many cells by a further axis.
@@ -67,7 +70,8 @@ pub const fn is_wide(vary: u8, column: usize) -> bool {
 pub struct Layout {
     pub row: usize,
     pub vary: Vary,
-    inner: Vec<(usize, Vec<f64>)>,
+    /// By column; empty where it is constant over a row.
+    inner: Vec<Vec<f64>>,
     /// Column pairs of each outer axis, by axis value, first axis first.
     outer: Vec<(ParamId, Vec<[f64; 2]>)>,
 }
@@ -84,22 +88,26 @@ impl Layout {
             split -= 1;
         }
         let (outer, inner) = axes.split_at(split);
-        let mut layout =
-            Layout { row, vary: Vary::of(inner), inner: Vec::new(), outer: Vec::new() };
+        let mut layout = Layout {
+            row,
+            vary: Vary::of(inner),
+            inner: vec![Vec::new(); COLUMNS],
+            outer: Vec::new(),
+        };
         let mut repeat = row;
         for axis in inner {
             repeat /= axis.values.len();
             let pairs: Vec<[f64; 2]> = axis.values.iter().map(|v| columns(axis.id, *v)).collect();
             for derived in 0..2 {
-                let mut column = Vec::with_capacity(row + PADDING);
+                let mut column = Vec::with_capacity(row + OVERHANG);
                 while column.len() < row {
                     for pair in &pairs {
                         column.extend(std::iter::repeat_n(pair[derived], repeat));
                     }
                 }
                 // Padding holds valid numbers: their results are thrown away.
-                column.resize(row + PADDING, pairs[pairs.len() - 1][derived]);
-                layout.inner.push((2 * axis.id as usize + derived, column));
+                column.resize(row + OVERHANG, pairs[pairs.len() - 1][derived]);
+                layout.inner[2 * axis.id as usize + derived] = column;
             }
         }
         for axis in outer {
@@ -120,7 +128,7 @@ impl Layout {
             row = next;
             wide += 2;
         }
-        wide * (row + PADDING) * size_of::<f64>()
+        wide * (row + OVERHANG) * size_of::<f64>()
     }
 }
 
@@ -131,6 +139,8 @@ pub struct Cursor<'a> {
     constants: Vec<[f64; PADDING]>,
     /// Constants written out over a block, for kernels that read them as columns.
     written: Vec<Vec<f64>>,
+    /// Row and vary class that the two were last set for.
+    set_for: Option<(usize, u8)>,
 }
 
 impl<'a> Cursor<'a> {
@@ -139,84 +149,161 @@ impl<'a> Cursor<'a> {
             layout,
             constants: fixed.iter().map(|v| [*v; PADDING]).collect(),
             written: vec![Vec::new(); COLUMNS],
+            set_for: None,
         }
     }
 
     /// Columns of the cells from `start` on; they end with the row.
     pub fn at(&mut self, start: usize, vary: u8) -> Columns<'_> {
-        let (mut index, offset) = (start / self.layout.row, start % self.layout.row);
+        let (row, offset) = (start / self.layout.row, start % self.layout.row);
+        if self.set_for != Some((row, vary)) {
+            self.set_constants(row, vary);
+            self.set_for = Some((row, vary));
+        }
+        Columns {
+            layout: self.layout,
+            constants: &self.constants,
+            written: if vary == Vary::ANY { &[] } else { &self.written },
+            offset,
+            replaced: None,
+        }
+    }
+}
+
+impl Cursor<'_> {
+    fn set_constants(&mut self, row: usize, vary: u8) {
+        let mut index = row;
         for (id, pairs) in self.layout.outer.iter().rev() {
             let pair = pairs[index % pairs.len()];
             index /= pairs.len();
             self.constants[id.main()] = [pair[0]; PADDING];
             self.constants[id.derived()] = [pair[1]; PADDING];
         }
-        if vary != Vary::ANY {
-            for column in (0..COLUMNS).filter(|c| is_wide(vary, *c)) {
-                let value = self.constants[column][0];
-                let written = &mut self.written[column];
-                if written.first().map(|v| v.to_bits()) != Some(value.to_bits()) {
-                    written.clear();
-                    written.resize(BLOCK + PADDING, value);
-                }
+        if vary == Vary::ANY {
+            return;
+        }
+        for column in (0..COLUMNS).filter(|c| is_wide(vary, *c)) {
+            let value = self.constants[column][0];
+            let written = &mut self.written[column];
+            if written.first().map(|v| v.to_bits()) != Some(value.to_bits()) {
+                written.clear();
+                written.resize(BLOCK + OVERHANG, value);
             }
         }
-        let mut columns = Columns { data: [&[]; COLUMNS], mask: [0; COLUMNS] };
-        for column in 0..COLUMNS {
-            let wide = vary != Vary::ANY && is_wide(vary, column);
-            columns.data[column] =
-                if wide { &self.written[column] } else { &self.constants[column] };
-        }
-        for (column, values) in &self.layout.inner {
-            columns.data[*column] = &values[offset..];
-            columns.mask[*column] = usize::MAX;
-        }
-        columns
     }
 }
 
-/// One slice per column: as long as the stretch where it varies, else constant.
-#[derive(Clone)]
+/// The columns of a stretch of cells, looked up when asked for.
+#[derive(Clone, Copy)]
 pub struct Columns<'a> {
-    pub data: [&'a [f64]; COLUMNS],
-    /// All ones where the column runs with the cell, zero where it is constant.
-    pub mask: [usize; COLUMNS],
+    layout: &'a Layout,
+    constants: &'a [[f64; PADDING]],
+    /// Empty for kernels that take any column, wide or constant.
+    written: &'a [Vec<f64>],
+    offset: usize,
+    /// A parameter that has its own two columns for these cells.
+    replaced: Option<(ParamId, [&'a [f64]; 2])>,
 }
 
 impl<'a> Columns<'a> {
-    /// Replaces a column by one that runs with the cells.
-    pub fn replace(&mut self, column: usize, values: &'a [f64]) {
-        self.data[column] = values;
-        self.mask[column] = usize::MAX;
+    /// The same cells with another pair of columns for one parameter.
+    pub fn replacing(mut self, id: ParamId, columns: [&'a [f64]; 2]) -> Self {
+        self.replaced = Some((id, columns));
+        self
     }
 
-    /// A pack of points from cell `i` on. Columns not in `used` are left NaN,
-    /// so that the compiler drops them.
+    /// The numbers of a column from cell `start` on, and whether they run with
+    /// the cell (else they are a pack of one constant).
     #[inline(always)]
-    pub fn gather<P: Pack, const VARY: u8>(
+    fn column(&self, column: usize, start: usize) -> (&'a [f64], bool) {
+        match self.replaced {
+            Some((id, columns)) if id as usize == column / 2 => {
+                return (&columns[column % 2][start..], true);
+            }
+            _ => {}
+        }
+        let inner = &self.layout.inner[column];
+        if !inner.is_empty() {
+            return (&inner[self.offset + start..], true);
+        }
+        match self.written.get(column) {
+            Some(written) if !written.is_empty() => (&written[start..], true),
+            _ => (&self.constants[column], false),
+        }
+    }
+
+    /// A reader of packs over the cells from `start` on, for a kernel that uses
+    /// the parameters in `used` and was compiled for `VARY`.
+    #[inline(always)]
+    pub fn reader<P: Pack, const VARY: u8>(
         &self,
         token: P::Token,
-        i: usize,
         used: u64,
-    ) -> Point<P> {
-        Point::gather(
+        start: usize,
+        len: usize,
+    ) -> Reader<'a, P, VARY> {
+        let is_used = |c: usize| used >> (c / 2) & 1 == 1;
+        let mut masks = [0; COLUMNS];
+        let wide = Point::gather(
             #[inline(always)]
             |c| {
-                if used >> (c / 2) & 1 == 0 {
-                    P::splat(token, f64::NAN)
-                } else if VARY == Vary::ANY {
-                    P::load(token, &self.data[c][i & self.mask[c]..])
-                } else if is_wide(VARY, c) {
-                    P::load(token, &self.data[c][i..])
+                if !is_used(c) || !is_wide(VARY, c) {
+                    return &[][..];
+                }
+                let (column, runs) = self.column(c, start);
+                if VARY == Vary::ANY {
+                    masks[c] = if runs { usize::MAX } else { 0 };
+                    column
                 } else {
-                    P::splat(token, self.data[c][0])
+                    // One length for all: bounds are checked here, not per pack.
+                    &column[..len + P::LANES]
                 }
             },
-        )
+        );
+        let constant = Point::gather(
+            #[inline(always)]
+            |c| {
+                let known = is_used(c) && !is_wide(VARY, c);
+                // Unused columns are NaN, which lets the compiler drop them.
+                P::splat(token, if known { self.column(c, start).0[0] } else { f64::NAN })
+            },
+        );
+        Reader { token, used, wide, constant, masks }
     }
 
     /// Cell `i` as a scalar point.
     pub fn point(&self, i: usize) -> Point<f64> {
-        Point::gather(|c| self.data[c][i & self.mask[c]])
+        Point::gather(|c| {
+            let (column, runs) = self.column(c, 0);
+            column[if runs { i } else { 0 }]
+        })
+    }
+}
+
+/// Points of consecutive cells, a pack at a time.
+pub struct Reader<'a, P: Pack, const VARY: u8> {
+    token: P::Token,
+    used: u64,
+    wide: Point<&'a [f64]>,
+    constant: Point<P>,
+    masks: [usize; COLUMNS],
+}
+
+impl<P: Pack, const VARY: u8> Reader<'_, P, VARY> {
+    #[inline(always)]
+    pub fn at(&self, i: usize) -> Point<P> {
+        self.wide.zip(
+            &self.constant,
+            #[inline(always)]
+            |c, wide, constant| {
+                if self.used >> (c / 2) & 1 == 0 || !is_wide(VARY, c) {
+                    constant
+                } else if VARY == Vary::ANY {
+                    P::load(self.token, &wide[i & self.masks[c]..])
+                } else {
+                    P::load(self.token, &wide[i..])
+                }
+            },
+        )
     }
 }

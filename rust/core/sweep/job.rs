@@ -22,6 +22,8 @@ pub struct Job {
     pub(super) fixed: [f64; COLUMNS],
     /// The reduced axis as columns.
     pub(super) rivals: [Vec<f64>; 2],
+    /// Its places, 0, 1, 2, ..., as the kernels count them.
+    pub(super) places: Vec<f64>,
     pub(super) plain: bool,
     cells: usize,
     evaluations: u64,
@@ -74,13 +76,14 @@ impl Job {
                 rivals[1].push(pair[1]);
             }
         }
+        let places = (0..rivals[0].len()).map(|place| place as f64).collect();
         let kept = kept(&grid, over);
         let cells = kept.iter().map(|axis| axis.values.len()).product();
         let points = grid.points()? as u64;
         let evaluations = points.saturating_mul(requests.len() as u64);
         let layout = Layout::new(&kept);
         let plain = grid.is_plain();
-        Ok(Job { layout, plain, cells, evaluations, over, fixed, rivals, requests, grid })
+        Ok(Job { layout, plain, cells, evaluations, over, fixed, rivals, places, requests, grid })
     }
 
     /// The axes of the result, in order.

@@ -1,17 +1,18 @@
 //! The hot loops: one stretch of cells, pack by pack, compiled per quantity,
 //! per set of varying parameters and per SIMD level.
 
-use super::columns::{Columns, Vary};
+use super::columns::{Columns, PADDING, Vary};
 use super::registry::used_by;
-use crate::lane::{Pack, Task};
+use crate::lane::{Pack, Task, stream};
 use crate::physics::Quantity;
-use crate::physics::point::COLUMNS;
 use std::marker::PhantomData;
 
-/// Values of a stretch of cells; `out` is padded to whole packs.
+/// Values of a stretch of cells.
 pub struct Dense<'a, Q, const PLAIN: bool, const VARY: u8> {
-    pub columns: &'a Columns<'a>,
+    pub columns: Columns<'a>,
     pub out: &'a mut [f64],
+    /// Store past the caches.
+    pub streamed: bool,
     pub quantity: PhantomData<Q>,
 }
 
@@ -21,40 +22,35 @@ impl<Q: Quantity, const PLAIN: bool, const VARY: u8> Task for Dense<'_, Q, PLAIN
     #[inline(always)]
     fn run<P: Pack>(self, token: P::Token) {
         let used = const { used_by(Q::INFO.params) };
-        let len = self.out.len() / P::LANES * P::LANES;
-        let columns = trimmed::<VARY>(self.columns, len, used);
-        let out = &mut self.out[..len];
+        let len = self.out.len();
+        let points = self.columns.reader::<P, VARY>(token, used, 0, len);
+        // Streaming wants whole cache lines: the cells before the first one and
+        // after the last pack go through a pack's worth of scratch.
+        let head = if self.streamed { stream::cells_to_line(self.out).min(len) } else { 0 };
+        let mut edge = [0.0; PADDING];
         let mut i = 0;
         while i < len {
-            let point = columns.gather::<P, VARY>(token, i, used);
-            Q::value::<P, PLAIN>(&point).store(&mut out[i..]);
-            i += P::LANES;
-        }
-    }
-}
-
-/// Cuts the columns that a kernel reads to one length, which lets the compiler
-/// check bounds once instead of per pack.
-#[inline(always)]
-fn trimmed<'a, const VARY: u8>(columns: &Columns<'a>, len: usize, used: u64) -> Columns<'a> {
-    let mut trimmed = columns.clone();
-    if VARY != Vary::ANY {
-        for c in 0..COLUMNS {
-            if used >> (c / 2) & 1 == 1 && super::columns::is_wide(VARY, c) {
-                trimmed.data[c] = &columns.data[c][..len];
+            let value = Q::value::<P, PLAIN>(&points.at(i));
+            let count = if i < head { head } else { P::LANES.min(len - i) };
+            if count < P::LANES {
+                value.store(&mut edge);
+                self.out[i..i + count].copy_from_slice(&edge[..count]);
+            } else if self.streamed {
+                value.stream(&mut self.out[i..]);
+            } else {
+                value.store(&mut self.out[i..]);
             }
+            i += count;
         }
     }
-    trimmed
 }
 
-/// Segment counts to choose from: N and 1/N.
+/// Segment counts to choose from: N, 1/N and their places on the axis.
 #[derive(Clone, Copy)]
 pub struct Rivals<'a> {
     pub main: &'a [f64],
     pub derived: &'a [f64],
-    /// Place of the first one on the axis.
-    pub first: usize,
+    pub places: &'a [f64],
 }
 
 /// Running best over segment counts of plain points, the case that decides how
@@ -63,7 +59,7 @@ pub struct Rivals<'a> {
 /// must beat, `at` its place on the axis (NaN while there is none); a rival must
 /// exceed the best so far by the factor `ahead`.
 pub struct Extremum<'a, Q, const MIN: bool> {
-    pub columns: &'a Columns<'a>,
+    pub columns: Columns<'a>,
     pub rivals: Rivals<'a>,
     pub ahead: f64,
     pub best: &'a mut [f64],
@@ -80,10 +76,13 @@ impl<Q: Quantity, const MIN: bool> Task for Extremum<'_, Q, MIN> {
         let used = const { used_by(Q::INFO.params) };
         let main = self.rivals.main;
         let derived = &self.rivals.derived[..main.len()];
+        let places = &self.rivals.places[..main.len()];
         let ahead = P::splat(token, self.ahead);
+        let factor = P::splat(token, 1.0 + self.ahead);
+        let points = self.columns.reader::<P, { Vary::MAIN }>(token, used, 0, self.best.len());
         let mut i = 0;
         while i + P::LANES <= self.best.len() {
-            let mut point = self.columns.gather::<P, { Vary::MAIN }>(token, i, used);
+            let mut point = points.at(i);
             let mut best = P::load(token, &self.best[i..]);
             let mut at = P::load(token, &self.at[i..]);
             for j in 0..main.len() {
@@ -94,9 +93,13 @@ impl<Q: Quantity, const MIN: bool> Task for Extremum<'_, Q, MIN> {
                 let wins = best.lt(score);
                 // A score that cannot be negative needs no absolute value for
                 // a margin of one sign.
-                let size = if Q::SCORE_FLOOR >= 0.0 && !MIN { score } else { score.abs() };
-                best = P::select(wins, size.mul_add(ahead, score), best);
-                at = P::select(wins, best.with((self.rivals.first + j) as f64), at);
+                let mark = if Q::SCORE_FLOOR >= 0.0 && !MIN {
+                    score * factor
+                } else {
+                    score.abs().mul_add(ahead, score)
+                };
+                best = P::select(wins, mark, best);
+                at = P::select(wins, P::splat(token, places[j]), at);
             }
             best.store(&mut self.best[i..]);
             at.store(&mut self.at[i..]);

@@ -10,7 +10,6 @@ mod pool;
 mod reduce;
 mod registry;
 mod run;
-mod stream;
 
 pub use grid::{Axis, Grid};
 pub use job::{Job, Request};

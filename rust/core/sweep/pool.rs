@@ -4,12 +4,15 @@
 use crate::error::{Error, Result};
 use rayon::ThreadPool;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
+use std::thread::available_parallelism;
 
 /// Threads to use: as asked, or `LOCOSWEEP_NUM_THREADS`, or what the batch
 /// system granted, or the processors this process may run on.
 pub fn threads_to_use(asked: Option<usize>) -> Result<usize> {
     const MOST: usize = 4096;
+    // Asking reads several files: too slow for a sweep of one point.
+    static PROCESSORS: OnceLock<usize> = OnceLock::new();
     let from = |name: &'static str| -> Result<Option<usize>> {
         match std::env::var(name) {
             Ok(text) if !text.trim().is_empty() => {
@@ -25,7 +28,7 @@ pub fn threads_to_use(asked: Option<usize>) -> Result<usize> {
     } else if let Some(count) = from("SLURM_CPUS_PER_TASK")? {
         ("SLURM_CPUS_PER_TASK", count)
     } else {
-        ("threads", std::thread::available_parallelism().map_or(1, |n| n.get()))
+        ("threads", *PROCESSORS.get_or_init(|| available_parallelism().map_or(1, |n| n.get())))
     };
     if (1..=MOST).contains(&count) { Ok(count) } else { Err(bad(name, count.to_string())) }
 }

@@ -50,14 +50,22 @@ pub struct Entry {
     pub score_power: f64,
     pub score_floor: f64,
     pub status: fn(&Point<f64>) -> Status,
-    pub dense: fn(Level, bool, Vary, &Columns, &mut [f64]),
+    pub dense: fn(Level, Points, &mut [f64], bool),
     /// Best segment count of plain points that vary in the main parameters.
     pub extremum: fn(Level, Search, &mut [f64], &mut [f64]),
 }
 
+/// The points that a dense kernel is called for.
+#[derive(Clone, Copy)]
+pub struct Points<'a> {
+    pub columns: Columns<'a>,
+    pub plain: bool,
+    pub vary: Vary,
+}
+
 /// Arguments of a search for the best rival.
 pub struct Search<'a> {
-    pub columns: &'a Columns<'a>,
+    pub columns: Columns<'a>,
     pub rivals: Rivals<'a>,
     pub ahead: f64,
     pub min: bool,
@@ -91,16 +99,20 @@ impl Entry {
     }
 }
 
-fn dense<Q: Quantity>(level: Level, plain: bool, vary: Vary, columns: &Columns, out: &mut [f64]) {
+fn dense<Q: Quantity>(level: Level, points: Points, out: &mut [f64], streamed: bool) {
+    const NARROW: u8 = Vary::SLOPE_AND_SEGMENTS;
+    const MAIN: u8 = Vary::MAIN;
+    const ANY: u8 = Vary::ANY;
     let quantity = PhantomData::<Q>;
+    let Points { columns, plain, vary } = points;
     match (plain, vary) {
         (true, Vary::SlopeAndSegments) => {
-            run(level, Dense::<Q, true, { Vary::SLOPE_AND_SEGMENTS }> { columns, out, quantity })
+            run(level, Dense::<Q, true, NARROW> { columns, out, streamed, quantity })
         }
         (true, Vary::Main) => {
-            run(level, Dense::<Q, true, { Vary::MAIN }> { columns, out, quantity })
+            run(level, Dense::<Q, true, MAIN> { columns, out, streamed, quantity })
         }
-        _ => run(level, Dense::<Q, false, { Vary::ANY }> { columns, out, quantity }),
+        _ => run(level, Dense::<Q, false, ANY> { columns, out, streamed, quantity }),
     }
 }
 

@@ -7,10 +7,9 @@ use super::job::{Job, Request};
 use super::kernel::{FoldAll, FoldBest, Kept, Rivals};
 use super::pool::pool;
 use super::reduce::{Reduce, quantile};
-use super::registry::{Entry, Search};
-use super::stream::copy_past_caches;
+use super::registry::{Entry, Points, Search};
 use crate::error::{Error, Result};
-use crate::lane::{self, Level};
+use crate::lane::{self, Level, stream};
 use crate::physics::closed_form::TIE;
 use crate::physics::{ParamId, Status};
 use rayon::prelude::*;
@@ -168,6 +167,9 @@ impl<'a> Worker<'a> {
             let left_in_row = self.job.layout.row - cell % self.job.layout.row;
             let block = left_in_row.min(self.block_size()).min(len - offset);
             for request in 0..self.job.requests.len() {
+                if self.streamed && self.stream_block(request, cell, block, &mut buffers, offset) {
+                    continue;
+                }
                 self.compute(request, cell, block);
                 for (target, buffer) in &mut buffers {
                     if *target == request {
@@ -180,6 +182,43 @@ impl<'a> Worker<'a> {
             self.control.done.fetch_add(evaluated as u64, Ordering::Relaxed);
             offset += block;
         }
+        if self.streamed {
+            stream::fence();
+        }
+    }
+
+    /// Lets the kernel write past the caches, straight into the result, where
+    /// that is the only thing to do with it.
+    fn stream_block(
+        &mut self,
+        request: usize,
+        cell: usize,
+        len: usize,
+        buffers: &mut [(usize, Buffer)],
+        offset: usize,
+    ) -> bool {
+        let mut targets = buffers.iter_mut().filter(|(target, _)| *target == request);
+        let (Some((_, Buffer::F64(to))), None) = (targets.next(), targets.next()) else {
+            return false;
+        };
+        if self.job.requests[request].reduce.is_some() {
+            return false;
+        }
+        self.dense(request, cell, &mut to[offset..offset + len], true);
+        true
+    }
+
+    /// Values of one request, not reduced, on a stretch of cells.
+    fn dense(&mut self, request: usize, cell: usize, out: &mut [f64], streamed: bool) {
+        let (plain, vary) = self.kernel();
+        let points = Points { columns: self.cursor.at(cell, vary as u8), plain, vary };
+        (self.job.requests[request].entry.dense)(self.level, points, out, streamed);
+    }
+
+    /// The dense kernel that fits the job: promise and vary class.
+    fn kernel(&self) -> (bool, Vary) {
+        let plain = self.job.plain && self.job.layout.vary != Vary::Any;
+        (plain, if plain { self.job.layout.vary } else { Vary::Any })
     }
 
     fn cancelled(&self) -> bool {
@@ -202,13 +241,10 @@ impl<'a> Worker<'a> {
         let Request { entry, reduce } = &self.job.requests[request];
         let padded = len.next_multiple_of(PADDING);
         let mut scratch = std::mem::take(&mut self.scratch);
-        reset(&mut scratch.values, padded, f64::NAN);
+        // Every kernel fills it: only the length counts.
+        scratch.values.resize(padded, f64::NAN);
         match reduce {
-            None => {
-                let vary = if self.job.plain { self.job.layout.vary } else { Vary::Any };
-                let columns = self.cursor.at(cell, vary as u8);
-                (entry.dense)(self.level, self.job.plain, vary, &columns, &mut scratch.values);
-            }
+            None => self.dense(request, cell, &mut scratch.values, false),
             Some(reduce) => self.reduce(entry, *reduce, cell, &mut scratch),
         }
         self.scratch = scratch;
@@ -276,9 +312,14 @@ impl<'a> Worker<'a> {
             let columns = self.cursor.at(cell, Vary::MAIN);
             let [main, derived] = &self.job.rivals;
             let part = (PATIENCE / cells).max(1);
-            for (i, (main, derived)) in main.chunks(part).zip(derived.chunks(part)).enumerate() {
-                let rivals = Rivals { main, derived, first: i * part };
-                let search = Search { columns: &columns, rivals, ahead, min };
+            for first in (0..main.len()).step_by(part) {
+                let range = first..(first + part).min(main.len());
+                let rivals = Rivals {
+                    main: &main[range.clone()],
+                    derived: &derived[range.clone()],
+                    places: &self.job.places[range],
+                };
+                let search = Search { columns, rivals, ahead, min };
                 (entry.extremum)(self.level, search, &mut scratch.best, &mut scratch.at);
                 if self.control.cancel.load(Ordering::Relaxed) {
                     return;
@@ -319,12 +360,11 @@ impl<'a> Worker<'a> {
                 return;
             }
             for (chosen, rivals) in chosen.iter_mut().zip(&job.rivals) {
-                reset(chosen, values.len(), rivals[place]);
+                reset(chosen, values.len() + PADDING, rivals[place]);
             }
-            let mut columns = columns.clone();
-            columns.replace(id.main(), &chosen[0]);
-            columns.replace(id.derived(), &chosen[1]);
-            (entry.dense)(level, plain, vary, &columns, values);
+            let columns = columns.replacing(id, [&chosen[0], &chosen[1]]);
+            let points = Points { columns, plain, vary };
+            (entry.dense)(level, points, values, false);
             fold(level, place, values, Kept { best, at, count });
         }
     }
@@ -332,15 +372,15 @@ impl<'a> Worker<'a> {
     /// The quantity itself at the places in `scratch.at`.
     fn value_at_best(&mut self, entry: &Entry, cell: usize, scratch: &mut Scratch) {
         let param = self.over().id;
-        let mut columns = self.cursor.at(cell, Vary::ANY);
+        let columns = self.cursor.at(cell, Vary::ANY);
         let Scratch { chosen, at, values, .. } = scratch;
         for (chosen, rivals) in chosen.iter_mut().zip(&self.job.rivals) {
-            reset(chosen, at.len(), f64::NAN);
+            reset(chosen, at.len() + PADDING, f64::NAN);
             look_up(rivals, at, chosen);
         }
-        columns.replace(param.main(), &chosen[0]);
-        columns.replace(param.derived(), &chosen[1]);
-        (entry.dense)(self.level, false, Vary::Any, &columns, values);
+        let columns = columns.replacing(param, [&chosen[0], &chosen[1]]);
+        let points = Points { columns, plain: false, vary: Vary::Any };
+        (entry.dense)(self.level, points, values, false);
         for (value, at) in values.iter_mut().zip(at) {
             if at.is_nan() {
                 *value = f64::NAN;
@@ -359,9 +399,6 @@ impl<'a> Worker<'a> {
     ) {
         let values = &self.scratch.values[..len];
         match buffer {
-            Buffer::F64(to) if self.streamed => {
-                copy_past_caches(&mut to[offset..offset + len], values);
-            }
             Buffer::F64(to) => to[offset..offset + len].copy_from_slice(values),
             Buffer::F32(to) => {
                 for (to, value) in to[offset..offset + len].iter_mut().zip(values) {

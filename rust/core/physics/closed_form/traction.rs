@@ -17,26 +17,36 @@ pub struct Traction<L> {
     pub acceleration: L,
 }
 
-/// Push of an ideal drive that pulls what the anchors hold; -inf where they
-/// slide, so that no comparison can take it for a value.
+/// What one anchor holds; -inf where it slides, so that no comparison can take
+/// what follows for a value.
 #[inline(always)]
-fn anchored_push<L: Lane>(p: &Point<L>) -> L {
+fn safe_hold<L: Lane>(p: &Point<L>) -> L {
     let hold = p.hold();
-    let hold = L::select(hold.gt(hold.with(0.0)), hold, hold.with(f64::NEG_INFINITY));
-    p.anchor_ratio() * hold
+    L::select(hold.gt(hold.with(0.0)), hold, hold.with(f64::NEG_INFINITY))
 }
 
-/// Acceleration without the check that there is one (PLAIN points only).
+/// Acceleration by a drive that pulls what the anchors hold, without the check
+/// that there is one (PLAIN points only).
 #[inline(always)]
 pub fn plain_acceleration<L: Lane>(p: &Point<L>) -> L {
-    anchored_push(p) - p.drag()
+    p.anchor_ratio().mul_add(safe_hold(p), -p.drag())
 }
 
 #[inline(always)]
 pub fn traction<L: Lane, const PLAIN: bool>(p: &Point<L>) -> Traction<L> {
     let drag = p.drag();
-    let push = if PLAIN { anchored_push(p) } else { limited(p, p.hold()).only_if(anchored(p)) };
-    let acceleration = push - drag;
+    let (push, acceleration) = if PLAIN {
+        (p.anchor_ratio() * safe_hold(p), plain_acceleration(p))
+    } else {
+        let hold = p.hold();
+        let push = limited(p, hold);
+        // Where no joint is at its limit the sum is what the anchors hold, and
+        // one rounding less gives the bits of a plain point.
+        let free = p.anchor_ratio().mul_add(hold, -drag);
+        let acceleration = L::select(is_limited(p, hold), push - drag, free);
+        let anchored = anchored(p);
+        (push.only_if(anchored), acceleration.only_if(anchored))
+    };
     let moves = acceleration.gt(drag.with(LEAST_ACCELERATION));
     Traction { push, drag, acceleration: acceleration.only_if(moves) }
 }
@@ -46,10 +56,24 @@ pub fn traction<L: Lane, const PLAIN: bool>(p: &Point<L>) -> Traction<L> {
 /// at most what the anchors on its side hold (`grip` per anchor).
 #[inline(always)]
 pub fn limited<L: Lane>(p: &Point<L>, grip: L) -> L {
+    let (limit, ahead, behind) = joints(p, grip);
+    limit.min(ahead) + limit.min(behind)
+}
+
+/// Whether a joint's actuator, not the anchors, decides its force.
+#[inline(always)]
+fn is_limited<L: Lane>(p: &Point<L>, grip: L) -> L::Mask {
+    let (limit, ahead, behind) = joints(p, grip);
+    L::or(limit.lt(ahead), limit.lt(behind))
+}
+
+/// Limit of a joint and what the anchors on either side hold, per moving mass.
+#[inline(always)]
+fn joints<L: Lane>(p: &Point<L>, grip: L) -> (L, L, L) {
     let limit = (p.drive_limit * p.per_mass) * p.per_moving;
     let ahead = (p.anchors_ahead * p.per_moving) * grip;
     let behind = ((p.segments - p.moving - p.anchors_ahead) * p.per_moving) * grip;
-    limit.min(ahead) + limit.min(behind)
+    (limit, ahead, behind)
 }
 
 /// Whether there are anchors and they stay where they are without a drive.
