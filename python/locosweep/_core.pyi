@@ -117,10 +117,10 @@ class Sweep:
         """
         Name and value of every parameter that is not an axis.
         """
-    def run(self, /, outputs: SupportsGetItem[int, tuple[SupportsIndex, Any]], threads: SupportsIndex, chunk: SupportsIndex | None = None, progress: Any | None = None, token: CancelToken | None = None, level: str | None = None) -> None:
+    def run(self, /, outputs: SupportsGetItem[int, tuple[SupportsIndex, Any]], threads: SupportsIndex, chunk: SupportsIndex | None = None, progress: Any | None = None, token: CancelToken | None = None, level: str | None = None, fresh: bool = False) -> None:
         """
         Fill arrays: each output is (number of the request, array). An array of
-        uint8 receives status codes.
+        uint8 receives status codes. `fresh`: the arrays were never written to.
         """
     @property
     def shape(self, /) -> list[int]:

@@ -112,10 +112,11 @@ def sweep(
     shape = tuple(job.shape)
     arrays = _arrays(out, dtype, shape, len(requests), job.working_bytes(count), memory_limit)
     meter = Meter(", ".join(names)) if progress is True else progress or None
-    job.run(list(enumerate(arrays)), count, _whole("chunk", chunk), meter, token)
+    job.run(list(enumerate(arrays)), count, _whole("chunk", chunk), meter, token, None, out is None)
     outputs = [Output.of(name, r, over) for name, r, _ in requests]
     axes = {name: grid.axes[name] for name in job.axes}
-    return Result(outputs, axes, dict(job.fixed), arrays, over=over, job=job)
+    rivals = None if over is None else grid.axes[over]
+    return Result(outputs, axes, dict(job.fixed), arrays, over=over, rivals=rivals, q=q, job=job)
 
 
 def _whole(name: str, value: int | None) -> int | None:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from locosweep.result import Result
 
-__all__ = ["Robot", "load", "load_robot", "replacing", "save_result"]
+__all__ = ["Robot", "check_place", "load", "load_robot", "replacing", "save_result"]
 
 _FORMAT = "locosweep.result/1"
 
@@ -126,17 +126,25 @@ def _word(path: Path, place: tuple[str, str], value: object, words: list[str]) -
     return str(value)
 
 
+def check_place(path: str | os.PathLike[str]) -> Path:
+    """Refuse a path that cannot become a file: a folder, or in none that exists."""
+    path = Path(path)
+    if "\0" in str(path):
+        raise InputError(f"{str(path)!r}: a file name cannot have a NUL in it")
+    if path.is_dir():
+        raise InputError(f"{path} is a folder: name a file")
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: the folder {path.parent} does not exist")
+    return path
+
+
 @contextlib.contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Yield a temporary path that replaces `path` when all went well.
 
     Nothing half-written is left under the final name, whatever happens.
     """
-    path = Path(path)
-    if path.is_dir():
-        raise InputError(f"{path} is a folder: name a file")
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: the folder {path.parent} does not exist")
+    path = check_place(path)
     try:
         handle, name = tempfile.mkstemp(suffix=path.suffix, prefix=".locosweep-", dir=path.parent)
     except OSError as error:
@@ -164,6 +172,8 @@ def save_result(result: Result, path: str | os.PathLike[str]) -> None:
         "axes": {name: [_text(v) for v in axis] for name, axis in result.axes.items()},
         "fixed": {name: _text(value) for name, value in result.fixed.items()},
         "over": result.over,
+        "rivals": None if result.rivals is None else [_text(v) for v in result.rivals],
+        "q": result.q,
         "outputs": [[o.quantity, o.reduce, result[o.name].dtype.name] for o in result.outputs],
         "sha256": _digest(result),
     }
@@ -232,7 +242,17 @@ def load(path: str | os.PathLike[str]) -> Result:
         outputs, axes, fixed, values, statuses = _unpack(header, frame)
     except (KeyError, TypeError, ValueError, pl.exceptions.PolarsError) as error:
         raise DataFileError(f"{path}: not a result of locosweep: {error}") from None
-    result = Result(outputs, axes, fixed, values, over=header["over"], statuses=statuses)
+    rivals, q = header["rivals"], header["q"]
+    result = Result(
+        outputs,
+        axes,
+        fixed,
+        values,
+        over=header["over"],
+        rivals=None if rivals is None else np.array([float(v) for v in rivals]),
+        q=None if q is None else float(q),
+        statuses=statuses,
+    )
     if _digest(result) != header.get("sha256"):
         raise DataFileError(f"{path}: altered or damaged since it was written (hash differs)")
     return result

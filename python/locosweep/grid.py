@@ -91,7 +91,7 @@ class Grid:
 
 def _read(name: str, value: Any) -> tuple[float, NDArray[np.float64] | None]:
     """Turn what a user gave into a number or an axis."""
-    if isinstance(value, Real) and not isinstance(value, bool | np.bool_):
+    if not isinstance(value, bool | np.bool_) and isinstance(value, Real):
         return float(value), None
     if hasattr(value, "magnitude") and hasattr(value, "to"):
         unit = parameter(name).unit

@@ -110,16 +110,29 @@ def unknown(kind: str, given: str, known: Iterable[str]) -> InputError:
     return InputError(f"unknown {kind} '{given}': {hint}{', '.join(names)}")
 
 
-class _StatusBase(IntEnum):
+class Status(IntEnum):
     """Why a point has no value; 0 is ok, and only then the value is a number."""
+
+    OK = 0
+    SLIDES_BACK = 1
+    SLIDES_DOWN = 2
+    NOTHING_ANCHORED = 3
+    NO_ROOM_AHEAD = 4
+    ANCHORS_TOO_WEAK = 5
+    DRIVE_TOO_WEAK = 6
+    NO_OPTIMUM = 7
+    UNBOUNDED = 8
+    SET_VALUED = 9
+    NONE_FEASIBLE = 10
+    CANNOT_BRAKE = 11
+    NOT_FINITE = 12
 
     @property
     def sentence(self) -> str:
         """One sentence for people."""
-        return _SENTENCES[int(self)]
+        return _sentences()[int(self)]
 
 
-_SENTENCES: dict[int, str] = {code: sentence for code, _, sentence in _core.statuses()}
-
-Status = _StatusBase("Status", {name.upper(): code for code, name, _ in _core.statuses()})  # type: ignore[call-overload]
-Status.__doc__ = _StatusBase.__doc__
+@cache
+def _sentences() -> dict[int, str]:
+    return {code: sentence for code, _, sentence in _core.statuses()}

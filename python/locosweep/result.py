@@ -70,6 +70,8 @@ class Result:
         The axes in order.
     fixed : dict of str to float
         Value of every other parameter that has one, defaults included.
+    over, rivals, q : str, ndarray, float or None
+        The reduced axis, its values, and which quantile.
     outputs : tuple of Output
         Name, quantity, reduction, unit and label of each output.
 
@@ -92,6 +94,8 @@ class Result:
         values: Sequence[NDArray[Any]],
         *,
         over: str | None = None,
+        rivals: NDArray[np.float64] | None = None,
+        q: float | None = None,
         job: _core.Sweep | None = None,
         statuses: Mapping[str, NDArray[np.uint8]] | None = None,
     ) -> None:
@@ -99,6 +103,8 @@ class Result:
         self.axes = dict(axes)
         self.fixed = dict(fixed)
         self.over = over
+        self.rivals = rivals
+        self.q = q
         self._values = {o.name: v for o, v in zip(outputs, values, strict=True)}
         self._statuses = dict(statuses or {})
         self._job = job

@@ -107,8 +107,8 @@ impl Sweep {
     }
 
     /// Fill arrays: each output is (number of the request, array). An array of
-    /// uint8 receives status codes.
-    #[pyo3(signature = (outputs, threads, chunk=None, progress=None, token=None, level=None))]
+    /// uint8 receives status codes. `fresh`: the arrays were never written to.
+    #[pyo3(signature = (outputs, threads, chunk=None, progress=None, token=None, level=None, fresh=false))]
     #[allow(clippy::too_many_arguments)]
     fn run<'py>(
         &self,
@@ -119,12 +119,14 @@ impl Sweep {
         progress: Option<Py<PyAny>>,
         token: Option<&CancelToken>,
         level: Option<&str>,
+        fresh: bool,
     ) -> PyResult<()> {
         let level = level.map_or_else(Level::current, Level::parse);
         let options = Options {
             threads,
             chunk: chunk.unwrap_or(DEFAULT_CHUNK).max(1),
             level: level.map_err(|error| raise(py, error))?,
+            fresh,
         };
         let mut borrowed = Vec::with_capacity(outputs.len());
         for (request, array) in &outputs {

@@ -39,7 +39,8 @@ fn bad(name: &'static str, given: String) -> Error {
 
 /// The pool of this process with that many threads.
 pub fn pool(threads: usize) -> Result<Arc<ThreadPool>> {
-    static POOLS: Mutex<Option<HashMap<(u32, usize), Arc<ThreadPool>>>> = Mutex::new(None);
+    type Pools = HashMap<(u32, usize), Arc<ThreadPool>>;
+    static POOLS: Mutex<Option<Pools>> = Mutex::new(None);
     let mut guard = POOLS.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
     let pools = guard.get_or_insert_with(HashMap::new);
     let key = (std::process::id(), threads);

@@ -60,6 +60,9 @@ pub struct Options {
     /// Cells per chunk.
     pub chunk: usize,
     pub level: Level,
+    /// The results' memory was never touched: its pages come with their first
+    /// write and through the caches, past which nothing should then be stored.
+    pub fresh: bool,
 }
 
 /// Shared with whoever watches: a flag to stop, a count of finished evaluations.
@@ -92,7 +95,7 @@ pub fn run(
             });
         }
     }
-    let streamed = job.cells() * size_of::<f64>() > STREAMED;
+    let streamed = !options.fresh && job.cells() * size_of::<f64>() > STREAMED;
     let chunks = cut(job, buffers, options.chunk);
     let work = |worker: &mut Worker, chunk: Chunk| worker.chunk(chunk);
     let new_worker = || Worker::new(job, options.level, control, streamed);
@@ -167,7 +170,7 @@ impl<'a> Worker<'a> {
             let left_in_row = self.job.layout.row - cell % self.job.layout.row;
             let block = left_in_row.min(self.block_size()).min(len - offset);
             for request in 0..self.job.requests.len() {
-                if self.streamed && self.stream_block(request, cell, block, &mut buffers, offset) {
+                if self.write_direct(request, cell, block, &mut buffers, offset) {
                     continue;
                 }
                 self.compute(request, cell, block);
@@ -187,9 +190,9 @@ impl<'a> Worker<'a> {
         }
     }
 
-    /// Lets the kernel write past the caches, straight into the result, where
-    /// that is the only thing to do with it.
-    fn stream_block(
+    /// Lets the kernel write straight into the result, where that is the only
+    /// thing to do with it.
+    fn write_direct(
         &mut self,
         request: usize,
         cell: usize,
@@ -204,7 +207,7 @@ impl<'a> Worker<'a> {
         if self.job.requests[request].reduce.is_some() {
             return false;
         }
-        self.dense(request, cell, &mut to[offset..offset + len], true);
+        self.dense(request, cell, &mut to[offset..offset + len], self.streamed);
         true
     }
 

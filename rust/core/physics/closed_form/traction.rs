@@ -17,37 +17,29 @@ pub struct Traction<L> {
     pub acceleration: L,
 }
 
-/// What one anchor holds; -inf where it slides, so that no comparison can take
-/// what follows for a value.
-#[inline(always)]
-fn safe_hold<L: Lane>(p: &Point<L>) -> L {
-    let hold = p.hold();
-    L::select(hold.gt(hold.with(0.0)), hold, hold.with(f64::NEG_INFINITY))
-}
-
-/// Acceleration by a drive that pulls what the anchors hold, without the check
-/// that there is one (PLAIN points only).
+/// Acceleration by a drive that pulls what the anchors hold, for comparisons
+/// between PLAIN points: negative where the robot does not move, -inf where the
+/// anchors slide. Both decisions then leave the loop over rivals.
 #[inline(always)]
 pub fn plain_acceleration<L: Lane>(p: &Point<L>) -> L {
-    p.anchor_ratio().mul_add(safe_hold(p), -p.drag())
+    let hold = p.hold();
+    let hold = L::select(hold.gt(hold.with(0.0)), hold, hold.with(f64::NEG_INFINITY));
+    p.anchor_ratio().mul_add(hold, -p.drag())
 }
 
 #[inline(always)]
 pub fn traction<L: Lane, const PLAIN: bool>(p: &Point<L>) -> Traction<L> {
-    let drag = p.drag();
-    let (push, acceleration) = if PLAIN {
-        (p.anchor_ratio() * safe_hold(p), plain_acceleration(p))
+    let (hold, drag) = (p.hold(), p.drag());
+    // Where no joint is at its limit the push is what the anchors hold, and one
+    // rounding less gives the bits of a plain point.
+    let free = p.anchor_ratio().mul_add(hold, -drag);
+    let (push, acceleration, anchored) = if PLAIN {
+        (p.anchor_ratio() * hold, free, hold.gt(hold.with(0.0)))
     } else {
-        let hold = p.hold();
         let push = limited(p, hold);
-        // Where no joint is at its limit the sum is what the anchors hold, and
-        // one rounding less gives the bits of a plain point.
-        let free = p.anchor_ratio().mul_add(hold, -drag);
-        let acceleration = L::select(is_limited(p, hold), push - drag, free);
-        let anchored = anchored(p);
-        (push.only_if(anchored), acceleration.only_if(anchored))
+        (push, L::select(is_limited(p, hold), push - drag, free), anchored(p))
     };
-    let moves = acceleration.gt(drag.with(LEAST_ACCELERATION));
+    let moves = L::and(anchored, acceleration.gt(drag.with(LEAST_ACCELERATION)));
     Traction { push, drag, acceleration: acceleration.only_if(moves) }
 }
 

@@ -1,0 +1,132 @@
+"""Commands that list what the registry holds."""
+
+from __future__ import annotations
+
+import shutil
+import textwrap
+from typing import TYPE_CHECKING
+
+import click
+
+from locosweep import registry
+from locosweep.cli.options import PARAMETER, QUANTITY, as_json, json_option
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+__all__ = ["parameters", "quantities", "reductions", "statuses", "table"]
+
+
+def table(rows: Iterable[Sequence[str]], heads: Sequence[str], right: str = "") -> str:
+    """Align columns; `right` has one letter per column, r for flush right."""
+    cells = [list(heads), *map(list, rows)]
+    widths = [max(len(row[i]) for row in cells) for i in range(len(heads))]
+    sides = [">" if side == "r" else "<" for side in right.ljust(len(heads))]
+    lines = []
+    for row in cells:
+        texts = (f"{text:{s}{w}}" for text, s, w in zip(row, sides, widths, strict=True))
+        lines.append("  ".join(texts).rstrip())
+    return "\n".join(lines)
+
+
+@click.command()
+@click.argument("name", required=False, type=QUANTITY)
+@json_option
+def quantities(name: str | None, json_: bool) -> None:
+    """List the quantities, or tell everything about one."""
+    some = registry.quantities() if name is None else [registry.quantity(name)]
+    if json_:
+        records = [_quantity(record) for record in some]
+        click.echo(as_json(records if name is None else records[0]))
+    elif name is None:
+        rows = [(q.name, q.unit, q.meaning) for q in some]
+        click.echo(table(rows, ("quantity", "unit", "meaning")))
+    else:
+        click.echo(_page(some[0]))
+
+
+def _quantity(record: registry.Quantity) -> dict[str, object]:
+    return {
+        "name": record.name,
+        "symbol": record.symbol,
+        "unit": record.unit,
+        "meaning": record.meaning,
+        "formula": record.formula,
+        "source": record.source,
+        "limits": record.limits,
+        "integer": record.integer,
+        "parameters": [p.name for p in record.parameters],
+    }
+
+
+def _page(record: registry.Quantity) -> str:
+    entries = {
+        "unit": record.unit,
+        "symbol": record.symbol,
+        "formula": record.formula,
+        "source": record.source,
+        "limits": record.limits,
+    }
+    width = min(shutil.get_terminal_size().columns, 100)
+    lines = [f"{record.name}: {record.meaning}", ""]
+    for head, text in entries.items():
+        indent = " " * 10
+        lines.append(textwrap.fill(f"{head:<10}{text}", width, subsequent_indent=indent))
+    return "\n".join([*lines, "", _parameter_table(record.parameters)])
+
+
+def _parameter_table(records: Iterable[registry.Parameter]) -> str:
+    rows = [
+        (p.name, p.unit, "" if p.default is None else f"{p.default:g}", p.allowed, p.meaning)
+        for p in records
+    ]
+    return table(rows, ("parameter", "unit", "default", "allowed", "meaning"))
+
+
+@click.command()
+@click.argument("name", required=False, type=PARAMETER)
+@json_option
+def parameters(name: str | None, json_: bool) -> None:
+    """List the parameters: unit, default, what is allowed, key in a robot file."""
+    some = registry.parameters() if name is None else [registry.parameter(name)]
+    if json_:
+        records = [_parameter(record) for record in some]
+        click.echo(as_json(records if name is None else records[0]))
+    else:
+        click.echo(_parameter_table(some))
+
+
+def _parameter(record: registry.Parameter) -> dict[str, object]:
+    return {
+        "name": record.name,
+        "symbol": record.symbol,
+        "unit": record.unit,
+        "meaning": record.meaning,
+        "default": record.default,
+        "range": list(record.range),
+        "integer": record.integer,
+        "file_key": None if record.file_key is None else ".".join(record.file_key),
+    }
+
+
+@click.command()
+@json_option
+def reductions(json_: bool) -> None:
+    """List the ways to fold an axis away."""
+    known = registry.reductions()
+    click.echo(as_json(known) if json_ else table(known.items(), ("reduction", "meaning")))
+
+
+@click.command()
+@json_option
+def statuses(json_: bool) -> None:
+    """List the reasons for which a point has no value."""
+    if json_:
+        records = [
+            {"code": int(s), "name": s.name.lower(), "sentence": s.sentence}
+            for s in registry.Status
+        ]
+        click.echo(as_json(records))
+    else:
+        rows = [(str(int(s)), s.name.lower(), s.sentence) for s in registry.Status]
+        click.echo(table(rows, ("code", "status", "meaning"), "r"))

@@ -1,0 +1,306 @@
+"""Kinds of arguments and the options that several commands share."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+from click.shell_completion import CompletionItem
+
+from locosweep import registry
+from locosweep.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+    from locosweep.result import Result
+    from locosweep.spec import Span
+
+    Axis = tuple[str, Span | tuple[float, ...]]
+
+__all__ = [
+    "AXIS",
+    "PARAMETER",
+    "PICTURE",
+    "QUANTITY",
+    "REDUCTION",
+    "SETTING",
+    "TABLE",
+    "SweepCommand",
+    "as_json",
+    "fixed",
+    "json_option",
+    "on_terminal",
+    "robot_option",
+    "set_option",
+    "summary",
+    "threads_option",
+]
+
+_Command = TypeVar("_Command", bound="Callable[..., Any]")
+
+
+class _Name(click.ParamType[str]):
+    """A name from the registry."""
+
+    def __init__(self, name: str, known: Callable[[], Mapping[str, str]]) -> None:
+        self.name = name
+        self.known = known
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """Refuse unknown names, with the nearest one."""
+        known = self.known()
+        if value not in known:
+            self.fail(str(registry.unknown(self.name, value, known)), param, ctx)
+        return str(value)
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        """Complete from the registry."""
+        del ctx, param
+        names = self.known().items()
+        return [
+            CompletionItem(name, help=text) for name, text in names if name.startswith(incomplete)
+        ]
+
+
+class _Setting(click.ParamType[tuple[str, float]]):
+    """A parameter with one value."""
+
+    name = "NAME=VALUE"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, float]:
+        """Split and check."""
+        if isinstance(value, tuple):
+            return value
+        name, sign, text = value.partition("=")
+        if not sign:
+            self.fail(f"'{value}': allowed is NAME=VALUE", param, ctx)
+        try:
+            return name, registry.parameter(name).check(_number(name, text))
+        except InputError as error:
+            self.fail(str(error), param, ctx)
+
+
+class _Axis(click.ParamType["Axis"]):
+    """A parameter with a range or list of values."""
+
+    name = "NAME=VALUES"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Axis:
+        """Split and check."""
+        if isinstance(value, tuple):
+            return value
+        try:
+            return _axis(value)
+        except InputError as error:
+            self.fail(str(error), param, ctx)
+
+
+def _number(name: str, text: str) -> float:
+    # Python also reads 1_000 and non-Latin digits; those are typing errors here.
+    if text.isascii() and "_" not in text:
+        with contextlib.suppress(ValueError):
+            return float(text)
+    raise InputError(f"{name} is '{text}': allowed is a number")
+
+
+def _axis(text: str) -> Axis:
+    from locosweep.spec import Span
+
+    name, sign, values = text.partition("=")
+    forms = "allowed are NAME=LO:HI:COUNT, NAME=A,B,C and, for whole numbers, NAME=LO:HI"
+    if not sign or not values:
+        raise InputError(f"'{text}': {forms}")
+    record = registry.parameter(name)
+    if ":" not in values:
+        return name, tuple(record.check(_number(name, part)) for part in values.split(","))
+    parts = values.split(":")
+    if len(parts) > 3:
+        raise InputError(f"'{text}': {forms}")
+    count = None
+    if len(parts) == 3:
+        # Eighteen digits: more are refused before they cost time.
+        if not (parts[2].isascii() and parts[2].isdigit() and len(parts[2]) <= 18):
+            raise InputError(
+                f"'{text}': the count is '{parts[2]}', allowed is a whole number from 1 upward"
+            )
+        count = int(parts[2])
+    elif not record.integer:
+        raise InputError(f"'{text}': {name} is no whole number, give a count: {name}=LO:HI:COUNT")
+    span = Span(_number(name, parts[0]), _number(name, parts[1]), count)
+    span.check(name)
+    return name, span
+
+
+class _Output(click.ParamType[Path]):
+    """A file to write, checked before anything is computed."""
+
+    def __init__(self, *kinds: str) -> None:
+        self.kinds = kinds
+        self.name = "FILE." + "|".join(kinds)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """Refuse other endings and folders that do not exist."""
+        from locosweep.files import check_place
+
+        path = Path(value)
+        if path.suffix[1:].lower() not in self.kinds:
+            allowed = ", ".join(f".{kind}" for kind in self.kinds)
+            self.fail(f"'{value}' ends in '{path.suffix}': allowed are {allowed}", param, ctx)
+        try:
+            check_place(path)
+        except InputError as error:
+            self.fail(str(error), param, ctx)
+        return path
+
+
+def _quantities() -> dict[str, str]:
+    return {q.name: q.meaning for q in registry.quantities()}
+
+
+def _parameters() -> dict[str, str]:
+    return {p.name: p.meaning for p in registry.parameters()}
+
+
+QUANTITY = _Name("quantity", _quantities)
+PARAMETER = _Name("parameter", _parameters)
+REDUCTION = _Name("reduction", registry.reductions)
+SETTING = _Setting()
+AXIS = _Axis()
+PICTURE = _Output("png", "svg", "pdf")
+TABLE = _Output("parquet")
+
+
+class SweepCommand(click.Command):
+    """A command whose help ends with what the registry holds."""
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List quantities, parameters and reductions."""
+        super().format_epilog(ctx, formatter)
+        kinds = {param.type for param in self.params}
+        if QUANTITY in kinds:
+            with formatter.section("Quantities"):
+                formatter.write_dl(
+                    [(q.name, f"{q.meaning} [{q.unit}]") for q in registry.quantities()]
+                )
+        if kinds & {AXIS, SETTING}:
+            with formatter.section("Parameters"):
+                formatter.write_dl([(p.name, _described(p)) for p in registry.parameters()])
+        if REDUCTION in kinds:
+            with formatter.section("Reductions"):
+                formatter.write_dl(list(registry.reductions().items()))
+
+
+def _described(record: registry.Parameter) -> str:
+    text = f"{record.meaning} [{record.unit}]"
+    return text if record.default is None else f"{text}, default {record.default:g}"
+
+
+def robot_option(command: _Command) -> _Command:
+    """Add ``--robot``."""
+    return click.option(
+        "--robot",
+        metavar="FILE.toml",
+        type=click.Path(path_type=Path),
+        help="Robot file; its parameters hold where no other option gives them.",
+    )(command)
+
+
+def set_option(command: _Command) -> _Command:
+    """Add ``--set``."""
+    return click.option(
+        "settings", "--set", multiple=True, type=SETTING, help="Fix a parameter; repeat as needed."
+    )(command)
+
+
+def threads_option(command: _Command) -> _Command:
+    """Add ``--threads``."""
+    return click.option(
+        "--threads",
+        metavar="N",
+        type=click.IntRange(min=1),
+        help="Threads; default all processors.",
+    )(command)
+
+
+def json_option(command: _Command) -> _Command:
+    """Add ``--json``."""
+    return click.option("--json", "json_", is_flag=True, help="Print JSON.")(command)
+
+
+def fixed(
+    robot: Path | None,
+    settings: Iterable[tuple[str, float]],
+    axes: Iterable[str],
+    spec: Iterable[tuple[str, float]] = (),
+) -> tuple[tuple[str, float], ...]:
+    """Return the fixed values: the robot's, then the sweep file's, then ``--set``."""
+    given: dict[str, float] = {}
+    for name, value in settings:
+        if name in given:
+            raise InputError(f"--set gives {name} twice: allowed is one value")
+        given[name] = value
+    values: dict[str, float] = {}
+    if robot is not None:
+        from locosweep.files import load_robot
+
+        swept = set(axes)
+        found = load_robot(robot).parameters
+        values = {name: value for name, value in found.items() if name not in swept}
+    return tuple((values | dict(spec) | given).items())
+
+
+def on_terminal() -> bool:
+    """Whether to show progress."""
+    return sys.stderr.isatty()
+
+
+def as_json(value: object) -> str:
+    """Return strict JSON: numbers that it cannot hold become null."""
+    return json.dumps(_plain(value), indent=2, allow_nan=False, ensure_ascii=False)
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, dict):
+        return {str(key): _plain(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(one) for one in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value
+
+
+def summary(result: Result) -> dict[str, object]:
+    """Describe a result for JSON."""
+    import numpy as np
+
+    outputs = []
+    for output in result.outputs:
+        values = result[output.name]
+        works = np.isfinite(values)
+        some = bool(works.any())
+        outputs.append(
+            {
+                "name": output.name,
+                "label": output.label,
+                "unit": output.unit,
+                "cells": values.size,
+                "cells_with_value": int(np.count_nonzero(works)),
+                "lowest": float(np.min(values, where=works, initial=np.inf)) if some else None,
+                "highest": float(np.max(values, where=works, initial=-np.inf)) if some else None,
+            }
+        )
+    axes = {
+        name: {"count": len(axis), "first": float(axis[0]), "last": float(axis[-1])}
+        for name, axis in result.axes.items()
+    }
+    return {"outputs": outputs, "axes": axes, "over": result.over, "fixed": dict(result.fixed)}

@@ -1,0 +1,52 @@
+"""Which sweep a picture or table shows, as one hash."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from locosweep.result import Result
+
+__all__ = ["spec_hash"]
+
+
+def spec_hash(*results: Result) -> str:
+    """Hash what was asked for: axes, fixed values and outputs, not the values.
+
+    Parameters
+    ----------
+    *results : Result
+        One result, or all that went into one picture, in order.
+
+    Returns
+    -------
+    str
+        SHA-256 over canonical JSON, 64 hexadecimal digits.
+
+    Examples
+    --------
+    >>> import locosweep as ls
+    >>> from locosweep.provenance import spec_hash
+    >>> def drive(limit):
+    ...     return ls.sweep("peak_speed", mu_static=0.5, mu_coulomb=0.3, segments=[3, 4],
+    ...                     drive_limit=limit)
+    >>> spec_hash(drive(1)) == spec_hash(drive(1.0)) != spec_hash(drive(2))
+    True
+    """
+    specs = [_spec(result) for result in results]
+    text = json.dumps(specs, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _spec(result: Result) -> dict[str, object]:
+    # Numbers as text: JSON has no infinity, and repr reads back to the same bits.
+    return {
+        "axes": [[name, [repr(float(v)) for v in axis]] for name, axis in result.axes.items()],
+        "fixed": {name: repr(float(value)) for name, value in result.fixed.items()},
+        "outputs": [[output.quantity, output.reduce] for output in result.outputs],
+        "over": result.over,
+        "rivals": None if result.rivals is None else [repr(float(v)) for v in result.rivals],
+        "q": result.q,
+    }

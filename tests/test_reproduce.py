@@ -1,0 +1,144 @@
+"""The paper's figures and numbers come out, and the verdicts follow from them."""
+
+import re
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import locosweep as ls
+from locosweep.reproduce import Report, reproduce
+from locosweep.reproduce_claims import crossing
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    calls = []
+    folder = tmp_path_factory.mktemp("paper") / "new" / "folder"
+    report = reproduce("all", folder, progress=lambda *state: calls.append(state))
+    return report, folder, calls
+
+
+def row(made, *words):
+    hits = [r for r in made[0].rows if all(word in f"{r.claim} {r.source}" for word in words)]
+    assert len(hits) == 1, hits
+    return hits[0]
+
+
+def numbers(text):
+    return [float(n) for n in re.findall(r"-?\d+\.?\d*", text)]
+
+
+def test_all_files_are_there_and_legible(made):
+    report, folder, calls = made
+    names = [f"figure{n}.png" for n in (2, 3, 4, 5)] + ["reproduction.png", "reproduction.md"]
+    assert [file.name for file in report.files] == names
+    assert sorted(p.name for p in folder.iterdir()) == sorted(names)
+    for file in report.files[:-1]:
+        with Image.open(file) as image:
+            assert min(image.size) > 700
+            assert image.info["Software"] == f"locosweep {ls.__version__}"
+            assert "reproduce" in image.info["Command"]
+    assert [done for done, _, _ in calls] == [1, 2, 3, 4, 5, 6]
+    assert all(total == 6 and rate > 0 for _, total, rate in calls)
+
+
+def test_markdown_holds_every_row(made):
+    report, folder, _ = made
+    text = (folder / "reproduction.md").read_text(encoding="utf-8")
+    table = [line for line in text.splitlines() if line.startswith("| ")]
+    assert len(table) == len(report.rows) + 2
+    assert {line.count("|") for line in table} == {7}
+    for r in report.rows:
+        assert any(r.claim in line and r.ours in line and r.verdict in line for line in table)
+    assert text == report.to_markdown()
+
+
+def test_four_at_equal_friction(made):
+    r = row(made, "on the flat with equal coefficients")
+    assert numbers(r.ours) == [4, 4]
+    assert r.verdict == "agrees"
+    assert numbers(row(made, "only accelerates").ours)[:2] == [4, 3]
+
+
+def test_forces(made):
+    net, gross = row(made, "net of friction"), row(made, "gross, as (4)")
+    assert numbers(net.ours) == pytest.approx([3.19021], abs=5e-4)
+    assert net.verdict == "agrees"
+    assert numbers(gross.ours) == pytest.approx([3.98777], abs=5e-4)
+    assert gross.verdict == "differs"
+    drive = row(made, "far below")
+    assert numbers(drive.ours)[0] == 27
+    assert drive.verdict == "agrees"
+    assert "N* = 2" in drive.note
+    assert row(made, "far above friction").verdict == "ambiguous in the paper"
+
+
+def test_figure_2_both_variants(made):
+    one, zero = row(made, "Highest", "w = 1"), row(made, "Highest", "w = 0")
+    assert numbers(one.ours) == [3, 11, 1.91, 7.97]
+    assert numbers(zero.ours) == [7, 11, 3.27, 17.28]
+    assert {one.verdict, zero.verdict} == {"ambiguous in the paper"}
+    flat = row(made, "Highest", "flat ground")
+    assert flat.verdict == "differs"
+    assert numbers(flat.ours)[:3] == [3, 87.35, 85.78]
+    assert "1.8%" in flat.note
+
+
+def test_figure_3_trends(made):
+    assert row(made, "grows with the number").verdict == "agrees"
+    assert row(made, "falls with the slope").verdict == "agrees"
+
+
+def test_figure_4_reaches_500(made):
+    one, zero = row(made, "extreme", "w = 1"), row(made, "extreme", "w = 0")
+    assert numbers(one.ours)[:2] == [500, 26.38]
+    assert numbers(zero.ours)[0] == 500
+    assert numbers(zero.ours)[1] == pytest.approx(68.0, abs=0.05)
+    assert {one.verdict, zero.verdict} == {"agrees"}
+
+
+def test_figure_5_crossing_and_limits(made):
+    dropped, kept = (row(made, "curves cross", word) for word in ("dropped", "kept"))
+    assert numbers(dropped.ours) == pytest.approx([0.328376, 1.449616], abs=5e-4)
+    assert dropped.verdict == "agrees"
+    assert "2.686" in dropped.note
+    assert kept.verdict == "differs"
+    assert "2.015" in kept.note
+    assert numbers(row(made, "Limit", "dropped").ours) == pytest.approx([3.190212], abs=5e-4)
+    assert numbers(row(made, "Limit", "kept").ours) == pytest.approx([2.392659], abs=5e-4)
+    assert numbers(row(made, "Dry velocity").ours)[0] == 4.4145
+
+
+def test_cycle_time(made):
+    assert row(made, "Cycle time", "cycle time N t").verdict == "differs"
+    assert row(made, "Cycle time", "phase time t").verdict == "agrees"
+
+
+def test_crossing_of_two_known_curves():
+    t = np.linspace(0, 2, 21)
+    assert crossing(t, t, t**2) == pytest.approx((1.0, 1.0), abs=1e-9)
+    assert crossing(t, t, 2 * t) is None
+
+
+def test_one_figure_only(tmp_path):
+    report = reproduce([5], tmp_path)
+    assert isinstance(report, Report)
+    assert [f.name for f in report.files] == ["figure5.png", "reproduction.png", "reproduction.md"]
+    sources = {r.source for r in report.rows}
+    assert "Figure 5" in sources
+    assert not sources & {"Figure 2", "Figure 3", "Figure 4"}
+
+
+@pytest.mark.parametrize("figures", [7, "5", [], [2, 6], True, "everything"])
+def test_other_figures_are_refused_in_one_line(figures, tmp_path):
+    with pytest.raises(ls.InputError, match="2, 3, 4, 5 or 'all'") as caught:
+        reproduce(figures, tmp_path)
+    assert "\n" not in str(caught.value)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_file_in_the_way_is_named(tmp_path):
+    (tmp_path / "taken").write_text("")
+    with pytest.raises(ls.InputError, match="taken"):
+        reproduce(5, tmp_path / "taken")
