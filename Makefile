@@ -1,0 +1,64 @@
+# Each target does all set-up it needs: a virtual environment in .venv, a release
+# build of the core, the package installed into it.
+
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+OUT    := out
+
+RUST_SOURCES := $(shell find rust Cargo.toml Cargo.lock pyproject.toml -type f 2>/dev/null)
+
+.PHONY: run test lint bench wheel clean tools
+
+run: $(VENV)/built
+	$(BIN)/locosweep reproduce all --robot examples/locosnake.toml --out $(OUT)
+	$(BIN)/locosweep heatmap mean_velocity --robot examples/locosnake.toml \
+	  --set drive_limit=inf --x slope_deg=0:25:1000 --y mu_static=0.1:1:1000 \
+	  --best-over segments=2:128 --out $(OUT)/optimal_segments.png --rate
+	@echo "locosweep: the paper's figures and table, and the map of the best segment count, lie in $(CURDIR)/$(OUT)"
+
+test: $(VENV)/built lint
+	cargo test --release --locked
+	$(BIN)/python -m pytest
+	cargo bench --locked --bench sweep -- --test
+	$(BIN)/python benches/border.py --quick
+	$(BIN)/python benches/peers.py --quick
+
+lint: $(VENV)/built
+	cargo fmt --all --check
+	cargo clippy --release --locked --workspace --all-targets -- -D warnings
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/python -m mypy.stubtest locosweep._core
+
+bench: $(VENV)/built
+	$(BIN)/python -c 'import tomllib; print("\n".join(tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["peers"]))' > $(VENV)/peers.txt
+	$(BIN)/pip install --quiet --disable-pip-version-check -r $(VENV)/peers.txt
+	cargo bench --locked --bench sweep
+	$(BIN)/python benches/border.py
+	$(BIN)/python benches/peers.py
+
+wheel: $(VENV)/installed
+	$(BIN)/maturin build --release --locked --out dist
+
+clean:
+	rm -rf target $(VENV) $(OUT) dist
+
+# What has to be there already, said in one line if it is not.
+tools:
+	@command -v cargo >/dev/null || { echo "locosweep needs Rust 1.89 or later: cargo is not on the PATH"; exit 1; }
+	@command -v $(PYTHON) >/dev/null || { echo "locosweep needs Python 3.11 or later: $(PYTHON) is not on the PATH"; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "locosweep needs Python 3.11 or later: $(PYTHON) is older (set PYTHON=...)"; exit 1; }
+	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || { echo "locosweep needs Python's venv module (on Debian: the package python3-venv)"; exit 1; }
+	@command -v cc >/dev/null || { echo "locosweep needs a C compiler (as the linker of Rust): cc is not on the PATH"; exit 1; }
+
+$(VENV)/installed: pyproject.toml Cargo.toml | tools
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -c 'import tomllib; p = tomllib.load(open("pyproject.toml", "rb"))["project"]; print("\n".join(p["dependencies"] + p["optional-dependencies"]["dev"]))' > $(VENV)/requirements.txt
+	$(BIN)/pip install --quiet --disable-pip-version-check -r $(VENV)/requirements.txt
+	touch $@
+
+$(VENV)/built: $(VENV)/installed $(RUST_SOURCES)
+	VIRTUAL_ENV=$(CURDIR)/$(VENV) $(BIN)/maturin develop --release --locked --generate-stubs --quiet
+	touch $@

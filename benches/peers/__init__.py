@@ -1,0 +1,1 @@
+"""The same work in locosweep and in what its users would write instead."""
