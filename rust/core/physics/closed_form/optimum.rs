@@ -140,7 +140,7 @@ fn searched_best<L: Lane>(p: &Point<L>) -> L {
     let least = (p.moving + need).floor() + one;
     let least = least.max(p.moving + p.anchors_ahead.max(one)).max(p.segments_min);
     let least = L::select(moves(least), least, least + one);
-    let (mut low, mut high) = (least, p.segments_max.max(least));
+    let (mut low, mut high) = (least, p.segments_max.min(most(p)).max(least));
     // 2^20 > 10^6, the largest count allowed.
     for _ in 0..20 {
         let open = low.lt(high);
@@ -154,6 +154,20 @@ fn searched_best<L: Lane>(p: &Point<L>) -> L {
     }
     let stops = L::or(p.brake.le(zero), braking_works(&p.with_segments(low)));
     low.only_if(L::and(L::and(moves(low), stops), low.le(p.segments_max)))
+}
+
+/// A count that is surely not below the best one. A head block under limits of
+/// force and speed gains less from a further segment than one without, so its
+/// optimum lies below the continuous one; viscosity, a brake or a second joint
+/// may move it beyond any bound.
+#[inline(always)]
+fn most<L: Lane>(p: &Point<L>) -> L {
+    let zero = p.moving.with(0.0);
+    let ideal = OptimalSegments::value::<L, false>(p).floor() + 2.0;
+    let others = L::or(p.brake.gt(zero), p.anchors_ahead.gt(zero));
+    let bounded = L::and(ideal.not_nan(), p.viscous.le(zero));
+    let bound = L::select(bounded, ideal, zero.with(f64::INFINITY));
+    L::select(others, zero.with(f64::INFINITY), bound)
 }
 
 /// Mean velocity at the best whole segment count.

@@ -107,7 +107,12 @@ fn viscous_phase<L: Lane>(
 ) -> Phase<L> {
     let zero = p.stroke.with(0.0);
     let rate = p.viscous * p.per_mass;
+    // Logarithms go lane by lane: only where something brakes.
+    let any_braked = L::any(braked);
     let braking_path = |v: L| {
+        if !any_braked {
+            return zero;
+        }
         let path = v * v / braking * log_path_factor(rate * v / braking);
         L::select(braked, path, zero)
     };
@@ -125,13 +130,19 @@ fn viscous_phase<L: Lane>(
     let free_peak = acceleration * t * speed_factor(rate * t);
     let limited = p.speed_limit.lt(free_peak);
     let top = L::select(limited, p.speed_limit, free_peak);
-    // Where the limit binds, top < a tau, so the logarithm exists.
-    let rise = L::select(limited, -(rate * top / acceleration), zero);
-    let driven_time = L::select(limited, top / acceleration * log_factor(rise), t);
+    let mut driven_time = t;
+    if L::any(limited) {
+        // Where the limit binds, top < a tau, so the logarithm exists.
+        let rise = L::select(limited, -(rate * top / acceleration), zero);
+        driven_time = L::select(limited, top / acceleration * log_factor(rise), t);
+    }
     let driven_path = acceleration * driven_time * driven_time * path_factor(rate * driven_time);
-    let braking_time = top / braking * log_factor(rate * top / braking);
     let cruise_path =
         L::select(limited, p.stroke - driven_path - braking_path(top), zero).max(zero);
-    let time = driven_time + L::select(braked, braking_time, zero) + cruise_path / top;
+    let mut time = driven_time + cruise_path / top;
+    if any_braked {
+        let braking_time = top / braking * log_factor(rate * top / braking);
+        time = L::select(braked, time + braking_time, time);
+    }
     Phase { mean_speed: p.stroke / time, peak_speed: top, driven_path, cruise_path }
 }
