@@ -14,7 +14,7 @@ run: $(VENV)/built
 	$(BIN)/locosweep reproduce all --robot examples/locosnake.toml --out $(OUT)
 	$(BIN)/locosweep heatmap mean_velocity --robot examples/locosnake.toml \
 	  --set drive_limit=inf --x slope_deg=0:25:1000 --y mu_static=0.1:1:1000 \
-	  --best-over segments=2:128 --out $(OUT)/optimal_segments.png --rate
+	  --best-over segments=2:128 --out $(OUT)/optimal_segments.png
 	@echo "locosweep: the paper's figures and table, and the map of the best segment count, lie in $(CURDIR)/$(OUT)"
 
 test: $(VENV)/built lint

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.collections import QuadMesh
     from matplotlib.colors import Normalize
+    from matplotlib.contour import QuadContourSet
     from numpy.typing import NDArray
 
     from locosweep.result import Output
@@ -91,6 +92,7 @@ def contours(
     lines = ax.contour(xs, ys, masked, levels=inner, colors="black", linewidths=0.7)
     texts = ax.clabel(
         lines,
+        manual=_label_places(lines),
         fontsize=8,
         inline=False,
         use_clabeltext=True,
@@ -98,6 +100,13 @@ def contours(
     )
     for text in texts or ():
         text.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
+
+
+def _label_places(lines: QuadContourSet) -> list[tuple[float, float]]:
+    """Middle of each contour: away from the edges, which would cut the label."""
+    paths = [np.asarray(path.vertices, np.float64) for path in lines.get_paths()]
+    middles = [vertices[len(vertices) // 2] for vertices in paths if len(vertices)]
+    return [(float(x), float(y)) for x, y in middles]
 
 
 def hatch_cells(
