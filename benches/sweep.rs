@@ -35,7 +35,7 @@ fn job(quantity: &str, axes: Axes, fixed: &[(&str, f64)], over: Option<(&str, Re
 }
 
 fn fill(job: &Job, buffer: Buffer, threads: usize, level: Level) {
-    let options = Options { threads, chunk: DEFAULT_CHUNK, level };
+    let options = Options { threads, chunk: DEFAULT_CHUNK, level, fresh: false };
     run(job, vec![(0, buffer)], options, &Control::default()).expect("the sweep runs");
 }
 
@@ -154,19 +154,26 @@ impl Task for MultiplyAdds {
     }
 }
 
-/// The limit of W2: it takes one multiply-add, two products, a comparison and
-/// two selections per candidate.
+/// The limit of W2, which takes one multiply-add, two products, a comparison and
+/// two selections per candidate. Two processors that share one core show here: no
+/// arithmetic gains from the second.
 fn multiply_adds(c: &mut Criterion) {
     let rounds = 10_000;
     let count = rounds * MultiplyAdds::CHAINS * MultiplyAdds::LANES;
-    let mut group = group(c, "limit multiply-adds", count);
-    // Without fused multiply-add (baseline) the chains do not fit the registers.
-    for level in Level::available().into_iter().filter(|level| *level != Level::Baseline) {
-        group.bench_function(level.name(), |b| {
-            b.iter(|| lane::run(level, MultiplyAdds { rounds: black_box(rounds) }));
+    for (level, threads) in variants() {
+        // Without fused multiply-add the chains do not fit the registers.
+        if level == Level::Baseline {
+            continue;
+        }
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        let mut group = group(c, "limit multiply-adds", threads * count);
+        group.bench_function(id(level, threads), |b| {
+            let work = |_: rayon::BroadcastContext| {
+                lane::run(level, MultiplyAdds { rounds: black_box(rounds) })
+            };
+            b.iter(|| pool.broadcast(work));
         });
     }
-    group.finish();
 }
 
 fn search(c: &mut Criterion) {

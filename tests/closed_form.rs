@@ -383,6 +383,19 @@ fn anchors_that_slip() {
     assert_eq!((value::<SlipRatio>(&held), value::<NetAdvance>(&held)), (0.0, 0.02));
 }
 
+/// A drive without measure slips anchors and movers by the inverse of their
+/// masses, whatever else holds them.
+#[test]
+fn slip_under_a_huge_drive() {
+    for (limit, mass) in [(1e9, M), (1e200, M), (1e300, 1e-9), (1.7e308, M)] {
+        for ahead in [0.0, 1.0] {
+            let more = [(DriveLimit, limit), (Mass, mass), (AnchorsAhead, ahead)];
+            let given = with(&surface(0.5, 0.3, 4.0), &more);
+            near(value::<SlipRatio>(&given), 0.25, 1e-8);
+        }
+    }
+}
+
 #[test]
 fn moving_more_segments_at_once() {
     let given = with(&surface(0.5, 0.3, 1.0), &[(SlopeDeg, 8.0)]);
@@ -917,6 +930,20 @@ fn crossed_bounds_of_the_count_have_no_value() {
             assert!(BestSegments::value::<f64, true>(&p).is_nan(), "the plain kernel differs");
         }
         assert_ne!(BestSegments::status(&p), Status::NotFinite, "no reason given");
+    }
+}
+
+/// Near a large optimum many neighbours tie within the margin: both kernels
+/// must agree on which is the lowest.
+#[test]
+fn large_counts_agree() {
+    for optimum in [1e3, 1e5, 6e5, 8e5, 9.9e5] {
+        let given = with(&surface(0.5, 0.25 * optimum - 0.5, 1.0), &[(SegmentsMax, 1e6)]);
+        near(value::<OptimalSegments>(&given), optimum, 1e-14);
+        let p = Point::of(&given);
+        let (general, plain) =
+            (BestSegments::value::<f64, false>(&p), BestSegments::value::<f64, true>(&p));
+        assert_eq!(general, plain, "optimum {optimum}");
     }
 }
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
+from pathlib import Path
 from typing import Any
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 
 from peers.work import (
     CLOSED,
@@ -38,7 +37,7 @@ def _dense(mu_static: Any, mu_coulomb: Any, cos: Any, sin: Any, n: Any) -> Any:
     return jnp.where((hold > 0) & (acceleration > 0), velocity, jnp.nan)
 
 
-def _dense_into(used: Any, *axes: Any) -> Any:
+def _dense_into(_used: Any, *axes: Any) -> Any:
     return _dense(*axes)
 
 
@@ -73,14 +72,16 @@ def _one_processor() -> Iterator[None]:
     """Keep all threads on one processor: JAX cannot change their number later."""
     allowed = os.sched_getaffinity(0)
     _pin({min(allowed)})
-    yield
-    _pin(allowed)
+    try:
+        yield
+    finally:
+        _pin(allowed)
 
 
 def _pin(processors: set[int]) -> None:
-    for thread in os.listdir("/proc/self/task"):
+    for thread in Path("/proc/self/task").iterdir():
         try:
-            os.sched_setaffinity(int(thread), processors)
+            os.sched_setaffinity(int(thread.name), processors)
         except ProcessLookupError:
             continue
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-import locosweep as ls
 import numpy as np
-from locosweep import _core
 
+import locosweep as ls
+from locosweep import _core
 from peers.work import (
     CLOSED,
     COUNTS,
@@ -50,15 +50,11 @@ def variants(group: str, axes: Axes, out: Array) -> list[Variant]:
     def sweep(threads: int) -> Array:
         return ls.sweep(quantity, grid, out=target, threads=threads, **how).values
 
-    found = [
-        Variant("ours", "locosweep", n, partial(sweep, n), "ours") for n in thread_counts()
-    ]
+    found = [Variant("ours", "locosweep", n, partial(sweep, n), "ours") for n in thread_counts()]
     if group == FRESH:
         return found
     request = (quantity, how.get("reduce"), None)
-    job = _core.Sweep(
-        list(grid.axes.items()), list(grid.fixed.items()), [request], how.get("over")
-    )
+    job = _core.Sweep(list(grid.axes.items()), list(grid.fixed.items()), [request], how.get("over"))
 
     def run(level: str, threads: int) -> Array:
         job.run([(0, out)], threads, None, None, None, level)

@@ -26,12 +26,21 @@ from peers.work import (
     thread_counts,
 )
 
-# NumPy's division: with Python's, which raises on zero, no loop becomes vector code.
+# Division by zero gives what it gives in NumPy; with Python's rule it would raise.
 compiled = njit(parallel=True, fastmath=False, error_model="numpy")
 
 
 @compiled
-def dense(mu_static, mu_coulomb, cos, sin, segments, gravity, stroke, out):  # type: ignore[no-untyped-def] # noqa: ANN001, ANN201
+def dense(
+    mu_static: Array,
+    mu_coulomb: Array,
+    cos: Array,
+    sin: Array,
+    segments: Array,
+    gravity: float,
+    stroke: float,
+    out: Array,
+) -> None:
     for i in prange(mu_static.size):
         for j in range(mu_coulomb.size):
             for k in range(cos.size):
@@ -46,7 +55,14 @@ def dense(mu_static, mu_coulomb, cos, sin, segments, gravity, stroke, out):  # t
 
 
 @compiled
-def dense_folded(mu_static, mu_coulomb, of_static, of_coulomb, rest, out):  # type: ignore[no-untyped-def] # noqa: ANN001, ANN201
+def dense_folded(
+    mu_static: Array,
+    mu_coulomb: Array,
+    of_static: Array,
+    of_coulomb: Array,
+    rest: Array,
+    out: Array,
+) -> None:
     for i in prange(mu_static.size):
         for j in range(mu_coulomb.size):
             row = out[i, j]
@@ -56,7 +72,16 @@ def dense_folded(mu_static, mu_coulomb, of_static, of_coulomb, rest, out):  # ty
 
 
 @compiled
-def search(mu_static, mu_coulomb, cos, sin, counts, gravity, stroke, out):  # type: ignore[no-untyped-def] # noqa: ANN001, ANN201
+def search(
+    mu_static: Array,
+    mu_coulomb: Array,
+    cos: Array,
+    sin: Array,
+    counts: Array,
+    gravity: float,
+    stroke: float,
+    out: Array,
+) -> None:
     for i in prange(mu_static.size):
         for j in range(mu_coulomb.size):
             for k in range(cos.size):
@@ -73,7 +98,15 @@ def search(mu_static, mu_coulomb, cos, sin, counts, gravity, stroke, out):  # ty
 
 
 @compiled
-def search_monotone(mu_static, mu_coulomb, cos, sin, counts, per_square, out):  # type: ignore[no-untyped-def] # noqa: ANN001, ANN201
+def search_monotone(
+    mu_static: Array,
+    mu_coulomb: Array,
+    cos: Array,
+    sin: Array,
+    counts: Array,
+    per_square: Array,
+    out: Array,
+) -> None:
     # The velocity's square, up to a factor, has its peak at the same count.
     for i in prange(mu_static.size):
         for j in range(mu_coulomb.size):
@@ -89,7 +122,15 @@ def search_monotone(mu_static, mu_coulomb, cos, sin, counts, per_square, out):  
 
 
 @compiled
-def closed(mu_static, mu_coulomb, cos, sin, least, most, out):  # type: ignore[no-untyped-def] # noqa: ANN001, ANN201
+def closed(
+    mu_static: Array,
+    mu_coulomb: Array,
+    cos: Array,
+    sin: Array,
+    least: float,
+    most: float,
+    out: Array,
+) -> None:
     for i in prange(mu_static.size):
         for j in range(mu_coulomb.size):
             for k in range(cos.size):
@@ -103,7 +144,7 @@ def closed(mu_static, mu_coulomb, cos, sin, least, most, out):  # type: ignore[n
 
 
 @compiled
-def fill(flat, value):  # type: ignore[no-untyped-def] # noqa: ANN001, ANN201
+def fill(flat: Array, value: float) -> None:
     for i in prange(flat.size):
         flat[i] = value
 
@@ -112,8 +153,10 @@ def fill(flat, value):  # type: ignore[no-untyped-def] # noqa: ANN001, ANN201
 def _threads(count: int) -> Iterator[None]:
     before = numba.get_num_threads()
     numba.set_num_threads(count)
-    yield
-    numba.set_num_threads(before)
+    try:
+        yield
+    finally:
+        numba.set_num_threads(before)
 
 
 def _folded(axes: Axes) -> tuple[Array, Array, Array]:

@@ -11,8 +11,9 @@ import numpy as np
 
 from peers.work import FRESH, GRAVITY, REUSED, STROKE, Array, Axes, Variant, thread_counts
 
-_HOLD = "(mu_static * cos - sin)"
-_ACCELERATION = f"(g * ((n - 1) * {_HOLD} - mu_coulomb * cos - sin))"
+# cos and sin would be functions.
+_HOLD = "(mu_static * c - s)"
+_ACCELERATION = f"(g * ((n - 1) * {_HOLD} - mu_coulomb * c - s))"
 _VELOCITY = f"sqrt(d * {_ACCELERATION} / 2) / n"
 _DENSE = f"where(({_HOLD} > 0) & ({_ACCELERATION} > 0), {_VELOCITY}, nan)"
 
@@ -20,8 +21,10 @@ _DENSE = f"where(({_HOLD} > 0) & ({_ACCELERATION} > 0), {_VELOCITY}, nan)"
 @contextmanager
 def _threads(count: int) -> Iterator[None]:
     before = numexpr.set_num_threads(count)
-    yield
-    numexpr.set_num_threads(before)
+    try:
+        yield
+    finally:
+        numexpr.set_num_threads(before)
 
 
 def variants(group: str, axes: Axes, out: Array) -> list[Variant]:
@@ -31,8 +34,8 @@ def variants(group: str, axes: Axes, out: Array) -> list[Variant]:
     given = {
         "mu_static": axes.mu_static[:, None, None, None],
         "mu_coulomb": axes.mu_coulomb[:, None, None],
-        "cos": axes.cos[:, None],
-        "sin": axes.sin[:, None],
+        "c": axes.cos[:, None],
+        "s": axes.sin[:, None],
         "n": axes.segments,
         "g": GRAVITY,
         "d": STROKE,
@@ -41,6 +44,5 @@ def variants(group: str, axes: Axes, out: Array) -> list[Variant]:
     target = out if group == REUSED else None
     call = partial(numexpr.evaluate, _DENSE, local_dict=given, out=target)
     return [
-        Variant("numexpr", "numexpr", n, call, around=partial(_threads, n))
-        for n in thread_counts()
+        Variant("numexpr", "numexpr", n, call, around=partial(_threads, n)) for n in thread_counts()
     ]

@@ -104,10 +104,10 @@ def fill(out: Array, threads: int) -> Array:
 
 def fills(group: str, axes: Axes, out: Array) -> list[Variant]:
     """List the limits of a group, for want of a compiler."""
-    if group == FRESH:
-        call = lambda n: fill(np.empty(axes.shape), n)  # noqa: E731
-    else:
-        call = partial(fill, out)
+
+    def call(threads: int) -> Array:
+        return fill(np.empty(axes.shape) if group == FRESH else out, threads)
+
     return [
         Variant("fill", "limit: plain fill (numpy)", n, partial(call, n), "limit")
         for n in thread_counts()

@@ -17,10 +17,12 @@ GRAVITY = 9.81
 STROKE = 0.02
 COUNTS = np.arange(2.0, 65.0)
 
-REUSED = "W1 into a used array"
-FRESH = "W1 into a fresh array"
-SEARCH = "W2 best of 2 to 64 segments, every candidate tried"
-CLOSED = "W2 best of 2 to 64 segments, closed form"
+# W1: mean velocity at every point, NaN where the robot does not move.
+REUSED = "W1 used array"
+FRESH = "W1 fresh array"
+# W2: the count from 2 to 64 with the highest mean velocity, for every cell.
+SEARCH = "W2 search"
+CLOSED = "W2 closed form"
 
 
 @dataclass(frozen=True)

@@ -104,7 +104,9 @@ def sweep(
     if not names or not how:
         raise InputError(f"{'quantity' if not names else 'reduce'} is empty: name at least one")
     grid = (Grid() if grid is None else grid).with_fixed(fixed)
-    requests = [(name, r, q if r == "quantile" or len(how) == 1 else None) for name in names for r in how]
+    if q is not None and "quantile" not in how:
+        raise InputError(f"q is {q!r}: allowed only together with reduce 'quantile'")
+    requests = [(name, r, q if r == "quantile" else None) for name in names for r in how]
     if len(set(requests)) < len(requests):
         raise InputError("quantity or reduce names the same thing twice")
     job = _core.Sweep(list(grid.axes.items()), list(grid.fixed.items()), requests, over)

@@ -116,7 +116,11 @@ def load_robot(path: str | os.PathLike[str]) -> Robot:
 def _number(path: Path, place: tuple[str, str], value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise DataFileError(f"{path}: [{place[0]}] {place[1]} is {value!r}: allowed is a number")
-    return float(value)
+    try:
+        return float(value)
+    except OverflowError:
+        # Whole numbers of TOML have no limit; the range check refuses this one.
+        return math.inf if value > 0 else -math.inf
 
 
 def _word(path: Path, place: tuple[str, str], value: object, words: list[str]) -> str:
@@ -166,7 +170,7 @@ def save_result(result: Result, path: str | os.PathLike[str]) -> None:
     """Write a result as a Parquet table with everything needed to read it back."""
     import polars as pl
 
-    header = {
+    header: dict[str, Any] = {
         "format": _FORMAT,
         "version": _core.version(),
         "axes": {name: [_text(v) for v in axis] for name, axis in result.axes.items()},
@@ -175,8 +179,8 @@ def save_result(result: Result, path: str | os.PathLike[str]) -> None:
         "rivals": None if result.rivals is None else [_text(v) for v in result.rivals],
         "q": result.q,
         "outputs": [[o.quantity, o.reduce, result[o.name].dtype.name] for o in result.outputs],
-        "sha256": _digest(result),
     }
+    header["sha256"] = _digest(header, result)
     frame = result.to_polars()
     with replacing(path) as temporary:
         try:
@@ -190,8 +194,10 @@ def _text(value: float) -> str:
     return repr(float(value))
 
 
-def _digest(result: Result) -> str:
-    digest = hashlib.sha256()
+def _digest(header: dict[str, Any], result: Result) -> str:
+    """Hash everything that is read back."""
+    rest = {key: value for key, value in header.items() if key != "sha256"}
+    digest = hashlib.sha256(json.dumps(rest, sort_keys=True).encode())
     for output in result.outputs:
         digest.update(np.ascontiguousarray(result[output.name]).tobytes())
         digest.update(np.ascontiguousarray(result.status_of(output.name)).tobytes())
@@ -240,7 +246,7 @@ def load(path: str | os.PathLike[str]) -> Result:
         raise DataFileError(f"{path}: not a readable Parquet file: {first}") from None
     try:
         outputs, axes, fixed, values, statuses = _unpack(header, frame)
-    except (KeyError, TypeError, ValueError, pl.exceptions.PolarsError) as error:
+    except (AttributeError, KeyError, TypeError, ValueError, pl.exceptions.PolarsError) as error:
         raise DataFileError(f"{path}: not a result of locosweep: {error}") from None
     rivals, q = header["rivals"], header["q"]
     result = Result(
@@ -253,7 +259,7 @@ def load(path: str | os.PathLike[str]) -> Result:
         q=None if q is None else float(q),
         statuses=statuses,
     )
-    if _digest(result) != header.get("sha256"):
+    if _digest(header, result) != header.get("sha256"):
         raise DataFileError(f"{path}: altered or damaged since it was written (hash differs)")
     return result
 

@@ -97,7 +97,9 @@ def _read(name: str, value: Any) -> tuple[float, NDArray[np.float64] | None]:
         unit = parameter(name).unit
         value = value.to("dimensionless" if unit == "1" else unit).magnitude
     if np.ma.isMaskedArray(value):
-        raise InputError(f"{name} is a masked array: allowed are plain numbers (drop or fill first)")
+        raise InputError(
+            f"{name} is a masked array: allowed are plain numbers (drop or fill first)"
+        )
     try:
         array = np.asarray(value)
     except ValueError as error:
@@ -105,7 +107,9 @@ def _read(name: str, value: Any) -> tuple[float, NDArray[np.float64] | None]:
     if array.dtype.kind not in "iuf":
         raise InputError(f"{name} has type {array.dtype}: allowed are real numbers")
     if array.ndim > 1:
-        raise InputError(f"{name} has {array.ndim} dimensions: allowed is a number or one dimension")
+        raise InputError(
+            f"{name} has {array.ndim} dimensions: allowed is a number or one dimension"
+        )
     array = array.astype(np.float64, order="C", copy=True)
     if array.ndim == 0:
         return float(array), None

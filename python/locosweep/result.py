@@ -81,7 +81,7 @@ class Result:
     >>> r = ls.sweep("mean_velocity", mu_static=0.5, mu_coulomb=0.3, segments=4,
     ...              slope_deg=[0, 10, 30])
     >>> r.values.round(4)
-    array([0.0858, 0.0509,    nan])
+    array([0.0858, 0.0547,    nan])
     >>> [ls.Status(code).name for code in r.status]
     ['OK', 'OK', 'SLIDES_BACK']
     """
@@ -182,12 +182,14 @@ class Result:
         for place, (name, axis) in enumerate(self.axes.items()):
             view = axis.reshape([-1 if i == place else 1 for i in range(len(self.axes))])
             columns[name] = np.broadcast_to(view, self.shape).ravel()
-        kind = pl.Enum([status.name.lower() for status in Status])
+        names = [status.name.lower() for status in Status]
+        words = pl.Series(names, dtype=pl.Enum(names))
         for output in self.outputs:
             columns[output.name] = self[output.name].ravel()
             codes = pl.Series(self.status_of(output.name).ravel())
+            # Gathered: Polars 2 does not cast numbers to an Enum.
             label = "status" if len(self.outputs) == 1 else f"{output.name}_status"
-            columns[label] = codes.cast(kind)
+            columns[label] = words.gather(codes)
         return pl.DataFrame(columns)
 
     def to_xarray(self) -> xr.Dataset:
@@ -203,7 +205,11 @@ class Result:
             data[output.name] = (dims, self[output.name], attributes)
             data[f"{output.name}_status"] = (dims, self.status_of(output.name), {"units": "1"})
         coords = {
-            name: (name, axis, {"units": parameter(name).unit, "long_name": parameter(name).meaning})
+            name: (
+                name,
+                axis,
+                {"units": parameter(name).unit, "long_name": parameter(name).meaning},
+            )
             for name, axis in self.axes.items()
         }
         return xr.Dataset(data, coords, attrs=dict(self.fixed))
@@ -223,8 +229,9 @@ class Result:
             values = self[output.name]
             works = np.isfinite(values)
             if works.any():
-                low, high = np.min(values, where=works, initial=np.inf), np.max(
-                    values, where=works, initial=-np.inf
+                low, high = (
+                    np.min(values, where=works, initial=np.inf),
+                    np.max(values, where=works, initial=-np.inf),
                 )
                 text = f"{low:.6g} .. {high:.6g} {output.unit}, {works.mean():.1%} of the cells"
             else:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["Span", "Spec"]
 
 _FORMAT = "locosweep.sweep/1"
-_MOST = 100_000_000
+_MOST = 10_000_000
 """Values that one axis may have."""
 
 
@@ -190,7 +190,18 @@ class Spec:
 
     def run(self, **options: Any) -> Result:
         """Sweep; takes the options of `sweep` (threads, progress, token, ...)."""
+        from locosweep import memory
         from locosweep.engine import sweep
+
+        counts = {
+            name: len(values) if isinstance(values, tuple) else values.check(name)
+            for name, values in self.axes
+        }
+        cells = math.prod(count for name, count in counts.items() if name != self.over)
+        outputs = len(self.quantities) * max(1, len(self.reduce))
+        size = 4 if self.dtype == "float32" else 8
+        # Before the axes themselves take time and memory.
+        memory.check(cells * outputs * size, options.get("memory_limit"), "the result")
 
         return sweep(
             self.quantities,

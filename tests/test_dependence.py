@@ -1,0 +1,295 @@
+"""Dependence points down, unsafe code stands in one file, data is never executed."""
+
+from __future__ import annotations
+
+import ast
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+CORE = ROOT / "rust" / "core"
+PYTHON = ROOT / "python" / "locosweep"
+
+# Lowest first; modules in one row may not use each other unless named in RUST_WITHIN.
+RUST_ORDER = [{"describe", "error"}, {"lane"}, {"physics"}, {"sweep"}]
+# What a record of a parameter refuses with is an error, and an error says a name's neighbour.
+RUST_WITHIN = {("describe", "error"), ("error", "describe"), ("lane", "error")}
+
+# Lowest first; plot_style and the like belong to plot. Modules in one row may use
+# each other in one direction.
+PYTHON_ORDER = [
+    {"errors", "_core"},
+    {"registry"},
+    {"grid", "progress", "memory"},
+    {"result"},
+    {"files", "provenance"},
+    {"engine"},
+    {"plot"},
+    {"reproduce", "spec"},
+    {"cli"},
+]
+# Conveniences of a result that reach up, each inside a function.
+LAZY = {("result", "plot"), ("result", "files")}
+# The package's front door: it only gathers names.
+DOOR = {"__init__", "__main__"}
+
+UNSAFE = {Path("lane/stream.rs")}
+
+
+def rank(order: list[set[str]], name: str) -> int:
+    """Return the row of a module."""
+    for row, names in enumerate(order):
+        if name in names:
+            return row
+    raise AssertionError(f"{name} has no place in the order: give it one in this file")
+
+
+def without_comments(text: str) -> str:
+    """Drop comments and strings, where words are no code."""
+    text = re.sub(r'r#"(?s:.)*?"#|r"[^"]*"|"(?:\\.|[^"\\])*"', '""', text)
+    return re.sub(r"//[^\n]*|/\*(?s:.)*?\*/", "", text)
+
+
+def rust_uses(text: str) -> set[str]:
+    """Modules of the crate that a source file names."""
+    text = without_comments(text)
+    found = set(re.findall(r"\bcrate::(\w+)", text))
+    for group in re.findall(r"\bcrate::\{((?:[^{}]|\{[^{}]*\})*)\}", text):
+        found |= set(re.findall(r"(?:^|,)\s*(\w+)", re.sub(r"\{[^{}]*\}", "", group)))
+    return found
+
+
+def rust_faults(sources: dict[str, list[str]]) -> list[str]:
+    """Arrows that point up; sources maps a module to the texts of its files."""
+    modules = set().union(*RUST_ORDER)
+    faults = []
+    for module, texts in sources.items():
+        for used in set().union(*(rust_uses(text) for text in texts)) & modules - {module}:
+            higher = rank(RUST_ORDER, used) >= rank(RUST_ORDER, module)
+            if higher and (module, used) not in RUST_WITHIN:
+                faults.append(f"{module} uses {used}")
+    return sorted(faults)
+
+
+def rust_sources() -> dict[str, list[str]]:
+    """Texts of the core by module."""
+    sources: dict[str, list[str]] = {}
+    for path in sorted(CORE.rglob("*.rs")):
+        module = path.relative_to(CORE).parts[0].removesuffix(".rs")
+        if module != "lib":
+            sources.setdefault(module, []).append(path.read_text())
+    return sources
+
+
+def family(name: str) -> str:
+    """Return the entry of PYTHON_ORDER that a module belongs to."""
+    known = set().union(*PYTHON_ORDER)
+    return name if name in known else name.partition("_")[0]
+
+
+def python_uses(text: str, package: str = "locosweep") -> set[tuple[str, bool]]:
+    """Modules of the package that a source file imports, and whether lazily."""
+    tree = ast.parse(text)
+    parents = {child: node for node in ast.walk(tree) for child in ast.iter_child_nodes(node)}
+    known = {path.stem for path in PYTHON.glob("*")} | set().union(*PYTHON_ORDER)
+
+    def lazy(node: ast.AST) -> bool:
+        while node in parents:
+            node = parents[node]
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+                return True
+            # What only a type checker reads is no arrow at run time.
+            if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+                return True
+        return False
+
+    found = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            above = package.split(".")[: 1 - node.level or None] if node.level else []
+            base = ".".join([*above, *filter(None, [node.module])])
+            names = [f"{base}.{alias.name}" for alias in node.names]
+        else:
+            continue
+        for name in names:
+            parts = [*name.split("."), ""]
+            if parts[0] == "locosweep":
+                found.add((parts[1] if parts[1] in known else "__init__", lazy(node)))
+    return found
+
+
+def python_faults(sources: dict[str, str]) -> list[str]:
+    """Arrows that point up; sources maps dotted module names to texts."""
+    faults = []
+    for name, text in sources.items():
+        module, package = name.split(".")[0], ".".join(["locosweep", *name.split(".")[:-1]])
+        if module in DOOR:
+            continue
+        for used, lazy in python_uses(text, package):
+            if used in DOOR:
+                faults.append(f"{name} uses the package's front door")
+                continue
+            above = rank(PYTHON_ORDER, family(used)) > rank(PYTHON_ORDER, family(module))
+            if above and not (lazy and (module, used) in LAZY):
+                faults.append(f"{name} uses {used}")
+    return sorted(faults)
+
+
+def python_sources() -> dict[str, str]:
+    """Texts of the package by dotted module name."""
+    paths = [path.relative_to(PYTHON) for path in sorted(PYTHON.rglob("*.py"))]
+    return {".".join(p.with_suffix("").parts): (PYTHON / p).read_text() for p in paths}
+
+
+def cycles(sources: dict[str, str]) -> list[str]:
+    """Chains of imports that come back to where they began."""
+    uses = {m: {u for u, lazy in python_uses(t) if not lazy} for m, t in sources.items()}
+
+    def back(path: list[str]) -> list[str]:
+        found = []
+        for used in sorted(uses.get(path[-1], set())):
+            if used == path[0]:
+                found.append(" -> ".join([*path, used]))
+            elif used > path[0] and used not in path:
+                found += back([*path, used])
+        return found
+
+    return [chain for module in sorted(uses) for chain in back([module])]
+
+
+FORBIDDEN_CALLS = {"eval", "exec", "compile", "__import__"}
+FORBIDDEN_IMPORTS = {"pickle", "cPickle", "dill", "cloudpickle", "marshal", "shelve", "yaml"}
+
+
+def executes(text: str) -> list[str]:
+    """Calls and imports through which data can become code."""
+    faults = []
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+            faults += [node.func.id] if node.func.id in FORBIDDEN_CALLS else []
+        elif isinstance(node, ast.Import):
+            faults += [a.name for a in node.names if a.name.split(".")[0] in FORBIDDEN_IMPORTS]
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            faults += [node.module] if node.module.split(".")[0] in FORBIDDEN_IMPORTS else []
+        elif isinstance(node, ast.keyword) and node.arg == "allow_pickle":
+            allowed = isinstance(node.value, ast.Constant) and node.value.value is False
+            faults += [] if allowed else ["allow_pickle"]
+    return faults
+
+
+def has_unsafe(text: str) -> bool:
+    """Whether code, not a comment or a lint's name, says unsafe."""
+    return re.search(r"\bunsafe\b|allow\(unsafe_code\)", without_comments(text)) is not None
+
+
+def test_rust_arrows_point_down() -> None:
+    sources = rust_sources()
+    assert set(sources) == set().union(*RUST_ORDER)
+    assert rust_faults(sources) == []
+
+
+def test_core_knows_no_python() -> None:
+    manifest = tomllib.loads((ROOT / "Cargo.toml").read_text())
+    tables = [
+        manifest.get(k, {}) for k in ("dependencies", "dev-dependencies", "build-dependencies")
+    ]
+    tables += [t.get("dependencies", {}) for t in manifest.get("target", {}).values()]
+    names = {name for table in tables for name in table}
+    assert "rayon" in names
+    assert not names & {"pyo3", "numpy", "pyo3-ffi"}
+    for path in CORE.rglob("*.rs"):
+        assert not re.search(r"\bpyo3\b|\bnumpy::", path.read_text()), path
+
+
+def test_python_arrows_point_down() -> None:
+    assert python_faults(python_sources()) == []
+    assert cycles(python_sources()) == []
+
+
+def test_unsafe_code_stands_in_one_file() -> None:
+    found = {p.relative_to(CORE) for p in CORE.rglob("*.rs") if has_unsafe(p.read_text())}
+    assert found == UNSAFE
+    bindings = ROOT / "rust" / "bindings"
+    assert [p for p in bindings.rglob("*.rs") if has_unsafe(p.read_text())] == []
+    for manifest in (ROOT / "Cargo.toml", bindings / "Cargo.toml"):
+        assert tomllib.loads(manifest.read_text())["lints"]["rust"]["unsafe_code"] == "deny"
+
+
+def test_nothing_is_executed_from_data() -> None:
+    faults = {p.name: executes(p.read_text()) for p in PYTHON.rglob("*.py")}
+    assert {name: f for name, f in faults.items() if f} == {}
+
+
+@pytest.mark.parametrize(
+    ("module", "text"),
+    [
+        ("lane", "use crate::physics::Point;"),
+        ("physics", "fn f() { crate::sweep::run() }"),
+        ("error", "use crate::{lane, describe};"),
+        ("physics", "use crate::{\n    error::{Error, Result},\n    sweep::run,\n};"),
+        ("describe", "use crate::lane::Lane;"),
+    ],
+)
+def test_planted_rust_violations_are_found(module: str, text: str) -> None:
+    assert rust_faults({module: [text]}) != []
+
+
+def test_rust_comments_are_no_arrows() -> None:
+    assert rust_faults({"lane": ['// crate::sweep\nlet s = "crate::sweep";']}) == []
+    assert rust_faults({"sweep": ["use crate::{error, lane::Lane};"]}) == []
+
+
+@pytest.mark.parametrize(
+    ("module", "text"),
+    [
+        ("registry", "from locosweep.grid import Grid"),
+        ("errors", "import locosweep.engine"),
+        ("grid", "from locosweep import plot"),
+        ("files", "from . import engine"),
+        ("memory", "from .engine import sweep"),
+        ("grid", "def f():\n    from locosweep.plot import Plotter"),
+        ("result", "from locosweep.plot import Plotter"),
+        ("engine", "import locosweep"),
+        ("engine", "from locosweep import sweep"),
+        ("plot_style", "from locosweep.spec import Spec"),
+        ("spec", "from locosweep.cli.main import main"),
+        ("spec", "from .cli import main"),
+    ],
+)
+def test_planted_python_violations_are_found(module: str, text: str) -> None:
+    assert python_faults({module: text}) != []
+
+
+def test_planted_cycles_are_found() -> None:
+    a, b = "from locosweep import memory", "from locosweep.grid import Grid"
+    c = "from locosweep.progress import Meter"
+    assert cycles({"grid": a, "memory": b}) == ["grid -> memory -> grid"]
+    assert cycles({"grid": a, "memory": c, "progress": b}) != []
+    assert cycles({"grid": a, "memory": c}) == []
+
+
+def test_stated_exceptions_are_the_only_ones() -> None:
+    assert python_faults({"result": "def f():\n    from locosweep.plot import Plotter"}) == []
+    assert python_faults({"engine": "from locosweep import _core, memory"}) == []
+    assert python_faults({"cli.main": "from .listing import show\nfrom ..spec import Spec"}) == []
+    with pytest.raises(AssertionError, match="no place"):
+        python_faults({"unheard_of": "import locosweep.grid"})
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["eval('1')", "import pickle", "from yaml import load", "np.load(f, allow_pickle=True)"],
+)
+def test_planted_execution_is_found(text: str) -> None:
+    assert executes(text) != []
+
+
+def test_planted_unsafe_code_is_found() -> None:
+    assert has_unsafe("fn f() { unsafe { g() } }")
+    assert has_unsafe("#![allow(unsafe_code)]")
+    assert not has_unsafe("// unsafe\n#![deny(unsafe_code)]")
