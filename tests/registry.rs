@@ -144,12 +144,12 @@ impl Random {
     fn allowed(&mut self, id: ParamId) -> f64 {
         let param = id.param();
         let (low, high) = param.range;
-        let top = if high.is_infinite() { 1e300 } else { high };
+        let top = if high.is_infinite() { 1e30 } else { high };
         let sign = if low < 0.0 && self.unit() < 0.5 { -1.0 } else { 1.0 };
         let size = match self.unit() {
             u if u < 0.35 => return self.usual(id),
             u if u < 0.45 => return self.pick(&[low, high, param.default.unwrap_or(low)]),
-            u if u < 0.55 => self.log(1e-300, top),
+            u if u < 0.55 => self.log(1e-30, top),
             _ => self.log(low.clamp(1e-9, 1.0), top),
         };
         let value = (sign * size).clamp(low, high);

@@ -129,7 +129,8 @@ def values_of(draw, record):
     low, high = record.range
     if record.integer:
         return float(draw(st.integers(int(low), int(min(high, 2**53)))))
-    return draw(st.floats(low, high, allow_nan=False))
+    sizes = st.floats(low, high, allow_nan=False)
+    return draw(sizes.filter(lambda v: v == 0 or math.isinf(v) or 1e-30 <= abs(v) <= 1e30))
 
 
 @st.composite
@@ -142,7 +143,7 @@ def axes_of(draw, record):
         first = draw(st.integers(int(low), int(high)))
         last = draw(st.integers(first, min(first + 50, int(high))))
         return Span(float(first), float(last))
-    ends = st.floats(low, high, allow_nan=False)
+    ends = st.floats(low, high, allow_nan=False).map(lambda v: min(high, max(low, round(v, 6))))
     return Span(draw(ends), draw(ends), draw(st.integers(2, 9)))
 
 

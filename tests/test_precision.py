@@ -46,9 +46,8 @@ class Reference:
         self.hold = self.mu_b * self.n_anchor - pull
         self.grip = self.mu_b * self.n_anchor + pull
         self.drag = p["mu_coulomb"] * self.n_mover + self.weight
-        self.anchored = (
-            self.anchors > 0 and self.ahead <= self.anchors and self.hold > 0 and self.grip > 0
-        )
+        self.holding = self.anchors > 0 and self.hold > 0 and self.grip > 0
+        self.anchored = self.holding and self.ahead <= self.anchors
         self.terms_hold = self.mu_b * self.n_anchor + abs(pull)
         self.terms_drag = p["mu_coulomb"] * self.n_mover + abs(self.weight)
         self.rate = p["viscous"] / self.m
@@ -166,7 +165,7 @@ class Reference:
         push = self.joints(self.hold)
         resist = k * m * self.drag
         anchored = self.anchored
-        out["anchor_capacity"] = (capacity if anchored else None, hold_condition)
+        out["anchor_capacity"] = (capacity if self.holding else None, hold_condition)
         out["propulsive_force"] = (push if anchored else None, hold_condition)
         drag_condition = self.terms_drag / abs(self.drag) if self.drag else mp.inf
         out["resistance"] = (resist, drag_condition)
@@ -221,7 +220,7 @@ class Reference:
         terms = hold_condition * (1 + self.terms_drag / abs(self.hold + self.drag))
         out["optimal_segments"] = (optimum if has else None, terms)
 
-        opposed = anchored and self.drag > 0
+        opposed = self.holding and self.drag > 0
         reserve = capacity / resist if opposed else None
         out["anchor_reserve"] = (reserve, hold_condition * drag_condition)
         demand = p["drive_limit"] * (2 if self.ahead > 0 else 1)

@@ -1,23 +1,6 @@
 from _typeshed import Incomplete, SupportsGetItem
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = [
-    "CancelToken",
-    "Parameter",
-    "Quantity",
-    "Sweep",
-    "file_choices",
-    "file_keys",
-    "parameters",
-    "quantities",
-    "reductions",
-    "simd_level",
-    "simd_levels",
-    "statuses",
-    "threads_to_use",
-    "version",
-]
-
 @final
 class CancelToken:
     """
@@ -108,16 +91,7 @@ class Sweep:
     """
     A checked grid and what to compute on it.
     """
-    def __new__(
-        cls,
-        /,
-        axes: SupportsGetItem[int, tuple[str, Incomplete]],
-        fixed: SupportsGetItem[int, tuple[str, SupportsFloat | SupportsIndex]],
-        requests: SupportsGetItem[
-            int, tuple[str, str | None, SupportsFloat | SupportsIndex | None]
-        ],
-        over: str | None = None,
-    ) -> Sweep:
+    def __new__(cls, /, axes: SupportsGetItem[int, tuple[str, Incomplete]], fixed: SupportsGetItem[int, tuple[str, SupportsFloat | SupportsIndex]], requests: SupportsGetItem[int, tuple[str, str | None, SupportsFloat | SupportsIndex | None]], over: str | None = None) -> Sweep:
         """
         `requests` are (quantity, reduction or None, q or None).
         """
@@ -141,17 +115,7 @@ class Sweep:
         """
         Name and value of every parameter that is not an axis.
         """
-    def run(
-        self,
-        /,
-        outputs: SupportsGetItem[int, tuple[SupportsIndex, Any]],
-        threads: SupportsIndex,
-        chunk: SupportsIndex | None = None,
-        progress: Any | None = None,
-        token: CancelToken | None = None,
-        level: str | None = None,
-        fresh: bool = False,
-    ) -> None:
+    def run(self, /, outputs: SupportsGetItem[int, tuple[SupportsIndex, Any]], threads: SupportsIndex, chunk: SupportsIndex | None = None, progress: Any | None = None, token: CancelToken | None = None, level: str | None = None, fresh: bool = False) -> None:
         """
         Fill arrays: each output is (number of the request, array). An array of
         uint8 receives status codes. `fresh`: the arrays were never written to.
@@ -215,3 +179,5 @@ def version() -> str:
     """
     Version of the package.
     """
+
+def __getattr__(name: str) -> Incomplete: ...

@@ -45,7 +45,7 @@ NO_VALUE = "0.87"
 
 HATCHES = (
     *("////", "\\\\\\\\", "xxxx", "....", "ooo", "++++"),
-    *("----", "||||", "OO", "//", "//..", "\\\\oo"),
+    *("----", "||||", "OO", "//", "//..", "\\\\oo", "||..."),
 )
 """One per status after ok, the same one in every picture."""
 

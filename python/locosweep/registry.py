@@ -125,7 +125,8 @@ class Status(IntEnum):
     SET_VALUED = 9
     NONE_FEASIBLE = 10
     CANNOT_BRAKE = 11
-    NOT_FINITE = 12
+    EMPTY_RANGE = 12
+    NOT_FINITE = 13
 
     @property
     def sentence(self) -> str:

@@ -10,6 +10,7 @@ use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// How often the calling thread looks for signals.
@@ -109,13 +110,26 @@ pub fn input_error(py: Python<'_>, message: String) -> PyErr {
     exception(py, "InputError", message)
 }
 
+/// Where the last panic of this library happened.
+static PLACE: Mutex<String> = Mutex::new(String::new());
+
+/// Keeps the report of a panic for the exception that it becomes, instead of
+/// printing it.
+pub fn keep_panics_quiet() {
+    std::panic::set_hook(Box::new(|info| {
+        let place = info.location().map_or_else(String::new, |l| format!(" ({l})"));
+        *PLACE.lock().unwrap_or_else(PoisonError::into_inner) = place;
+    }));
+}
+
 fn internal(py: Python<'_>, panic: Box<dyn Any + Send>) -> PyErr {
     let what = panic
         .downcast_ref::<String>()
         .map(String::as_str)
         .or_else(|| panic.downcast_ref::<&str>().copied())
         .unwrap_or("unknown");
-    exception(py, "InternalError", format!("internal error, please report it: {what}"))
+    let place = PLACE.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    exception(py, "InternalError", format!("internal error, please report it: {what}{place}"))
 }
 
 /// The classes live in Python, where they can have two bases.

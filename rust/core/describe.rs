@@ -4,6 +4,11 @@
 
 use crate::error::{Error, Result};
 
+/// Largest finite size of a parameter.
+const LARGEST: f64 = 1e30;
+/// Smallest size that is not zero.
+const SMALLEST: f64 = 1e-30;
+
 /// A named number that a formula takes, with everything a user may ask about it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Param {
@@ -23,21 +28,30 @@ pub struct Param {
 }
 
 impl Param {
-    /// Whether `value` is inside the range and whole where it must be.
+    /// Whether `value` is inside the range and whole where it must be. It may be
+    /// zero or infinite where the range says so, but not so small or so large
+    /// that products and quotients leave what a double can hold.
     pub fn allows(&self, value: f64) -> bool {
         let (low, high) = self.range;
-        value >= low && value <= high && (!self.integer || value.fract() == 0.0)
+        let in_range = value >= low && value <= high;
+        let size = value.abs();
+        let usable = size == 0.0 || size == f64::INFINITY || (SMALLEST..=LARGEST).contains(&size);
+        in_range && usable && (!self.integer || value.fract() == 0.0)
     }
 
     /// What is allowed, in the words of an error message.
     pub fn allowed(&self) -> String {
         let (low, high) = self.range;
         let kind = if self.integer { "a whole number" } else { "a number" };
-        if high.is_infinite() {
-            format!("{kind} from {low} upward, inf included")
+        let mut allowed = if high.is_infinite() {
+            format!("{kind} from {low} to {LARGEST:e}, or inf")
         } else {
             format!("{kind} from {low} to {high}")
+        };
+        if !self.integer && low <= 0.0 {
+            allowed.push_str(&format!(" (0 or at least {SMALLEST:e} in size)"));
         }
+        allowed
     }
 
     /// Checks one value; `index` is its place on an axis.

@@ -45,6 +45,11 @@ pub trait Lane:
     /// `2^self` for whole numbers in [-1022, 1023].
     fn exp2_whole(self) -> Self;
 
+    /// The smaller one; `other` or NaN where one is NaN.
+    fn min(self, other: Self) -> Self;
+    /// The larger one; `other` or NaN where one is NaN.
+    fn max(self, other: Self) -> Self;
+
     fn lt(self, other: Self) -> Self::Mask;
     fn le(self, other: Self) -> Self::Mask;
     fn not_nan(self) -> Self::Mask;
@@ -74,14 +79,6 @@ pub trait Lane:
     #[inline(always)]
     fn ge(self, other: Self) -> Self::Mask {
         other.le(self)
-    }
-    #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        Self::select(self.lt(other), self, other)
-    }
-    #[inline(always)]
-    fn max(self, other: Self) -> Self {
-        Self::select(other.lt(self), self, other)
     }
     /// `self` where the mask holds, NaN elsewhere.
     #[inline(always)]
@@ -124,6 +121,14 @@ impl Lane for f64 {
     #[inline(always)]
     fn exp2_whole(self) -> f64 {
         f64::from_bits(((self as i64 + 1023) as u64) << 52)
+    }
+    #[inline(always)]
+    fn min(self, other: f64) -> f64 {
+        if self < other { self } else { other }
+    }
+    #[inline(always)]
+    fn max(self, other: f64) -> f64 {
+        if self > other { self } else { other }
     }
     #[inline(always)]
     fn lt(self, other: f64) -> bool {

@@ -52,7 +52,7 @@ fearless_simd::kernel!(
 
 #[cfg(test)]
 mod tests {
-    use crate::lane::{Lane, Level, Pack, Task, run};
+    use crate::lane::{Level, Pack, Task, run};
 
     /// Odd 54-bit M with M^2 = -delta (mod 2^bits): the midpoints of two
     /// doubles whose squares lie closest to a double.

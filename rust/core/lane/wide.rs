@@ -86,6 +86,14 @@ macro_rules! pack {
                 Self([$(exp2_whole(self.0[$i])),+])
             }
             #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                Self([$(self.0[$i].min(other.0[$i])),+])
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                Self([$(self.0[$i].max(other.0[$i])),+])
+            }
+            #[inline(always)]
             fn lt(self, other: Self) -> Self::Mask {
                 [$(self.0[$i].simd_lt(other.0[$i])),+]
             }

@@ -23,6 +23,9 @@ macro_rules! params {
 }
 
 const INF: f64 = f64::INFINITY;
+/// Beyond 7e5 segments the two neighbours of an optimum lie within the margin of
+/// a tie, and "the" best count loses its meaning.
+const MOST_SEGMENTS: f64 = 5e5;
 
 params! {
     MuStatic "mu_static" r"\mu_S" ["1"] None, 0.0 => 1e3, real, Some(("surface", "mu_static")),
@@ -67,9 +70,9 @@ params! {
         "time since the phase began";
     Speed "speed" "v" ["m/s"] None, -1e6 => 1e6, real, None,
         "speed of the segment";
-    SegmentsMin "segments_min" r"N_\mathrm{min}" ["1"] Some(1.0), 1.0 => 1e6, whole, None,
+    SegmentsMin "segments_min" r"N_\mathrm{min}" ["1"] Some(1.0), 1.0 => MOST_SEGMENTS, whole, None,
         "smallest segment count to consider";
-    SegmentsMax "segments_max" r"N_\mathrm{max}" ["1"] Some(1e6), 1.0 => 1e6, whole, None,
+    SegmentsMax "segments_max" r"N_\mathrm{max}" ["1"] Some(MOST_SEGMENTS), 1.0 => MOST_SEGMENTS, whole, None,
         "largest segment count to consider";
 }
 

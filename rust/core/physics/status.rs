@@ -33,5 +33,6 @@ statuses! {
     SetValued 9 "set_valued" "at rest friction takes any value up to break-away";
     NoneFeasible 10 "none_feasible" "no value along the reduced axis works";
     CannotBrake 11 "cannot_brake" "the anchors cannot brake the moving segments to rest";
-    NotFinite 12 "not_finite" "the formula has no finite value here";
+    EmptyRange 12 "empty_range" "no segment count lies between segments_min and segments_max";
+    NotFinite 13 "not_finite" "the formula has no finite value here";
 }

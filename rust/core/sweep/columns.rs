@@ -182,12 +182,14 @@ impl Cursor<'_> {
         if vary == Vary::ANY {
             return;
         }
-        for column in (0..COLUMNS).filter(|c| is_wide(vary, *c)) {
+        let len = self.layout.row.min(BLOCK) + OVERHANG;
+        let inner = &self.layout.inner;
+        for column in (0..COLUMNS).filter(|c| is_wide(vary, *c) && inner[*c].is_empty()) {
             let value = self.constants[column][0];
             let written = &mut self.written[column];
             if written.first().map(|v| v.to_bits()) != Some(value.to_bits()) {
                 written.clear();
-                written.resize(BLOCK + OVERHANG, value);
+                written.resize(len, value);
             }
         }
     }

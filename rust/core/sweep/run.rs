@@ -12,8 +12,8 @@ use crate::error::{Error, Result};
 use crate::lane::{self, Level, stream};
 use crate::physics::closed_form::TIE;
 use crate::physics::{ParamId, Status};
-use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// Cells of a chunk, the unit of work.
 pub const DEFAULT_CHUNK: usize = 1 << 16;
@@ -97,14 +97,24 @@ pub fn run(
     }
     let streamed = !options.fresh && job.cells() * size_of::<f64>() > STREAMED;
     let chunks = cut(job, buffers, options.chunk);
-    let work = |worker: &mut Worker, chunk: Chunk| worker.chunk(chunk);
-    let new_worker = || Worker::new(job, options.level, control, streamed);
-    if options.threads == 1 || chunks.len() == 1 {
-        let mut worker = new_worker();
-        chunks.into_iter().for_each(|chunk| work(&mut worker, chunk));
+    // A worker per thread takes chunks as it gets to them: making one costs more
+    // than a small chunk does.
+    let workers = options.threads.min(chunks.len());
+    let queue = Mutex::new(chunks.into_iter());
+    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let work = || {
+        let mut worker = Worker::new(job, options.level, control, streamed);
+        while let Some(chunk) = next() {
+            worker.chunk(chunk);
+        }
+    };
+    if workers == 1 {
+        work();
     } else {
-        pool(options.threads)?.install(|| {
-            chunks.into_par_iter().with_max_len(1).for_each_init(new_worker, work);
+        pool(options.threads)?.scope(|scope| {
+            for _ in 0..workers {
+                scope.spawn(|_| work());
+            }
         });
     }
     if control.cancel.load(Ordering::Relaxed) {
@@ -308,7 +318,11 @@ impl<'a> Worker<'a> {
         let margin = if reduce.gives_axis_value() { TIE } else { 0.0 };
         reset(&mut scratch.at, cells, f64::NAN);
         let over = self.over().id;
-        if self.job.plain && over == ParamId::Segments && self.job.layout.vary != Vary::Any {
+        // The largest value itself may differ in its last bits from the value of
+        // the largest score.
+        let scored = reduce != Reduce::Max || entry.score_power == 1.0;
+        let plain = self.job.plain && self.job.layout.vary != Vary::Any;
+        if plain && scored && over == ParamId::Segments {
             let floor = if min { f64::NEG_INFINITY } else { entry.score_floor };
             reset(&mut scratch.best, cells, floor);
             let ahead = margin * if min { 1.0 } else { entry.score_power };

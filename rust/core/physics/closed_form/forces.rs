@@ -1,7 +1,7 @@
 //! Forces: equations (1) to (4) of the paper and friction over velocity.
 
-use super::traction::{anchored, or_else, why_not_anchored};
-use super::{Quantity, ground};
+use super::traction::{anchored, has_room_ahead, or_else, why_not_anchored};
+use super::{Quantity, anchors, ground};
 use crate::describe::Info;
 use crate::lane::Lane;
 use crate::physics::{Point, Status};
@@ -18,7 +18,7 @@ impl Quantity for AnchorCapacity {
         source: "paper, equations (2) to (4) with k = 1; slope terms reconstructed (w = 1: variant A, w = 0: variant B)",
         limits: "static friction of the anchors only; no value where they slide on the slope by themselves",
         meaning: "force that the anchored segments hold together",
-        params: ground!(),
+        params: anchors!(),
         integer: false,
     };
 
@@ -48,7 +48,7 @@ impl Quantity for PropulsiveForce {
         source: "paper, equations (2) to (4); the limit of the joints: derived",
         limits: "the drive never pulls more than the anchors hold; see slip_ratio for a drive that does",
         meaning: "force that drives the moving segments, gross of their own friction",
-        params: ground!("drive_limit", "anchors_ahead"),
+        params: anchors!("drive_limit", "anchors_ahead"),
         integer: false,
     };
 
@@ -59,7 +59,8 @@ impl Quantity for PropulsiveForce {
         }
         let behind = ((p.segments - p.moving - p.anchors_ahead) * p.mass) * p.hold();
         let ahead = (p.anchors_ahead * p.mass) * p.hold();
-        (p.drive_limit.min(ahead) + p.drive_limit.min(behind)).only_if(anchored(p))
+        let force = p.drive_limit.min(ahead) + p.drive_limit.min(behind);
+        force.only_if(L::and(anchored(p), has_room_ahead(p)))
     }
 
     fn status(p: &Point<f64>) -> Status {
@@ -247,7 +248,7 @@ impl Quantity for AnchorSafety {
         source: "derived; snakes in channels press four times harder than needed (Marvi and Hu 2012, doi 10.1098/rsif.2012.0132)",
         limits: "below 1 the anchors slip (see slip_ratio); without a drive limit the drive is taken to pull what the anchors hold, and the factor is 1",
         meaning: "safety factor of the anchors against the full drive force",
-        params: ground!("drive_limit", "anchors_ahead"),
+        params: anchors!("drive_limit", "anchors_ahead"),
         integer: false,
     };
 
@@ -255,7 +256,8 @@ impl Quantity for AnchorSafety {
     fn value<L: Lane, const PLAIN: bool>(p: &Point<L>) -> L {
         let capacity = ((p.segments - p.moving) * p.mass) * p.hold();
         let demand = demand(p);
-        let pulls = L::and(anchored(p), demand.gt(demand.with(0.0)));
+        let anchored = L::and(anchored(p), has_room_ahead(p));
+        let pulls = L::and(anchored, demand.gt(demand.with(0.0)));
         (capacity / demand).only_if(pulls)
     }
 

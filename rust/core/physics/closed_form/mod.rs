@@ -83,6 +83,15 @@ macro_rules! for_each_quantity {
     };
 }
 
+/// Lists parameter names: those of what anchors hold, and more.
+macro_rules! anchors {
+    ($($more:literal),*) => {
+        &["mu_static", "segments", "slope_deg", "mass", "gravity", "moving", "anchor_weight",
+          "skin_ratio", "wall_force", "corner_deg" $(, $more)*]
+    };
+}
+pub(crate) use anchors;
+
 /// Lists parameter names: those of what anchors hold and what drags, and more.
 macro_rules! ground {
     ($($more:literal),*) => {

@@ -3,10 +3,11 @@
 use super::Quantity;
 use super::motion::{MeanVelocity, why_no_phase};
 use super::phase::braking_works;
-use super::traction::{or_else, plain_acceleration, traction, why_not_anchored};
+use super::traction::{or_else, traction, why_not_anchored};
 use crate::describe::Info;
 use crate::lane::Lane;
-use crate::physics::{Point, Status};
+use crate::physics::point::columns;
+use crate::physics::{ParamId, Point, Status};
 
 /// Relative difference below which two velocities are a tie; the lower count wins.
 pub const TIE: f64 = 1e-12;
@@ -101,6 +102,9 @@ impl Quantity for BestSegments {
     }
 
     fn status(p: &Point<f64>) -> Status {
+        if p.segments_min > p.segments_max {
+            return Status::EmptyRange;
+        }
         why_no_phase(&p.with_segments(p.segments_max))
     }
 }
@@ -110,19 +114,20 @@ impl Quantity for BestSegments {
 #[inline(always)]
 fn plain_best<L: Lane>(p: &Point<L>) -> L {
     let one = p.moving.with(1.0);
-    let optimum = OptimalSegments::value::<L, true>(p);
+    let (hold, drag) = (p.hold(), p.drag());
+    let both = hold + drag;
+    let optimum = (p.moving + p.moving) * (both / hold);
     let low = optimum.floor().max(p.segments_min).min(p.segments_max);
     let high = (low + one).min(p.segments_max);
-    // v^2 of each, up to a common factor and without a division.
-    let push = |n: L| {
-        let mut at = *p;
-        at.segments = n;
-        plain_acceleration(&at)
-    };
-    let (lower, higher) = (push(low) * (high * high), push(high) * (low * low));
-    let best = L::select(higher.gt(lower * (1.0 + 2.0 * TIE)), high, low);
-    let moves = L::select(higher.gt(lower), higher, lower).gt(one.with(0.0));
-    best.only_if(L::and(moves, optimum.not_nan()))
+    // v^2 is proportional to (A N/k - A - B)/N^2: compared without a division.
+    let hold = hold * p.per_moving;
+    let push = |n: L| hold.mul_add(n, -both);
+    let (low_push, high_push) = (push(low), push(high));
+    let rises = (high_push * (low * low)).gt(low_push * (high * high) * (1.0 + 2.0 * TIE));
+    let best = L::select(rises, high, low);
+    let pushed = L::select(rises, high_push, low_push).gt(one.with(0.0));
+    let moves = L::and(pushed, best.gt(p.moving));
+    best.only_if(L::and(L::and(moves, hold.gt(one.with(0.0))), p.segments_min.le(p.segments_max)))
 }
 
 /// Bisection for the first count that its successor does not beat, above the
@@ -131,29 +136,34 @@ fn plain_best<L: Lane>(p: &Point<L>) -> L {
 fn searched_best<L: Lane>(p: &Point<L>) -> L {
     let one = p.moving.with(1.0);
     let zero = one.with(0.0);
-    let speed = |n: L| MeanVelocity::value::<L, false>(&p.with_segments(n));
     let moves = |n: L| traction::<L, false>(&p.with_segments(n)).acceleration.not_nan();
-    // Least count whose anchors hold the movers: k B/A beyond k. Rounding may
-    // have put it one too low.
+    // Least count whose anchors hold the movers under an ideal drive: k B/A
+    // beyond k. Rounding may have put it one too low.
+    let never = zero.with(f64::NEG_INFINITY);
     let need = p.moving * (p.drag() / p.hold());
     let need = L::select(need.gt(zero), need, zero);
     let least = (p.moving + need).floor() + one;
     let least = least.max(p.moving + p.anchors_ahead.max(one)).max(p.segments_min);
     let least = L::select(moves(least), least, least + one);
     let (mut low, mut high) = (least, p.segments_max.min(most(p)).max(least));
-    // 2^20 > 10^6, the largest count allowed.
+    // 2^20 is above the largest count allowed.
     for _ in 0..20 {
         let open = low.lt(high);
         if !L::any(open) {
             break;
         }
         let middle = ((low + high) * 0.5).floor();
-        let rises = speed(middle + one).gt(speed(middle) * (1.0 + TIE));
+        // Too few anchors to move: the best count is a larger one.
+        let slow = MeanVelocity::value::<L, false>(&p.with_segments(middle));
+        let slow = L::select(slow.not_nan(), slow, never);
+        let fast = MeanVelocity::value::<L, false>(&p.with_segments(middle + one));
+        let rises = L::or(slow.le(never), fast.gt(slow * (1.0 + TIE)));
         low = L::select(L::and(open, rises), middle + one, low);
         high = L::select(L::and(open, rises), high, L::select(open, middle, high));
     }
     let stops = L::or(p.brake.le(zero), braking_works(&p.with_segments(low)));
-    low.only_if(L::and(L::and(moves(low), stops), low.le(p.segments_max)))
+    let in_range = L::and(low.le(p.segments_max), p.segments_min.le(p.segments_max));
+    low.only_if(L::and(L::and(moves(low), stops), in_range))
 }
 
 /// A count that is surely not below the best one. A head block under limits of
@@ -245,39 +255,56 @@ impl Quantity for SlopeLimitDeg {
 /// Never inlined into a vector kernel: it is scalar and not on a hot path.
 #[inline(never)]
 fn slope_limit(p: &Point<f64>) -> f64 {
-    // `why_no_motion` knows every reason not to move, so the steepest slope is
-    // where it first gives one. It does so for good: what the anchors hold only
-    // falls with the slope and what the movers need only rises until the normal
-    // force fades, which it does for both.
     let moves = |degrees: f64| {
-        let [cos, sin] = crate::physics::point::columns(crate::physics::ParamId::SlopeDeg, degrees);
+        let [cos, sin] = columns(ParamId::SlopeDeg, degrees);
         let mut at = *p;
         (at.cos_slope, at.sin_slope) = (cos, sin);
-        !super::traction::traction::<f64, false>(&at).acceleration.is_nan()
+        !traction::<f64, false>(&at).acceleration.is_nan()
     };
     if !moves(0.0) {
         return f64::NAN;
     }
+    let ratio = p.anchor_ratio();
     if p.drive_limit.is_infinite() && p.wall_force == 0.0 {
-        let ratio = p.anchor_ratio();
         let lift = ratio * p.mu_anchor() - p.mu_coulomb;
         let pull = ratio.mul_add(p.anchor_weight, 1.0);
         return libm::atan(lift * p.per_cos_corner / pull).to_degrees();
     }
-    if moves(90.0) {
-        return 90.0;
+    // Push less drag is X cos + Y sin + Z with other coefficients according to
+    // which joints are at their limit. The limits only cut it off (they add no
+    // minimum), so it has its minima where a piece has one; between those it
+    // crosses zero once at the most on its way down.
+    let ahead = p.anchors_ahead * p.per_moving;
+    let mut minima = [0.0, ahead, ratio - ahead, ratio].map(|held| {
+        let along_cos = p.per_cos_corner * (held * p.mu_anchor() - p.mu_coulomb);
+        let along_sin = held.mul_add(p.anchor_weight, 1.0);
+        if along_cos < 0.0 { libm::atan2(along_sin, -along_cos).to_degrees() } else { 90.0 }
+    });
+    minima.sort_unstable_by(f64::total_cmp);
+    let mut low = 0.0;
+    for high in minima.into_iter().chain([90.0]) {
+        if !moves(high) {
+            return last_that(moves, low, high);
+        }
+        low = high;
     }
-    let (mut low, mut high) = (0.0, 90.0);
-    // Down to neighbouring doubles; 64 halvings of 90 are beyond that.
-    for _ in 0..64 {
+    90.0
+}
+
+/// Last number between `low`, for which `holds`, and `high`, for which it does
+/// not: bisected down to neighbouring doubles.
+fn last_that(holds: impl Fn(f64) -> bool, mut low: f64, mut high: f64) -> f64 {
+    loop {
         let middle = 0.5 * (low + high);
-        if moves(middle) {
+        if middle <= low || middle >= high {
+            return low;
+        }
+        if holds(middle) {
             low = middle;
         } else {
             high = middle;
         }
     }
-    low
 }
 
 #[cfg(test)]

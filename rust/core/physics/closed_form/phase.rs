@@ -49,7 +49,7 @@ fn general_phase<L: Lane>(p: &Point<L>, traction: &Traction<L>) -> Phase<L> {
     if !L::any(p.viscous.gt(zero)) {
         return dry;
     }
-    let wet = viscous_phase(p, acceleration, braking, braked, dry.peak_speed);
+    let wet = viscous_phase(p, acceleration, braking, braked);
     let is_wet = p.viscous.gt(zero);
     Phase {
         mean_speed: L::select(is_wet, wet.mean_speed, dry.mean_speed),
@@ -98,13 +98,7 @@ fn dry_phase<L: Lane>(p: &Point<L>, acceleration: L, braking: L, braked: L::Mask
 /// The path is convex in t, so Newton's method overshoots at most once and then
 /// falls on the root from above; it needs no bracket.
 #[inline(always)]
-fn viscous_phase<L: Lane>(
-    p: &Point<L>,
-    acceleration: L,
-    braking: L,
-    braked: L::Mask,
-    dry_peak: L,
-) -> Phase<L> {
+fn viscous_phase<L: Lane>(p: &Point<L>, acceleration: L, braking: L, braked: L::Mask) -> Phase<L> {
     let zero = p.stroke.with(0.0);
     let rate = p.viscous * p.per_mass;
     // Logarithms go lane by lane: only where something brakes.
@@ -116,23 +110,29 @@ fn viscous_phase<L: Lane>(
         let path = v * v / braking * log_path_factor(rate * v / braking);
         L::select(braked, path, zero)
     };
-    let mut t = dry_peak / acceleration;
+    // Without viscosity and limits the stroke would take this long.
+    let mut t = ((p.stroke + p.stroke) / acceleration).sqrt();
     for _ in 0..100 {
         let v = acceleration * t * speed_factor(rate * t);
         let path = acceleration * t * t * path_factor(rate * t) + braking_path(v);
         let braked_slope = v * (acceleration + braking) / rate.mul_add(v, braking);
         let step = (path - p.stroke) / L::select(braked, braked_slope, v);
-        t = t - step;
-        if !L::any(step.abs().gt(t * 1e-15)) {
+        // A lane that is done stays as it is, or its bits would depend on how
+        // long its neighbours take.
+        let open = step.abs().gt(t * 1e-15);
+        t = L::select(open, t - step, t);
+        if !L::any(open) {
             break;
         }
     }
     let free_peak = acceleration * t * speed_factor(rate * t);
-    let limited = p.speed_limit.lt(free_peak);
+    // Below a tau, which rounding may have let the peak reach: at a tau and
+    // beyond the segments never get to the limit.
+    let reached = (rate * p.speed_limit).lt(acceleration);
+    let limited = L::and(p.speed_limit.lt(free_peak), reached);
     let top = L::select(limited, p.speed_limit, free_peak);
     let mut driven_time = t;
     if L::any(limited) {
-        // Where the limit binds, top < a tau, so the logarithm exists.
         let rise = L::select(limited, -(rate * top / acceleration), zero);
         driven_time = L::select(limited, top / acceleration * log_factor(rise), t);
     }

@@ -1,7 +1,7 @@
 //! What happens when the drive pulls more than the anchors hold.
 
 use super::forces::demand;
-use super::traction::{anchored, or_else, why_not_anchored};
+use super::traction::{anchored, has_room_ahead, or_else, why_not_anchored};
 use super::{Quantity, ground};
 use crate::describe::Info;
 use crate::lane::Lane;
@@ -34,7 +34,8 @@ impl Quantity for SlipRatio {
         let capacity = (anchors * p.mass) * p.hold();
         let slips = L::and(force.gt(capacity), backward.gt(zero));
         let ratio = L::select(slips, backward / (forward + backward), zero);
-        ratio.only_if(L::and(anchored(p), forward.gt(zero)))
+        let anchored = L::and(anchored(p), has_room_ahead(p));
+        ratio.only_if(L::and(anchored, forward.gt(zero)))
     }
 
     fn status(p: &Point<f64>) -> Status {

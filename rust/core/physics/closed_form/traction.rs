@@ -37,7 +37,8 @@ pub fn traction<L: Lane, const PLAIN: bool>(p: &Point<L>) -> Traction<L> {
         (p.anchor_ratio() * hold, free, hold.gt(hold.with(0.0)))
     } else {
         let push = limited(p, hold);
-        (push, L::select(is_limited(p, hold), push - drag, free), anchored(p))
+        let anchored = L::and(anchored(p), has_room_ahead(p));
+        (push, L::select(is_limited(p, hold), push - drag, free), anchored)
     };
     let moves = L::and(anchored, acceleration.gt(drag.with(LEAST_ACCELERATION)));
     Traction { push, drag, acceleration: acceleration.only_if(moves) }
@@ -72,9 +73,14 @@ fn joints<L: Lane>(p: &Point<L>, grip: L) -> (L, L, L) {
 #[inline(always)]
 pub fn anchored<L: Lane>(p: &Point<L>) -> L::Mask {
     let zero = p.segments.with(0.0);
-    let anchors = p.segments - p.moving;
     let stay = L::and(p.hold().gt(zero), grip_against_drive(p).gt(zero));
-    L::and(stay, L::and(anchors.gt(zero), p.anchors_ahead.le(anchors)))
+    L::and(stay, p.segments.gt(p.moving))
+}
+
+/// Whether the block can have as many anchors ahead as asked for.
+#[inline(always)]
+pub fn has_room_ahead<L: Lane>(p: &Point<L>) -> L::Mask {
+    p.anchors_ahead.le(p.segments - p.moving)
 }
 
 /// What one anchor holds against being pulled forward, per mass.
