@@ -1,6 +1,8 @@
 from _typeshed import Incomplete, SupportsGetItem
 from typing import Any, SupportsFloat, SupportsIndex, final
 
+__all__ = ["CancelToken", "Parameter", "Quantity", "Sweep", "file_choices", "file_keys", "parameters", "quantities", "reductions", "simd_level", "simd_levels", "statuses", "threads_to_use", "version"]
+
 @final
 class CancelToken:
     """
@@ -179,5 +181,3 @@ def version() -> str:
     """
     Version of the package.
     """
-
-def __getattr__(name: str) -> Incomplete: ...

@@ -10,7 +10,7 @@ use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, Once, PoisonError};
 use std::time::{Duration, Instant};
 
 /// How often the calling thread looks for signals.
@@ -29,6 +29,7 @@ pub fn enter_briefly<T: Send>(
     py: Python<'_>,
     work: impl FnOnce() -> Result<T, Error> + Send,
 ) -> PyResult<T> {
+    keep_panics_quiet();
     let outcome = py.detach(|| catch_unwind(AssertUnwindSafe(work)));
     finish(py, outcome)
 }
@@ -41,6 +42,7 @@ pub fn enter<T: Send>(
     progress: Option<&Py<PyAny>>,
     work: impl FnOnce() -> Result<T, Error> + Send,
 ) -> PyResult<T> {
+    keep_panics_quiet();
     let begin = Instant::now();
     let mut interruption: Option<PyErr> = None;
     let report = |py: Python<'_>, done: u64| -> PyResult<()> {
@@ -115,11 +117,14 @@ static PLACE: Mutex<String> = Mutex::new(String::new());
 
 /// Keeps the report of a panic for the exception that it becomes, instead of
 /// printing it.
-pub fn keep_panics_quiet() {
-    std::panic::set_hook(Box::new(|info| {
-        let place = info.location().map_or_else(String::new, |l| format!(" ({l})"));
-        *PLACE.lock().unwrap_or_else(PoisonError::into_inner) = place;
-    }));
+fn keep_panics_quiet() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        std::panic::set_hook(Box::new(|info| {
+            let place = info.location().map_or_else(String::new, |l| format!(" ({l})"));
+            *PLACE.lock().unwrap_or_else(PoisonError::into_inner) = place;
+        }));
+    });
 }
 
 fn internal(py: Python<'_>, panic: Box<dyn Any + Send>) -> PyErr {

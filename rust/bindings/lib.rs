@@ -9,14 +9,6 @@ use pyo3::prelude::pymodule;
 
 #[pymodule]
 mod _core {
-    use pyo3::prelude::{Bound, PyModule, PyResult};
-
-    #[pymodule_init]
-    fn init(_module: &Bound<'_, PyModule>) -> PyResult<()> {
-        super::door::keep_panics_quiet();
-        Ok(())
-    }
-
     #[pymodule_export]
     use super::sweep::{CancelToken, Sweep};
     #[pymodule_export]

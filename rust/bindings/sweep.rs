@@ -3,7 +3,9 @@
 use crate::arrays::Output;
 use crate::door::{SMALL, enter, enter_briefly, raise};
 use locosweep::lane::Level;
-use locosweep::sweep::{Control, DEFAULT_CHUNK, Entry, Grid, Job, Options, Reduce, Request, run};
+use locosweep::sweep::{
+    Control, DEFAULT_CHUNK, Entry, FRESH_CHUNK, Grid, Job, Options, Reduce, Request, run,
+};
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use std::sync::Arc;
@@ -122,9 +124,11 @@ impl Sweep {
         fresh: bool,
     ) -> PyResult<()> {
         let level = level.map_or_else(Level::current, Level::parse);
+        let is_large = self.job.cells() >= 32 * FRESH_CHUNK;
+        let default_chunk = if fresh && is_large { FRESH_CHUNK } else { DEFAULT_CHUNK };
         let options = Options {
             threads,
-            chunk: chunk.unwrap_or(DEFAULT_CHUNK).max(1),
+            chunk: chunk.unwrap_or(default_chunk).max(1),
             level: level.map_err(|error| raise(py, error))?,
             fresh,
         };

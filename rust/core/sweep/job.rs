@@ -81,7 +81,8 @@ impl Job {
         let cells = kept.iter().map(|axis| axis.values.len()).product();
         let points = grid.points()? as u64;
         let evaluations = points.saturating_mul(requests.len() as u64);
-        let layout = Layout::new(&kept);
+        // Without requests a job only checks its grid.
+        let layout = if requests.is_empty() { Layout::new(&[]) } else { Layout::new(&kept) };
         let plain = grid.is_plain();
         Ok(Job { layout, plain, cells, evaluations, over, fixed, rivals, places, requests, grid })
     }

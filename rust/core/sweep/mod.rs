@@ -16,4 +16,4 @@ pub use job::{Job, Request};
 pub use pool::threads_to_use;
 pub use reduce::Reduce;
 pub use registry::{Entry, QUANTITIES};
-pub use run::{Buffer, Control, DEFAULT_CHUNK, Options, run};
+pub use run::{Buffer, Control, DEFAULT_CHUNK, FRESH_CHUNK, Options, run};

@@ -17,6 +17,9 @@ use std::sync::{Mutex, PoisonError};
 
 /// Cells of a chunk, the unit of work.
 pub const DEFAULT_CHUNK: usize = 1 << 16;
+/// The same where memory was never touched: several huge pages each, so that
+/// threads do not wait for one another while the system clears a page.
+pub const FRESH_CHUNK: usize = 1 << 20;
 /// Evaluations between two looks at the cancel flag, in searches.
 const PATIENCE: usize = 1 << 16;
 /// Results beyond this many bytes do not stay in caches anyway.
