@@ -73,7 +73,7 @@ def run(
         (REUSED, dense_axes(scale), with_numpy.dense),
         (FRESH, dense_axes(scale), with_numpy.dense),
         (SEARCH, design_axes(scale), with_numpy.search_all),
-        (CLOSED, design_axes(scale), with_numpy.search_all),
+        (CLOSED, design_axes(5 * scale), with_numpy.search_all),
     ]
     groups = {}
     compiled = any(peer.__name__.endswith("numba") for peer in peers)
