@@ -11,8 +11,8 @@ RUST_SOURCES := $(shell find rust Cargo.toml Cargo.lock pyproject.toml -type f 2
 .PHONY: run test lint bench wheel clean tools
 
 run: $(VENV)/built
-	$(BIN)/locosweep reproduce all --out $(OUT)
-	$(BIN)/locosweep optimum --robot examples/locosnake.toml
+	$(BIN)/locosweep reproduce all --robot examples/locosnake.toml --out $(OUT)
+	$(BIN)/locosweep optimum --robot examples/locosnake.toml --segments 2:8
 	$(BIN)/locosweep heatmap mean_velocity --robot examples/locosnake.toml \
 	  --set drive_limit=inf --x slope_deg=0:25:1000 --y mu_static=0.1:1:1000 \
 	  --best-over segments=2:128 --out $(OUT)/optimal_segments.png

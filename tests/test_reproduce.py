@@ -142,3 +142,10 @@ def test_a_file_in_the_way_is_named(tmp_path):
     (tmp_path / "taken").write_text("")
     with pytest.raises(ls.InputError, match="taken"):
         reproduce(5, tmp_path / "taken")
+
+
+def test_a_robot_file_is_held_against_the_paper(tmp_path):
+    robot = ls.Robot(parameters={"segments": 5.0, "mass": 0.271})
+    rows = reproduce(5, tmp_path, robot=robot).rows
+    verdicts = [row.verdict for row in rows if row.claim.startswith("Robot file")]
+    assert verdicts == ["differs", "agrees", "differs"]

@@ -14,10 +14,10 @@ from matplotlib.figure import Figure
 
 from locosweep import _core
 from locosweep.errors import InputError
-from locosweep.files import replacing
+from locosweep.files import Robot, replacing
 from locosweep.plot_file import save_figure
 from locosweep.provenance import spec_hash
-from locosweep.reproduce_claims import CLAIMS, Row
+from locosweep.reproduce_claims import CLAIMS, Row, robot_rows
 from locosweep.reproduce_figures import FIGURES
 
 if TYPE_CHECKING:
@@ -117,6 +117,7 @@ def reproduce(
     figures: str | int | Iterable[int],
     out_dir: str | os.PathLike[str],
     *,
+    robot: Robot | None = None,
     progress: Progress | None = None,
 ) -> Report:
     """Draw the paper's simulated figures and compare the numbers of its text.
@@ -129,6 +130,8 @@ def reproduce(
     out_dir : path-like
         Folder for ``figure2.png`` and so on, ``reproduction.md`` and
         ``reproduction.png``; made if missing.
+    robot : Robot, optional
+        A robot file to hold against what the paper says of its robot.
     progress : callable, optional
         Receives finished and total files and files per second.
 
@@ -159,6 +162,8 @@ def reproduce(
     except OSError as error:
         raise InputError(f"{folder}: cannot make this folder: {error.strerror}") from None
     rows = tuple(row for number in (0, *chosen) for row in CLAIMS[number]())
+    if robot is not None:
+        rows += tuple(robot_rows(robot))
     files: list[Path] = []
     start = time.perf_counter()
 

@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["CLAIMS", "VARIANTS", "Row", "Verdict", "crossing"]
+    from locosweep.files import Robot
+
+__all__ = ["CLAIMS", "VARIANTS", "Row", "Verdict", "crossing", "robot_rows"]
 
 Verdict = Literal["agrees", "differs", "ambiguous in the paper"]
 
@@ -206,6 +208,29 @@ def _inputs() -> list[Row]:
             "equations (10) and (11) need N s/m: force over speed, not a viscosity",
         ),
     ]
+
+
+def robot_rows(robot: Robot) -> list[Row]:
+    """Compare a robot file with what the paper says of its robot."""
+    rows = []
+    for name, paper in (("segments", 4.0), ("mass", 0.271), ("drive_limit", DRIVE)):
+        record = parameter(name)
+        unit = "" if record.unit == "1" else f" {record.unit}"
+        here = robot.parameters.get(name, record.default)
+        given = "not given" if here is None else f"{here:g}{unit}"
+        agrees = here is not None and abs(here / paper - 1) < 1e-12
+        note = "in the file" if name in robot.parameters else "not in the file: the default"
+        rows.append(
+            Row(
+                f"Robot file: {record.meaning}",
+                "experiment",
+                f"{paper:g}{unit}",
+                given,
+                _judge(agrees),
+                note,
+            )
+        )
+    return rows
 
 
 def _span_of_four(w: int) -> NDArray[np.float64]:

@@ -186,14 +186,22 @@ def plot(
     type=click.Path(file_okay=False, path_type=Path),
     help="Folder for pictures and tables; made if missing.",
 )
+@robot_option
 @json_option
-def reproduce(figures: str, out: Path, json_: bool) -> None:
-    """Draw the paper's simulated figures and check the numbers it states."""
+def reproduce(figures: str, out: Path, robot: Path | None, json_: bool) -> None:
+    """Draw the paper's simulated figures and check the numbers it states.
+
+    The figures use the paper's values; a robot file is held against what the
+    paper says of its robot.
+    """
     from locosweep import reproduce as paper
+    from locosweep.files import load_robot
     from locosweep.progress import Meter
 
     number = int(figures) if figures.isascii() and figures.isdigit() else figures
-    report = paper.reproduce(number, out, progress=Meter("files") if on_terminal() else None)
+    held = None if robot is None else load_robot(robot)
+    meter = Meter("files") if on_terminal() else None
+    report = paper.reproduce(number, out, robot=held, progress=meter)
     if json_:
         rows = [
             {"claim": r.claim, "source": r.source, "paper": r.paper, "here": r.ours,
