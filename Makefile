@@ -20,7 +20,7 @@ run: $(VENV)/built
 
 test: $(VENV)/built lint
 	cargo test --release --locked
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --doctest-modules python/locosweep tests
 	cargo bench --locked --bench sweep -- --test
 	$(BIN)/python benches/border.py --quick
 	$(BIN)/python benches/peers.py --quick
