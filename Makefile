@@ -13,10 +13,11 @@ RUST_SOURCES := $(shell find rust Cargo.toml Cargo.lock pyproject.toml -type f 2
 run: $(VENV)/built
 	$(BIN)/locosweep reproduce all --robot examples/locosnake.toml --out $(OUT)
 	$(BIN)/locosweep optimum --robot examples/locosnake.toml --segments 2:8
+	$(BIN)/locosweep gait examples/gait_single.toml --out $(OUT)/gait --force
 	$(BIN)/locosweep heatmap mean_velocity --robot examples/locosnake.toml \
 	  --set drive_limit=inf --x slope_deg=0:25:1000 --y mu_static=0.1:1:1000 \
 	  --best-over segments=2:128 --out $(OUT)/optimal_segments.png
-	@echo "locosweep: the paper's figures and table, and the map of the best segment count, lie in $(CURDIR)/$(OUT)"
+	@echo "locosweep: the paper's figures and table, the paper's gait in gait/, and the map of the best segment count lie in $(CURDIR)/$(OUT)"
 
 test: $(VENV)/built lint
 	cargo test --release --locked

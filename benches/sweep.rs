@@ -2,84 +2,24 @@
 //! do: a plain fill of the same buffer and the rate of its multiply-adds.
 //! `cargo bench -- --test` runs everything once.
 
-use criterion::measurement::WallTime;
-use criterion::{
-    BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main,
-};
+mod common;
+
+use common::*;
+use criterion::{Criterion, criterion_group, criterion_main};
 use locosweep::lane::{self, Level, Pack, Task};
-use locosweep::sweep::{
-    Buffer, Control, DEFAULT_CHUNK, Entry, Grid, Job, Options, Reduce, Request, run,
-};
+use locosweep::sweep::{Buffer, Choice, Entry, Grid, Job, Reduce, Request};
 use rayon::prelude::*;
 use std::hint::black_box;
-use std::time::Duration;
 
 type Axes<'a> = &'a [(&'a str, Vec<f64>)];
-
-/// Evenly spaced numbers, both ends included.
-fn linspace(from: f64, to: f64, count: usize) -> Vec<f64> {
-    let step = (to - from) / (count - 1) as f64;
-    (0..count).map(|i| from + step * i as f64).collect()
-}
-
-fn whole(from: u32, to: u32) -> Vec<f64> {
-    (from..=to).map(f64::from).collect()
-}
 
 /// A job over `axes`; `over` names the folded axis and how.
 fn job(quantity: &str, axes: Axes, fixed: &[(&str, f64)], over: Option<(&str, Reduce)>) -> Job {
     let entry = Entry::parse(quantity).expect("a known quantity");
     let request = Request { entry, reduce: over.map(|(_, reduce)| reduce) };
     let grid = Grid::new(axes, fixed).expect("a valid grid");
-    Job::new(grid, vec![request], over.map(|(axis, _)| axis)).expect("a valid job")
-}
-
-fn fill(job: &Job, buffer: Buffer, threads: usize, level: Level) {
-    let options = Options { threads, chunk: DEFAULT_CHUNK, level, fresh: false };
-    run(job, vec![(0, buffer)], options, &Control::default()).expect("the sweep runs");
-}
-
-fn best_level() -> Level {
-    Level::current().expect("a valid LOCOSWEEP_SIMD")
-}
-
-fn two_threads_pay() -> bool {
-    std::thread::available_parallelism().is_ok_and(|n| n.get() > 1)
-}
-
-/// Every level on one thread, then the best one on two.
-fn variants() -> Vec<(Level, usize)> {
-    let mut all: Vec<_> = Level::available().into_iter().map(|level| (level, 1)).collect();
-    if two_threads_pay() {
-        all.push((best_level(), 2));
-    }
-    all
-}
-
-fn group<'a>(c: &'a mut Criterion, name: &str, count: usize) -> BenchmarkGroup<'a, WallTime> {
-    let mut group = c.benchmark_group(name);
-    group.throughput(Throughput::Elements(count as u64));
-    group.sample_size(20);
-    group.warm_up_time(Duration::from_millis(500));
-    group.measurement_time(Duration::from_secs(2));
-    group
-}
-
-fn id(level: Level, threads: usize) -> BenchmarkId {
-    let noun = if threads == 1 { "thread" } else { "threads" };
-    BenchmarkId::new(level.name(), format!("{threads} {noun}"))
-}
-
-/// Benches one job into a reused buffer, per level and number of threads.
-fn bench_job(c: &mut Criterion, name: &str, job: &Job, variants: &[(Level, usize)]) {
-    let mut out = vec![0.0; job.cells()];
-    let mut group = group(c, name, job.cells());
-    for &(level, threads) in variants {
-        group.bench_function(id(level, threads), |b| {
-            b.iter(|| fill(job, Buffer::F64(black_box(&mut out)), threads, level));
-        });
-    }
-    group.finish();
+    let over = over.map(|(axis, _)| axis);
+    Job::new(grid, vec![request], over, &Choice::default()).expect("a valid job")
 }
 
 /// W1 at a tenth: 200 x 20 x 100 x 25 points, 80 MB.

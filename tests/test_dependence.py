@@ -14,7 +14,7 @@ CORE = ROOT / "rust" / "core"
 PYTHON = ROOT / "python" / "locosweep"
 
 # Lowest first; modules in one row may not use each other unless named in RUST_WITHIN.
-RUST_ORDER = [{"describe", "error"}, {"lane"}, {"physics"}, {"sweep"}]
+RUST_ORDER = [{"describe", "error"}, {"lane"}, {"physics"}, {"integrate"}, {"sweep"}]
 # What a record of a parameter refuses with is an error, and an error says a name's neighbour.
 RUST_WITHIN = {("describe", "error"), ("error", "describe"), ("lane", "error")}
 
@@ -23,10 +23,11 @@ RUST_WITHIN = {("describe", "error"), ("error", "describe"), ("lane", "error")}
 PYTHON_ORDER = [
     {"errors", "_core"},
     {"registry"},
-    {"grid", "progress", "memory"},
-    {"result"},
+    {"grid", "progress", "memory", "datafile"},
+    {"result", "measured"},
     {"files", "provenance"},
     {"engine"},
+    {"trajectories", "replay", "gait"},
     {"plot"},
     {"reproduce", "spec"},
     {"cli"},

@@ -60,6 +60,8 @@ def test_no_value_exactly_where_a_status_is(record):
     known = {p.name for p in record.parameters}
     grid = {name: values for name, values in grid.items() if name in known}
     more = {n: 1.0 for n in ("time", "speed") if n in known}
+    if record.simulated and "mu_static" not in known:
+        more |= {"mu_coulomb": 0.2, "drive_force": 0.4}
     result = ls.sweep(record.name, **grid, **more)
     assert (np.isnan(result.values) == (result.status != 0)).all()
     assert not np.isinf(result.values).any()
@@ -211,6 +213,9 @@ def test_extreme_values_give_a_number_or_a_status(data):
             if low > 0:
                 values.append(np.nextafter(low, np.inf))
             point[p.name] = data.draw(st.sampled_from([v for v in values if low <= v <= high]))
+    if record.simulated and "mu_static" not in point:
+        point["mu_coulomb"] = data.draw(st.sampled_from([0.0, 1e-30, 0.3, 1e3]))
+        point["drive_force"] = data.draw(st.sampled_from([0.0, -1.0, 0.3, 1e9]))
     if "segments_min" in point:
         low, high = sorted((point["segments_min"], point["segments_max"]))
         point |= {"segments_min": low, "segments_max": high}

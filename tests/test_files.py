@@ -75,7 +75,7 @@ class TestRobot:
     def test_example(self):
         robot = ls.load_robot("examples/locosnake.toml")
         assert robot.parameters["drive_limit"] == 0.85
-        assert robot.other["motor.resistance"] == 20.0
+        assert robot.parameters["winding_resistance"] == 20.0
 
     def test_byte_order_mark_and_infinity(self, tmp_path):
         robot = self.read(tmp_path, b"\xef\xbb\xbf[drive]\nlimit = inf\n")

@@ -338,7 +338,8 @@ SEARCHED = {"best_segments", "best_velocity", "slope_limit_deg"}
 
 def test_every_quantity(capsys: pytest.CaptureFixture[str]) -> None:
     rng = random.Random(1)
-    names = [q.name for q in ls.quantities() if q.name not in SEARCHED]
+    closed = [q.name for q in ls.quantities() if not q.simulated]
+    names = [name for name in closed if name not in SEARCHED]
     worst = dict.fromkeys(names, (0.0, 0.0, 0.0, 0))
     borders = 0
     faults = []

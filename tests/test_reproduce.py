@@ -10,6 +10,8 @@ import locosweep as ls
 from locosweep.reproduce import Report, reproduce
 from locosweep.reproduce_claims import crossing
 
+NUMBERS = (2, 3, 4, 5, 10, 12, 13)
+
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
@@ -31,7 +33,7 @@ def numbers(text):
 
 def test_all_files_are_there_and_legible(made):
     report, folder, calls = made
-    names = [f"figure{n}.png" for n in (2, 3, 4, 5)] + ["reproduction.png", "reproduction.md"]
+    names = [f"figure{n}.png" for n in NUMBERS] + ["reproduction.png", "reproduction.md"]
     assert [file.name for file in report.files] == names
     assert sorted(p.name for p in folder.iterdir()) == sorted(names)
     for file in report.files[:-1]:
@@ -39,8 +41,8 @@ def test_all_files_are_there_and_legible(made):
             assert min(image.size) > 700
             assert image.info["Software"] == f"locosweep {ls.__version__}"
             assert "reproduce" in image.info["Command"]
-    assert [done for done, _, _ in calls] == [1, 2, 3, 4, 5, 6]
-    assert all(total == 6 and rate > 0 for _, total, rate in calls)
+    assert [done for done, _, _ in calls] == list(range(1, 10))
+    assert all(total == 9 and rate > 0 for _, total, rate in calls)
 
 
 def test_markdown_holds_every_row(made):
@@ -115,6 +117,36 @@ def test_cycle_time(made):
     assert row(made, "Cycle time", "phase time t").verdict == "agrees"
 
 
+def test_three_surfaces(made):
+    near = row(made, "almost equal")
+    apart, _, *times = numbers(near.ours)
+    assert apart < 2
+    assert times[1:] == sorted(times[1:])
+    late = numbers(row(made, "arrives later").ours)
+    assert 0 < late[1] < late[0] < 10
+    rear = row(made, "rear stands still")
+    # 0.85 N of (N - 1) mu_S m g.
+    assert numbers(rear.ours) == pytest.approx([0, 0.85, 36, 2.39, 21, 3.99])
+    force, power = row(made, "Figure 12"), row(made, "Figure 13")
+    # At constant voltage power is proportional to force: 10 V over 1.7 N/A.
+    assert numbers(force.ours)[0] == numbers(power.ours)[0] < 10
+    assert numbers(power.ours)[1] == 5
+    verdicts = {r.verdict for r in (near, rear, force, power)}
+    assert verdicts == {"agrees"}
+    assert all("assumed" in r.note for r in (near, rear, force, power))
+
+
+def test_dry_head_reaches_the_stroke_as_the_viscous_closed_form():
+    from locosweep.reproduce_surfaces import _head
+
+    head = _head("dry")
+    loss = 1.7**2 / 20
+    form = ls.sweep("phase_time", mu_static=10, mu_coulomb=0.15, segments=4, viscous=loss,
+                    drive_limit=0.85)  # fmt: skip
+    assert head.arrival == pytest.approx(float(form.values), rel=1e-6)
+    assert head.x[-1] == pytest.approx(0.02, rel=1e-6)
+
+
 def test_crossing_of_two_known_curves():
     t = np.linspace(0, 2, 21)
     assert crossing(t, t, t**2) == pytest.approx((1.0, 1.0), abs=1e-9)
@@ -132,7 +164,7 @@ def test_one_figure_only(tmp_path):
 
 @pytest.mark.parametrize("figures", [7, "5", [], [2, 6], True, "everything"])
 def test_other_figures_are_refused_in_one_line(figures, tmp_path):
-    with pytest.raises(ls.InputError, match="2, 3, 4, 5 or 'all'") as caught:
+    with pytest.raises(ls.InputError, match="2, 3, 4, 5, 10, 12, 13 or 'all'") as caught:
         reproduce(figures, tmp_path)
     assert "\n" not in str(caught.value)
     assert not list(tmp_path.iterdir())

@@ -15,15 +15,27 @@ if TYPE_CHECKING:
     from locosweep.files import Robot as Robot
     from locosweep.files import load as load
     from locosweep.files import load_robot as load_robot
+    from locosweep.gait import GaitRun as GaitRun
+    from locosweep.gait import gaits as gaits
+    from locosweep.gait import run_gait as run_gait
+    from locosweep.gait_spec import GaitSpec as GaitSpec
     from locosweep.grid import Grid as Grid
+    from locosweep.registry import Drive as Drive
+    from locosweep.registry import Law as Law
     from locosweep.registry import Parameter as Parameter
     from locosweep.registry import Quantity as Quantity
     from locosweep.registry import Status as Status
+    from locosweep.registry import drives as drives
+    from locosweep.registry import laws as laws
+    from locosweep.registry import methods as methods
     from locosweep.registry import parameters as parameters
     from locosweep.registry import quantities as quantities
     from locosweep.registry import reductions as reductions
+    from locosweep.replay import effects as effects
     from locosweep.result import Result as Result
     from locosweep.spec import Spec as Spec
+    from locosweep.trajectories import Trajectories as Trajectories
+    from locosweep.trajectories import simulate as simulate
 
     __version__: str
 
@@ -32,9 +44,13 @@ _HOMES = {
     "CancelToken": "_core",
     "Cancelled": "errors",
     "DataFileError": "errors",
+    "Drive": "registry",
+    "GaitRun": "gait",
+    "GaitSpec": "gait_spec",
     "Grid": "grid",
     "InputError": "errors",
     "InternalError": "errors",
+    "Law": "registry",
     "LocosweepError": "errors",
     "Parameter": "registry",
     "Quantity": "registry",
@@ -43,11 +59,19 @@ _HOMES = {
     "SolveError": "errors",
     "Spec": "spec",
     "Status": "registry",
+    "Trajectories": "trajectories",
+    "drives": "registry",
+    "effects": "replay",
+    "gaits": "gait",
+    "laws": "registry",
     "load": "files",
     "load_robot": "files",
+    "methods": "registry",
     "parameters": "registry",
     "quantities": "registry",
     "reductions": "registry",
+    "run_gait": "gait",
+    "simulate": "trajectories",
     "sweep": "engine",
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from locosweep.result import Output, Result
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from locosweep.progress import Progress
 
@@ -34,6 +35,11 @@ def sweep(
     q: float | None = None,
     out: NDArray[Any] | Sequence[NDArray[Any]] | None = None,
     dtype: str | np.dtype[Any] | type = "float64",
+    law: str | None = None,
+    drive: str | None = None,
+    gait: str | None = None,
+    method: str | None = None,
+    table: tuple[ArrayLike, ArrayLike] | None = None,
     threads: int | None = None,
     chunk: int | None = None,
     memory_limit: int | None = None,
@@ -60,6 +66,20 @@ def sweep(
         shape, one per output. Filled in place, not copied.
     dtype : {"float64", "float32"}
         Type of a fresh result; it is always computed in float64.
+    law : str, optional
+        Friction law (``locosweep.laws()``) of quantities that are simulated;
+        default ``coulomb_viscous``. Its parameters may be axes.
+    drive : str, optional
+        Drive (``locosweep.drives()``) of quantities that are simulated; default
+        ``constant``. Its parameters may be axes.
+    gait : str, optional
+        Gait of quantities of whole robots (``gait_advance`` and others); default
+        ``single``, one segment at a time.
+    method : str, optional
+        How to simulate (``locosweep.methods()``); default: the best for law and
+        drive, which is exact where the motion between events is known.
+    table : (array_like, array_like), optional
+        Times in s, rising, and values of the drive ``table``, one-dimensional.
     threads : int, optional
         Threads; default ``LOCOSWEEP_NUM_THREADS``, else what a batch system
         granted, else all processors. The result does not depend on it.
@@ -109,19 +129,70 @@ def sweep(
     requests = [(name, r, q if r == "quantile" else None) for name in names for r in how]
     if len(set(requests)) < len(requests):
         raise InputError("quantity or reduce names the same thing twice")
-    job = _core.Sweep(list(grid.axes.items()), list(grid.fixed.items()), requests, over)
-    count = _core.threads_to_use(_whole("threads", threads))
+    job = _core.Sweep(
+        list(grid.axes.items()),
+        list(grid.fixed.items()),
+        requests,
+        over,
+        law=law,
+        drive=drive,
+        gait=gait,
+        method=method,
+        table=samples_of(table),
+    )
+    count = _core.threads_to_use(whole("threads", threads))
     shape = tuple(job.shape)
     arrays = _arrays(out, dtype, shape, len(requests), job.working_bytes(count), memory_limit)
     meter = Meter(", ".join(names)) if progress is True else progress or None
-    job.run(list(enumerate(arrays)), count, _whole("chunk", chunk), meter, token, None, out is None)
+    job.run(list(enumerate(arrays)), count, whole("chunk", chunk), meter, token, None, out is None)
     outputs = [Output.of(name, r, over) for name, r, _ in requests]
     axes = {name: grid.axes[name] for name in job.axes}
     rivals = None if over is None else grid.axes[over]
-    return Result(outputs, axes, dict(job.fixed), arrays, over=over, rivals=rivals, q=q, job=job)
+    return Result(
+        outputs,
+        axes,
+        dict(job.fixed),
+        arrays,
+        over=over,
+        rivals=rivals,
+        q=q,
+        job=job,
+        how=_how(job, table),
+    )
 
 
-def _whole(name: str, value: int | None) -> int | None:
+def _how(job: _core.Sweep, table: tuple[ArrayLike, ArrayLike] | None) -> dict[str, str]:
+    """Tell how simulated quantities were found; empty for closed forms."""
+    how = {}
+    if job.choice is not None:
+        how = dict(zip(("law", "drive", "method"), job.choice, strict=True))
+    if job.gait is not None:
+        how["gait"] = job.gait
+    samples = samples_of(table)
+    if samples is not None:
+        digest = hashlib.sha256(b"".join(part.tobytes() for part in samples))
+        how["table_sha256"] = digest.hexdigest()
+    return how
+
+
+def samples_of(
+    table: tuple[ArrayLike, ArrayLike] | None,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+    """Turn the samples of a drive into two arrays of numbers."""
+    if table is None:
+        return None
+    try:
+        times, values = (np.asarray(part, dtype=np.float64) for part in table)
+    except (TypeError, ValueError):
+        raise InputError("table is not two arrays of numbers: times and values") from None
+    if times.ndim != 1 or values.ndim != 1:
+        raise InputError(
+            f"table has {times.ndim} and {values.ndim} dimensions: allowed is one each"
+        )
+    return times, values
+
+
+def whole(name: str, value: int | None) -> int | None:
     if value is None:
         return None
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:

@@ -41,10 +41,13 @@ class Robot:
         Parameters of the closed forms, by name.
     other : dict of str to float or str
         Further keys as ``table.key`` (sensor, motor, uncertainty, bench, gain).
+    effects : dict of str to dict of str to float
+        Parameters of the effects that the file adds to its nominal model, by name.
     """
 
     parameters: dict[str, float] = field(default_factory=dict)
     other: dict[str, float | str] = field(default_factory=dict)
+    effects: dict[str, dict[str, float]] = field(default_factory=dict)
 
 
 def load_robot(path: str | os.PathLike[str]) -> Robot:
@@ -84,10 +87,12 @@ def load_robot(path: str | os.PathLike[str]) -> Robot:
     choices = {(table, key): words for table, key, words in _core.file_choices()}
     known = [*records, *others, *choices]
     robot = Robot()
+    for name, content in _effect_tables(path, document.pop("effects", {})):
+        robot.effects[name] = _effect(path, name, content)
     for table, content in document.items():
         tables = list(dict.fromkeys(t for t, _ in known))
         if table not in tables:
-            raise DataFileError(f"{path}: {unknown('table', table, tables)}")
+            raise DataFileError(f"{path}: {unknown('table', table, [*tables, 'effects'])}")
         if not isinstance(content, dict):
             raise DataFileError(f"{path}: {table} is not a table: write [{table}]")
         for key, value in content.items():
@@ -111,6 +116,40 @@ def load_robot(path: str | os.PathLike[str]) -> Robot:
     if "surface.coulomb_force" in robot.other and "mu_coulomb" in robot.parameters:
         raise DataFileError(f"{path}: [surface] has mu_coulomb and coulomb_force: give one")
     return robot
+
+
+def _effect_tables(path: Path, tables: object) -> list[tuple[str, object]]:
+    if not isinstance(tables, dict):
+        raise DataFileError(f"{path}: effects is not a table: write [effects.NAME]")
+    return list(tables.items())
+
+
+def _effect(path: Path, name: str, content: object) -> dict[str, float]:
+    """Read the parameters of one effect; a mass or level that is not given is off."""
+    records = {record.name: record for record in _core.effects()}
+    if name not in records:
+        raise DataFileError(f"{path}: {unknown('effect', name, records)}")
+    if not isinstance(content, dict):
+        raise DataFileError(f"{path}: effects.{name} is not a table: write [effects.{name}]")
+    parameters = {p.name: p for p in records[name].parameters}
+    found = {}
+    for key, value in content.items():
+        if key not in parameters:
+            where = f"key in [effects.{name}]"
+            raise DataFileError(f"{path}: {unknown(where, key, parameters)}")
+        number = _number(path, (f"effects.{name}", key), value)
+        low, high = parameters[key].range
+        if not low <= number <= high:
+            raise DataFileError(
+                f"{path}: [effects.{name}] {key} is {number!r} {parameters[key].unit}: "
+                f"allowed is {parameters[key].allowed}"
+            )
+        found[key] = number
+    # The two forms of one error: the file's model says which of them counts.
+    missing = [key for key in parameters if key not in found and not key.startswith("d_")]
+    if missing:
+        raise DataFileError(f"{path}: [effects.{name}] has no {missing[0]}")
+    return found
 
 
 def _number(path: Path, place: tuple[str, str], value: object) -> float:
@@ -179,6 +218,7 @@ def save_result(result: Result, path: str | os.PathLike[str]) -> None:
         "rivals": None if result.rivals is None else [_text(v) for v in result.rivals],
         "q": result.q,
         "outputs": [[o.quantity, o.reduce, result[o.name].dtype.name] for o in result.outputs],
+        "how": result.how,
     }
     header["sha256"] = _digest(header, result)
     frame = result.to_polars()
@@ -258,6 +298,7 @@ def load(path: str | os.PathLike[str]) -> Result:
         rivals=None if rivals is None else np.array([float(v) for v in rivals]),
         q=None if q is None else float(q),
         statuses=statuses,
+        how={str(key): str(value) for key, value in header.get("how", {}).items()},
     )
     if _digest(header, result) != header.get("sha256"):
         raise DataFileError(f"{path}: altered or damaged since it was written (hash differs)")

@@ -44,16 +44,16 @@ def _system() -> int:
         return 8 << 30
 
 
-def check(needed: int, limit: int | None, what: str) -> None:
-    """Refuse before anything is allocated."""
+_REMEDY = "reduce an axis (over=, reduce=), use dtype='float32', or raise memory_limit="
+
+
+def check(needed: int, limit: int | None, what: str, remedy: str = _REMEDY) -> None:
+    """Refuse before anything is allocated, with what helps against it."""
     if limit is None and needed <= _NEGLIGIBLE:
         return
     allowed = default_limit() if limit is None else limit
     if needed > allowed:
-        raise InputError(
-            f"{what} needs {_size(needed)}, the limit is {_size(allowed)}: reduce an axis "
-            "(over=, reduce=), use dtype='float32', or raise memory_limit="
-        )
+        raise InputError(f"{what} needs {_size(needed)}, the limit is {_size(allowed)}: {remedy}")
 
 
 def _size(count: int) -> str:

@@ -16,6 +16,8 @@ from locosweep import plot_cells as cells
 from locosweep import plot_style as style
 from locosweep.errors import InputError
 from locosweep.plot_file import save_figure
+from locosweep.plot_laws import behaviour, characteristic
+from locosweep.plot_motion import motion
 from locosweep.registry import Status, parameter, unknown
 
 if TYPE_CHECKING:
@@ -26,14 +28,13 @@ if TYPE_CHECKING:
     from matplotlib.axis import Axis
     from matplotlib.colors import Colormap, Normalize
     from matplotlib.legend import Legend
-    from matplotlib.patches import Patch
     from numpy.typing import NDArray
 
     from locosweep.result import Output, Result
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Plotter", "save_figure"]
+__all__ = ["Plotter", "behaviour", "characteristic", "motion", "save_figure"]
 
 _RASTER_FROM = 10_000
 """Cells from which a heat map is stored as an image inside SVG and PDF."""
@@ -313,7 +314,7 @@ class Plotter:
             index.append(place)
             if name != hide:
                 words.append(style.setting(name, float(axis[place])))
-        return tuple(index), ", ".join(words)
+        return tuple(index), ", ".join(filter(None, [style.simulated(self.result), *words]))
 
     def _slice(
         self, output: Output, index: tuple[int | slice, ...]

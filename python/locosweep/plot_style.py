@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from locosweep.result import Output
+    from locosweep.result import Output, Result
 
 __all__ = [
     "DIVERGING",
@@ -34,6 +34,7 @@ __all__ = [
     "hatch",
     "output_label",
     "setting",
+    "simulated",
     "with_unit",
     "wrapped",
 ]
@@ -46,6 +47,8 @@ NO_VALUE = "0.87"
 HATCHES = (
     *("////", "\\\\\\\\", "xxxx", "....", "ooo", "++++"),
     *("----", "||||", "OO", "//", "//..", "\\\\oo", "||..."),
+    *("\\\\--", "xx..", "++OO", "--oo", "oo//", "||//", "++..", "OO--"),
+    *("\\\\..", "xxoo", "||OO", "////--", "++oo"),
 )
 """One per status after ok, the same one in every picture."""
 
@@ -91,6 +94,13 @@ def setting(name: str, value: float) -> str:
     return f"${record.symbol}$ = {with_unit(value, record.unit)}"
 
 
+def simulated(result: Result) -> str:
+    """Law and drive, or gait, of a result that was simulated, else nothing."""
+    return ", ".join(
+        f"{name} {result.how[name]}" for name in ("law", "drive", "gait") if name in result.how
+    )
+
+
 def axis_label(name: str) -> str:
     """Words, symbol and unit of a parameter."""
     record = parameter(name)
@@ -128,7 +138,7 @@ def colours(
     cmap: Colormap | str | None = None,
 ) -> Colours:
     """Choose colours for finite values: classes, one-signed or around zero."""
-    signed = bool(values.size) and values.min() < 0 < values.max()
+    signed = bool(values.size) and _both_signs(float(values.min()), float(values.max()))
     picked = _cmap(cmap or (DIVERGING if signed and norm is None else SEQUENTIAL))
     picked = picked.with_extremes(bad=NO_VALUE)
     if norm is not None:
@@ -141,6 +151,11 @@ def colours(
     if signed:
         return Colours(CenteredNorm(0.0, float(np.abs(values).max())), picked)
     return Colours(_norm("linear", values), picked)
+
+
+def _both_signs(low: float, high: float) -> bool:
+    """Whether zero is worth the middle of the colours: not for a trace of one sign."""
+    return low < 0 < high and min(-low, high) > 0.01 * max(-low, high)
 
 
 def _cmap(cmap: Colormap | str) -> Colormap:

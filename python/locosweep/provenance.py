@@ -42,7 +42,7 @@ def spec_hash(*results: Result) -> str:
 
 def _spec(result: Result) -> dict[str, object]:
     # Numbers as text: JSON has no infinity, and repr reads back to the same bits.
-    return {
+    spec: dict[str, object] = {
         "axes": [[name, [repr(float(v)) for v in axis]] for name, axis in result.axes.items()],
         "fixed": {name: repr(float(value)) for name, value in result.fixed.items()},
         "outputs": [[output.quantity, output.reduce] for output in result.outputs],
@@ -50,3 +50,4 @@ def _spec(result: Result) -> dict[str, object]:
         "rivals": None if result.rivals is None else [repr(float(v)) for v in result.rivals],
         "q": result.q,
     }
+    return {**spec, "how": result.how} if result.how else spec

@@ -8,16 +8,23 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from locosweep import _core
-from locosweep._core import Parameter, Quantity
+from locosweep._core import Drive, Law, Parameter, Quantity
 from locosweep.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
 __all__ = [
+    "Drive",
+    "Law",
     "Parameter",
     "Quantity",
     "Status",
+    "drive",
+    "drives",
+    "law",
+    "laws",
+    "methods",
     "parameter",
     "parameters",
     "quantities",
@@ -49,8 +56,8 @@ def parameters() -> list[Parameter]:
     Examples
     --------
     >>> import locosweep as ls
-    >>> [p.name for p in ls.parameters() if p.unit == "N"]
-    ['drive_limit', 'wall_force']
+    >>> [p.name for p in ls.parameters() if p.unit == "kg"]
+    ['mass']
     """
     return list(_parameters().values())
 
@@ -84,6 +91,74 @@ def reductions() -> dict[str, str]:
     True
     """
     return dict(_core.reductions())
+
+
+@cache
+def _laws() -> dict[str, Law]:
+    return {law.name: law for law in _core.laws()}
+
+
+@cache
+def _drives() -> dict[str, Drive]:
+    return {drive.name: drive for drive in _core.drives()}
+
+
+def laws() -> list[Law]:
+    """List all friction laws.
+
+    Returns
+    -------
+    list of Law
+        Records with ``name``, ``kind`` (dry, smooth or bristle), ``formula``
+        (TeX), ``source``, ``limits``, ``meaning``, ``parameters`` and ``exact``.
+
+    Examples
+    --------
+    >>> import locosweep as ls
+    >>> [law.name for law in ls.laws() if law.exact][:2]
+    ['coulomb', 'coulomb_viscous']
+    """
+    return list(_laws().values())
+
+
+def drives() -> list[Drive]:
+    """List all drives: forces that the actuator is told to give over time.
+
+    Examples
+    --------
+    >>> import locosweep as ls
+    >>> [p.name for p in ls.drives()[0].parameters]
+    ['drive_force']
+    """
+    return list(_drives().values())
+
+
+def methods() -> dict[str, str]:
+    """Map the name of every method of simulation to its meaning.
+
+    Examples
+    --------
+    >>> import locosweep as ls
+    >>> "exact" in ls.methods()
+    True
+    """
+    return dict(_core.methods())
+
+
+def law(name: str) -> Law:
+    """Return one friction law by name; InputError with the nearest name if unknown."""
+    try:
+        return _laws()[name]
+    except KeyError:
+        raise unknown("law", name, _laws()) from None
+
+
+def drive(name: str) -> Drive:
+    """Return one drive by name; InputError with the nearest name if unknown."""
+    try:
+        return _drives()[name]
+    except KeyError:
+        raise unknown("drive", name, _drives()) from None
 
 
 def parameter(name: str) -> Parameter:
@@ -127,6 +202,13 @@ class Status(IntEnum):
     CANNOT_BRAKE = 11
     EMPTY_RANGE = 12
     NOT_FINITE = 13
+    NOT_REACHED = 14
+    UNRESOLVED = 15
+    DIVERGED = 16
+    TOO_MANY_SEGMENTS = 17
+    NO_PHASE_TIME = 18
+    TOO_MANY_STEPS = 19
+    MIXED_JOINTS = 20
 
     @property
     def sentence(self) -> str:

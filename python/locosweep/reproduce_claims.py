@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from locosweep.files import Robot
 
-__all__ = ["CLAIMS", "VARIANTS", "Row", "Verdict", "crossing", "robot_rows"]
+__all__ = ["CLAIMS", "VARIANTS", "Row", "Verdict", "crossing", "judge", "robot_rows"]
 
 Verdict = Literal["agrees", "differs", "ambiguous in the paper"]
 
@@ -62,7 +62,7 @@ class Row:
     note: str = ""
 
 
-def _judge(*readings: bool) -> Verdict:
+def judge(*readings: bool) -> Verdict:
     """One truth for each reading that the text allows."""
     if all(readings):
         return "agrees"
@@ -93,7 +93,7 @@ def _equal_friction() -> list[Row]:
             "text, (8)",
             "N = 4",
             f"N_opt = {_range(low, high)}, whole: {_range(whole.min(), whole.max())}",
-            _judge(max(abs(low - 4), abs(high - 4)) < 1e-9 and bool((whole == 4).all())),
+            judge(max(abs(low - 4), abs(high - 4)) < 1e-9 and bool((whole == 4).all())),
             "μ from 0.05 to 1, w = 1 and w = 0",
         ),
         Row(
@@ -101,7 +101,7 @@ def _equal_friction() -> list[Row]:
             "text, before (6)",
             "N = 4",
             f"N* = {free:.0f} without brake, {braked:.0f} with it",
-            _judge(free == 4 and braked != 4),
+            judge(free == 4 and braked != 4),
             "equal coefficients, flat: only the phase without brake gives four",
         ),
         Row(
@@ -109,7 +109,7 @@ def _equal_friction() -> list[Row]:
             "conclusion",
             "N = 4 only there",
             f"N* = 4 also with 0.5/0.3, {_span_text(spans[1])} (w = 1)",
-            _judge(not four, four),
+            judge(not four, four),
             "Figure 2 states four with 0.5/0.3: conclusion and figure cannot both hold",
         ),
     ]
@@ -134,7 +134,7 @@ def _forces() -> list[Row]:
             source,
             "about 3.2 N",
             f"{net:.4g} N",
-            _judge(abs(net - 3.2) <= 0.05),
+            judge(abs(net - 3.2) <= 0.05),
             f"μ 0.5/0.3; {rule}",
         ),
         Row(
@@ -142,7 +142,7 @@ def _forces() -> list[Row]:
             source,
             "about 3.2 N",
             f"{gross:.4g} N",
-            _judge(abs(gross - 3.2) <= 0.05),
+            judge(abs(gross - 3.2) <= 0.05),
             f"μ 0.5/0.3; {rule}; (9) is a velocity elsewhere: the numbering slipped",
         ),
         Row(
@@ -150,7 +150,7 @@ def _forces() -> list[Row]:
             "experiment",
             "0.85 N at 10 V, 3.2 N",
             f"{DRIVE / net:.0%} of {net:.3g} N net; anchors hold {safety:.3g} times the drive",
-            _judge(min(safety, net / DRIVE) >= 2),
+            judge(min(safety, net / DRIVE) >= 2),
             f"far: at least twice; with this drive the best count is N* = {fewest:.0f}",
         ),
         Row(
@@ -158,7 +158,7 @@ def _forces() -> list[Row]:
             "experiment",
             "0.85 N",
             " and ".join(f"{DRIVE / drag:.3g} times {drag:.3g} N" for drag in drags),
-            _judge(*(drag * 2 <= DRIVE for drag in drags)),
+            judge(*(drag * 2 <= DRIVE for drag in drags)),
             "far: at least twice; μ_C 0.3 (Figure 2) and 0.15 (Figure 5), the text does not say",
         ),
     ]
@@ -180,7 +180,7 @@ def _times() -> list[Row]:
                 "text",
                 "falls",
                 f"{trend}: {values[0]:.3g}, {values.min():.3g}, {values[-1]:.3g} s",
-                _judge(falls),
+                judge(falls),
                 "flat, 0.5/0.3; at N = 2, the least, and at N = 12",
             )
         )
@@ -196,7 +196,7 @@ def _inputs() -> list[Row]:
             "experiment",
             "271 g",
             f"{1000 * default:g} g",
-            _judge(abs(default - 0.271) < 1e-12),
+            judge(abs(default - 0.271) < 1e-12),
             "default of the parameter mass",
         ),
         Row(
@@ -204,7 +204,7 @@ def _inputs() -> list[Row]:
             "text, Figure 5",
             "0.5 Pa s",
             f"{VISCOUS:g} {viscous.unit}",
-            _judge(viscous.unit == "Pa s", viscous.unit == "N s/m"),
+            judge(viscous.unit == "Pa s", viscous.unit == "N s/m"),
             "equations (10) and (11) need N s/m: force over speed, not a viscosity",
         ),
     ]
@@ -226,7 +226,7 @@ def robot_rows(robot: Robot) -> list[Row]:
                 "experiment",
                 f"{paper:g}{unit}",
                 given,
-                _judge(agrees),
+                judge(agrees),
                 note,
             )
         )
@@ -257,7 +257,7 @@ def _figure_2() -> list[Row]:
                 "Figure 2",
                 "N = 4",
                 text,
-                _judge(*hits.tolist()),
+                judge(*hits.tolist()),
                 "slopes 0 to 20 deg in steps of 2; the text does not say at which slopes",
             )
         )
@@ -269,7 +269,7 @@ def _figure_2() -> list[Row]:
             "Figure 2",
             "N = 4",
             f"N* = {flat:.0f}; {1000 * three:.2f} and {1000 * four:.2f} mm/s (N = 3, 4)",
-            _judge(flat == 4),
+            judge(flat == 4),
             f"three is faster by {three / four - 1:.1%}, hardly visible; stroke 20 mm is assumed",
         )
     )
@@ -294,7 +294,7 @@ def _figure_3() -> list[Row]:
             "Figure 3",
             "grows",
             f"{'grows' if (more > 0).all() else 'not always'}: {more.min():.3g} N or more each",
-            _judge(*(bool((more[i] > 0).all()) for i, _ in per_variant)),
+            judge(*(bool((more[i] > 0).all()) for i, _ in per_variant)),
             "w = 1 and w = 0, slopes 0 to 20 deg, N = 2 to 12",
         ),
         Row(
@@ -304,7 +304,7 @@ def _figure_3() -> list[Row]:
             f"{'falls' if (steeper < 0).all() else 'not always'}: "
             f"{force[0, 0, 2]:.3g} to {force[0, -1, 2]:.3g} N (w = 1), "
             f"to {force[1, -1, 2]:.3g} N (w = 0) for N = 4",
-            _judge(*(bool((steeper[i] < 0).all()) for i, _ in per_variant)),
+            judge(*(bool((steeper[i] < 0).all()) for i, _ in per_variant)),
             "0 to 20 deg; both variants fall, so this does not tell them apart",
         ),
     ]
@@ -326,7 +326,7 @@ def _figure_4() -> list[Row]:
                 "Figure 4",
                 "up to 500",
                 text,
-                _judge(bool(len(high))),
+                judge(bool(len(high))),
                 f"pole at tan α = μ, here no value beyond {ends:.2f} deg: the anchors slide"
                 if ends < slopes[-1]
                 else "no pole: grows steadily with tan α / μ",
@@ -364,7 +364,7 @@ def _figure_5() -> list[Row]:
             "Figure 5, (9)",
             "straight line",
             f"{acceleration:.5g} m/s², {np.interp(1.0, time, dry):.5g} m/s at 1 s",
-            _judge(straight),
+            judge(straight),
             "N = 3, μ 0.3/0.15",
         )
     ]
@@ -379,7 +379,7 @@ def _figure_5() -> list[Row]:
                 "Figure 5",
                 "cross",
                 f"at {met[0]:.4g} s, {met[1]:.4g} m/s" if met else "never, dry is always faster",
-                _judge(met is not None),
+                judge(met is not None),
                 f"viscous {np.interp(1.0, time, curve):.4g} m/s at 1 s",
             ),
             Row(
@@ -387,7 +387,7 @@ def _figure_5() -> list[Row]:
                 "(11)",
                 f"F_P/μ_V = {force / VISCOUS:.4g} m/s",
                 f"{limit:.4g} m/s",
-                _judge(abs(limit - force / VISCOUS) <= 1e-9 * limit),
+                judge(abs(limit - force / VISCOUS) <= 1e-9 * limit),
                 f"F_P = {force:.4g} N, gross",
             ),
         ]

@@ -98,6 +98,7 @@ class Result:
         q: float | None = None,
         job: _core.Sweep | None = None,
         statuses: Mapping[str, NDArray[np.uint8]] | None = None,
+        how: Mapping[str, str] | None = None,
     ) -> None:
         self.outputs = tuple(outputs)
         self.axes = dict(axes)
@@ -108,6 +109,7 @@ class Result:
         self._values = {o.name: v for o, v in zip(outputs, values, strict=True)}
         self._statuses = dict(statuses or {})
         self._job = job
+        self.how = dict(how or {})
 
     @property
     def name(self) -> str:

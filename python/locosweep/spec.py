@@ -5,19 +5,18 @@ from __future__ import annotations
 import json
 import math
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from locosweep.errors import DataFileError, InputError
-from locosweep.registry import parameter, quantity, reductions, unknown
+from locosweep.registry import parameter, quantities, quantity, reductions, unknown
+from locosweep.spec_drive import SIMULATION, Simulation
+from locosweep.spec_span import Span
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterable, Mapping
-
-    import numpy as np
-    from numpy.typing import NDArray
 
     from locosweep.grid import Grid
     from locosweep.result import Result
@@ -25,77 +24,6 @@ if TYPE_CHECKING:
 __all__ = ["Span", "Spec"]
 
 _FORMAT = "locosweep.sweep/1"
-_MOST = 10_000_000
-"""Values that one axis may have."""
-
-
-@dataclass(frozen=True)
-class Span:
-    """Evenly spaced values of an axis, both ends included.
-
-    Attributes
-    ----------
-    start, stop : float
-        The ends; `stop` may be the lower one when there is a count.
-    count : int, optional
-        How many values. Without it, every whole number between the ends, which
-        only whole parameters have.
-
-    Examples
-    --------
-    >>> from locosweep.spec import Span
-    >>> Span(2, 5).values("segments")
-    array([2., 3., 4., 5.])
-    >>> Span(0.0, 10.0, 3).values("slope_deg")
-    array([ 0.,  5., 10.])
-    """
-
-    start: float
-    stop: float
-    count: int | None = None
-
-    def check(self, name: str) -> int:
-        """Return how many values a parameter gets.
-
-        Raises
-        ------
-        InputError
-            An end that the parameter cannot take, or a count that does not fit.
-        """
-        record = parameter(name)
-        for end in (self.start, self.stop):
-            record.check(end)
-        text = f"{name} from {self.start:g} to {self.stop:g}"
-        if not (math.isfinite(self.start) and math.isfinite(self.stop)):
-            raise InputError(f"{text}: allowed are finite ends")
-        count = self.count
-        if count is None:
-            if not record.integer:
-                raise InputError(f"{text} has no count: allowed is that for whole numbers only")
-            count = int(self.stop) - int(self.start) + 1
-            if count < 1:
-                raise InputError(f"{text} is empty: the lower end comes first")
-        if not 1 <= count <= _MOST:
-            raise InputError(f"{text} has {count} values: allowed are 1 to {_MOST}")
-        if count == 1 and self.start != self.stop:
-            raise InputError(f"{text} has 1 value: allowed are 2 or more where the ends differ")
-        length = abs(int(self.stop) - int(self.start)) if record.integer else 0
-        if count > 1 and length % (count - 1):
-            raise InputError(
-                f"{text} in {count} values is not whole: allowed are counts that are 1 more than "
-                f"a divisor of {length}"
-            )
-        return count
-
-    def values(self, name: str) -> NDArray[np.float64]:
-        """Return the values for a parameter, checked."""
-        import numpy as np
-
-        from locosweep import memory
-
-        count = self.check(name)
-        memory.check(8 * count, None, f"axis {name}")
-        return np.linspace(self.start, self.stop, count, dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -118,6 +46,8 @@ class Spec:
         Which quantile.
     dtype : {"float64", "float32"}
         Type of the result.
+    simulation : Simulation
+        Law, drive and method of quantities that are simulated.
 
     Raises
     ------
@@ -142,6 +72,7 @@ class Spec:
     reduce: tuple[str, ...] = ()
     q: float | None = None
     dtype: str = "float64"
+    simulation: Simulation = field(default_factory=Simulation)
 
     def __post_init__(self) -> None:
         _names("quantities", self.quantities, empty=False)
@@ -175,6 +106,11 @@ class Spec:
         if "quantile" in self.reduce and not 0 <= (math.nan if self.q is None else self.q) <= 1:
             given_q = "missing" if self.q is None else f"{self.q:g}"
             raise InputError(f"q is {given_q}: allowed is a number from 0 to 1")
+        if self.simulation.given and not any(quantity(name).simulated for name in self.quantities):
+            raise InputError(
+                f"{self.simulation.given[0]} is given, but {', '.join(self.quantities)} is not "
+                f"simulated: allowed beside one of {', '.join(simulated())}"
+            )
         if self.dtype not in ("float64", "float32"):
             raise InputError(f"dtype is {self.dtype!r}: allowed are float64, float32")
 
@@ -202,7 +138,6 @@ class Spec:
         size = 4 if self.dtype == "float32" else 8
         # Before the axes themselves take time and memory.
         memory.check(cells * outputs * size, options.get("memory_limit"), "the result")
-
         return sweep(
             self.quantities,
             self.grid(),
@@ -210,6 +145,7 @@ class Spec:
             reduce=self.reduce or None,
             q=self.q,
             dtype=self.dtype,
+            **self.simulation.options(),
             **options,
         )
 
@@ -222,6 +158,10 @@ class Spec:
         if self.q is not None:
             lines.append(f"q = {_number(self.q)}")
         lines.append(f"dtype = {_text(self.dtype)}")
+        if self.simulation.given:
+            lines += ["", "[simulation]"]
+        for name in self.simulation.given:
+            lines.append(f"{name} = {_text(getattr(self.simulation, name))}")
         if self.axes:
             lines += ["", "[axes]"]
         for name, values in self.axes:
@@ -272,14 +212,21 @@ class Spec:
             raise DataFileError(f"{path}: {error.strerror or error}") from None
         except UnicodeDecodeError as error:
             raise DataFileError(f"{path}: not TOML: {error}") from None
-        return cls.from_toml(text, source=str(path))
+        spec = cls.from_toml(text, source=str(path))
+        return replace(spec, simulation=spec.simulation.beside(path.parent))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a sweep file, in one step."""
         from locosweep.files import replacing
 
+        moved = replace(self, simulation=self.simulation.moved(Path(path).parent))
         with replacing(path) as temporary:
-            temporary.write_text(self.to_toml(), encoding="utf-8", newline="\n")
+            temporary.write_text(moved.to_toml(), encoding="utf-8", newline="\n")
+
+
+def simulated() -> list[str]:
+    """Names of the quantities that are found by simulation."""
+    return [q.name for q in quantities() if q.simulated]
 
 
 def _names(key: str, names: tuple[str, ...], *, empty: bool) -> None:
@@ -303,7 +250,7 @@ def _list(words: Iterable[str]) -> str:
     return f"[{', '.join(words)}]"
 
 
-_KEYS = ("format", "quantities", "over", "reduce", "q", "dtype", "axes", "fixed")
+_KEYS = ("format", "quantities", "over", "reduce", "q", "dtype", "simulation", "axes", "fixed")
 _SPAN_KEYS = ("from", "to", "count")
 
 
@@ -326,7 +273,16 @@ def _read(document: Mapping[str, Any]) -> Spec:
         reduce=_strings("reduce", document.get("reduce", [])),
         q=None if q is None else _float("q", q),
         dtype=_string("dtype", document.get("dtype", "float64")),
+        simulation=_simulation(document.get("simulation", {})),
     )
+
+
+def _simulation(table: object) -> Simulation:
+    if not isinstance(table, dict):
+        raise InputError("simulation is not a table: write [simulation]")
+    _known("key in [simulation]", table, SIMULATION)
+    words: dict[str, Any] = {k: _string(f"[simulation] {k}", word) for k, word in table.items()}
+    return Simulation(**words)
 
 
 def _known(kind: str, given: Iterable[str], known: tuple[str, ...]) -> None:

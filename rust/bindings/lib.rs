@@ -2,6 +2,8 @@
 
 mod arrays;
 mod door;
+mod gait;
+mod replay;
 mod sweep;
 mod tables;
 
@@ -10,10 +12,18 @@ use pyo3::prelude::pymodule;
 #[pymodule]
 mod _core {
     #[pymodule_export]
+    use super::gait::{
+        GaitOutputRecord, GaitParameter, GaitRecord, GaitResult, gait_outputs, gait_parameters,
+        gait_run, gaits,
+    };
+    #[pymodule_export]
+    use super::replay::{EffectRecord, Replay, effect_parameter_count, effects};
+    #[pymodule_export]
     use super::sweep::{CancelToken, Sweep};
     #[pymodule_export]
     use super::tables::{
-        Parameter, Quantity, file_choices, file_keys, parameters, quantities, reductions,
-        simd_level, simd_levels, statuses, threads_to_use, version,
+        Drive, Law, Parameter, Quantity, characteristic, drives, file_choices, file_keys, laws,
+        methods, parameters, quantities, reductions, simd_level, simd_levels, statuses,
+        threads_to_use, version,
     };
 }

@@ -4,9 +4,10 @@ use crate::arrays::Output;
 use crate::door::{SMALL, enter, enter_briefly, raise};
 use locosweep::lane::Level;
 use locosweep::sweep::{
-    Control, DEFAULT_CHUNK, Entry, FRESH_CHUNK, Grid, Job, Options, Reduce, Request, run,
+    Choice, Control, DEFAULT_CHUNK, Entry, FRESH_CHUNK, Grid, Job, Options, Reduce, Request,
+    Traces, run, trace,
 };
-use numpy::PyReadonlyArray1;
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -16,6 +17,12 @@ use std::sync::atomic::Ordering;
 #[derive(Default)]
 pub struct CancelToken {
     control: Arc<Control>,
+}
+
+impl CancelToken {
+    pub fn control(&self) -> Arc<Control> {
+        self.control.clone()
+    }
 }
 
 #[pymethods]
@@ -45,16 +52,32 @@ pub struct Sweep {
 
 #[pymethods]
 impl Sweep {
-    /// `requests` are (quantity, reduction or None, q or None).
+    /// `requests` are (quantity, reduction or None, q or None). Law, drive, method
+    /// and table (times and values) count where a quantity is simulated.
     #[new]
-    #[pyo3(signature = (axes, fixed, requests, over=None))]
+    #[pyo3(signature = (axes, fixed, requests, over=None, *, law=None, drive=None, gait=None, method=None, locate=true, table=None))]
+    #[allow(clippy::too_many_arguments, clippy::type_complexity)]
     fn new(
         py: Python<'_>,
         axes: Vec<(String, PyReadonlyArray1<'_, f64>)>,
         fixed: Vec<(String, f64)>,
         requests: Vec<(String, Option<String>, Option<f64>)>,
         over: Option<&str>,
+        law: Option<String>,
+        drive: Option<String>,
+        gait: Option<String>,
+        method: Option<String>,
+        locate: bool,
+        table: Option<(PyReadonlyArray1<'_, f64>, PyReadonlyArray1<'_, f64>)>,
     ) -> PyResult<Sweep> {
+        let mut choice = Choice { method, locate, ..Choice::default() };
+        choice.law = law.unwrap_or(choice.law);
+        choice.drive = drive.unwrap_or(choice.drive);
+        choice.gait = gait.unwrap_or(choice.gait);
+        if let Some((times, values)) = table {
+            choice.times = times.as_array().to_vec();
+            choice.values = values.as_array().to_vec();
+        }
         let axes: Vec<(String, Vec<f64>)> =
             axes.into_iter().map(|(name, values)| (name, values.as_array().to_vec())).collect();
         let build = || {
@@ -64,7 +87,7 @@ impl Sweep {
                 let reduce = reduce.as_ref().map(|name| Reduce::parse(name, *q)).transpose()?;
                 Ok(Request { entry, reduce })
             });
-            Job::new(grid, requests.collect::<Result<_, _>>()?, over)
+            Job::new(grid, requests.collect::<Result<_, _>>()?, over, &choice)
         };
         Ok(Sweep { job: build().map_err(|error| raise(py, error))? })
     }
@@ -101,6 +124,45 @@ impl Sweep {
     #[getter]
     fn evaluations(&self) -> u64 {
         self.job.evaluations()
+    }
+
+    /// Whether trajectories are simulated.
+    #[getter]
+    fn simulates(&self) -> bool {
+        self.job.simulates()
+    }
+
+    /// Gait in use, where whole robots are simulated.
+    #[getter]
+    fn gait(&self) -> Option<&'static str> {
+        self.job.gait()
+    }
+
+    /// Law, drive and method in use, where trajectories are simulated.
+    #[getter]
+    fn choice(&self) -> Option<(&'static str, &'static str, &'static str)> {
+        self.job.choice()
+    }
+
+    /// Position, speed, drive force and direction of sliding (0 at rest) of every
+    /// cell at `stations` (shares of the duration): shape (cells, stations) each.
+    #[pyo3(signature = (stations, threads, progress=None, token=None))]
+    fn trace<'py>(
+        &self,
+        py: Python<'py>,
+        stations: PyReadonlyArray1<'_, f64>,
+        threads: usize,
+        progress: Option<Py<PyAny>>,
+        token: Option<&CancelToken>,
+    ) -> PyResult<[Bound<'py, PyArray1<f64>>; 4]> {
+        let stations = stations.as_array().to_vec();
+        let level = Level::current().map_err(|error| raise(py, error))?;
+        let options = Options { threads, chunk: DEFAULT_CHUNK, level, fresh: true };
+        let control = token.map_or_else(Default::default, CancelToken::control);
+        let total = self.job.cells() as u64;
+        let work = || trace(&self.job, &stations, options, &control);
+        let Traces { x, v, force, way } = enter(py, &control, total, progress.as_ref(), work)?;
+        Ok([x, v, force, way].map(|field| field.into_pyarray(py)))
     }
 
     /// Bytes needed beside the results.
@@ -140,10 +202,10 @@ impl Sweep {
         for (request, output) in &mut borrowed {
             buffers.push((*request, output.buffer(py)?));
         }
-        let control = token.map_or_else(Default::default, |token| token.control.clone());
+        let control = token.map_or_else(Default::default, CancelToken::control);
         let total = self.job.evaluations();
         let work = || run(&self.job, buffers, options, &control);
-        if total <= SMALL && progress.is_none() {
+        if total <= SMALL && progress.is_none() && !self.job.simulates() {
             return enter_briefly(py, work);
         }
         enter(py, &control, total, progress.as_ref(), work)

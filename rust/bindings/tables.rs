@@ -2,10 +2,14 @@
 
 use crate::door::raise;
 use locosweep::describe::Param;
+use locosweep::integrate::Method;
 use locosweep::lane::Level;
+use locosweep::physics::drive::DriveKind;
+use locosweep::physics::friction::{LAWS, LawEntry, Place, Values};
 use locosweep::physics::params::{FILE_CHOICES, FILE_KEYS};
 use locosweep::physics::{PARAMS, ParamId, Status};
 use locosweep::sweep::{Entry, QUANTITIES, Reduce};
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 
 /// A parameter: what it is called, measured in, and which values it may take.
@@ -75,6 +79,8 @@ pub struct Quantity {
     meaning: &'static str,
     integer: bool,
     parameters: Vec<Py<Parameter>>,
+    /// Found by simulating a trajectory; law and drive then add parameters.
+    simulated: bool,
 }
 
 #[pymethods]
@@ -98,7 +104,115 @@ fn quantity(py: Python<'_>, entry: &Entry) -> PyResult<Quantity> {
         meaning: info.meaning,
         integer: info.integer,
         parameters: parameters.collect::<PyResult<_>>()?,
+        simulated: entry.closed().is_none(),
     })
+}
+
+/// A friction law.
+#[pyclass(frozen, get_all, module = "locosweep._core")]
+pub struct Law {
+    name: &'static str,
+    /// dry, smooth or bristle.
+    kind: &'static str,
+    /// TeX, in the symbols of the parameters.
+    formula: &'static str,
+    source: &'static str,
+    limits: &'static str,
+    meaning: &'static str,
+    parameters: Vec<Py<Parameter>>,
+    /// Motion between events is known in closed form.
+    exact: bool,
+}
+
+#[pymethods]
+impl Law {
+    fn __repr__(&self) -> String {
+        format!("Law(name='{}', kind='{}', meaning='{}')", self.name, self.kind, self.meaning)
+    }
+}
+
+/// A drive: the force that the actuator is told to give, over time.
+#[pyclass(frozen, get_all, module = "locosweep._core")]
+pub struct Drive {
+    name: &'static str,
+    formula: &'static str,
+    meaning: &'static str,
+    parameters: Vec<Py<Parameter>>,
+}
+
+#[pymethods]
+impl Drive {
+    fn __repr__(&self) -> String {
+        format!("Drive(name='{}', meaning='{}')", self.name, self.meaning)
+    }
+}
+
+fn named(py: Python<'_>, names: &[&str]) -> PyResult<Vec<Py<Parameter>>> {
+    let known = ParamId::all().map(ParamId::param).filter(|param| names.contains(&param.name));
+    known.map(|param| Py::new(py, Parameter::from(param))).collect()
+}
+
+/// All friction laws.
+#[pyfunction]
+pub fn laws(py: Python<'_>) -> PyResult<Vec<Law>> {
+    let law = |entry: &LawEntry| {
+        let info = &entry.info;
+        Ok(Law {
+            name: info.name,
+            kind: entry.kind.name(),
+            formula: info.formula,
+            source: info.source,
+            limits: info.limits,
+            meaning: info.meaning,
+            parameters: named(py, info.params)?,
+            exact: entry.linear,
+        })
+    };
+    LAWS.iter().map(law).collect()
+}
+
+/// Signed friction force of steady sliding at each speed; 0 at rest for smooth
+/// laws, else what friction holds against a forward push.
+#[pyfunction]
+pub fn characteristic<'py>(
+    py: Python<'py>,
+    law: &str,
+    given: Vec<(String, f64)>,
+    speeds: PyReadonlyArray1<'py, f64>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let force = || {
+        let law = LawEntry::parse(law)?;
+        let given: Vec<(&str, f64)> = given.iter().map(|(n, v)| (n.as_str(), *v)).collect();
+        let values = Values::named(&given)?;
+        law.check(&values)?;
+        let at = |v: &f64| match *v {
+            0.0 => (law.holding)(&values, &Place::start(1.0)),
+            v => (law.steady)(&values, v),
+        };
+        Ok(speeds.as_array().iter().map(at).collect::<Vec<_>>())
+    };
+    force().map(|force| force.into_pyarray(py)).map_err(|error| raise(py, error))
+}
+
+/// All drives.
+#[pyfunction]
+pub fn drives(py: Python<'_>) -> PyResult<Vec<Drive>> {
+    let drive = |kind: &DriveKind| {
+        let info = kind.info();
+        Ok(Drive {
+            name: info.name,
+            formula: info.formula,
+            meaning: info.meaning,
+            parameters: named(py, info.params)?,
+        })
+    };
+    DriveKind::ALL.iter().map(drive).collect()
+}
+
+/// Name and meaning of every method of simulation.
+#[pyfunction]
+pub fn methods() -> Vec<(&'static str, &'static str)> {
+    Method::ALL.iter().map(|(_, name, meaning)| (*name, *meaning)).collect()
 }
 
 /// All parameters of the closed forms.

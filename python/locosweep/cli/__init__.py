@@ -16,9 +16,19 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from locosweep.cli.listing import parameters, quantities, reductions, statuses
+from locosweep.cli.gaiting import gait
+from locosweep.cli.laws import laws
+from locosweep.cli.listing import (
+    drives,
+    methods,
+    parameters,
+    quantities,
+    reductions,
+    statuses,
+)
 from locosweep.cli.optimum import optimum
 from locosweep.cli.pictures import heatmap, plot, reproduce
+from locosweep.cli.simulating import simulate
 from locosweep.cli.sweeping import sweep
 from locosweep.errors import Cancelled, InputError, SolveError
 
@@ -48,7 +58,8 @@ def group() -> None:
 
 
 for _command in (
-    heatmap, sweep, optimum, plot, reproduce, quantities, parameters, reductions, statuses,
+    heatmap, sweep, simulate, gait, optimum, plot, reproduce, quantities, parameters, laws, drives,
+    methods, reductions, statuses,
 ):  # fmt: skip
     group.add_command(_command)
 

@@ -9,12 +9,21 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep import registry
-from locosweep.cli.options import PARAMETER, QUANTITY, as_json, json_option
+from locosweep.cli.options import DRIVE, PARAMETER, QUANTITY, as_json, json_option
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-__all__ = ["parameters", "quantities", "reductions", "statuses", "table"]
+__all__ = [
+    "drives",
+    "methods",
+    "parameter_table",
+    "parameters",
+    "quantities",
+    "reductions",
+    "statuses",
+    "table",
+]
 
 
 def table(rows: Iterable[Sequence[str]], heads: Sequence[str], right: str = "") -> str:
@@ -55,6 +64,7 @@ def _quantity(record: registry.Quantity) -> dict[str, object]:
         "source": record.source,
         "limits": record.limits,
         "integer": record.integer,
+        "simulated": record.simulated,
         "parameters": [p.name for p in record.parameters],
     }
 
@@ -67,15 +77,18 @@ def _page(record: registry.Quantity) -> str:
         "source": record.source,
         "limits": record.limits,
     }
+    if record.simulated:
+        entries["law"] = "simulated: a friction law and a drive add their parameters"
     width = min(shutil.get_terminal_size().columns, 100)
     lines = [f"{record.name}: {record.meaning}", ""]
     for head, text in entries.items():
         indent = " " * 10
         lines.append(textwrap.fill(f"{head:<10}{text}", width, subsequent_indent=indent))
-    return "\n".join([*lines, "", _parameter_table(record.parameters)])
+    return "\n".join([*lines, "", parameter_table(record.parameters)])
 
 
-def _parameter_table(records: Iterable[registry.Parameter]) -> str:
+def parameter_table(records: Iterable[registry.Parameter]) -> str:
+    """List parameters: unit, default, what is allowed, meaning."""
     rows = [
         (p.name, p.unit, "" if p.default is None else f"{p.default:g}", p.allowed, p.meaning)
         for p in records
@@ -93,7 +106,7 @@ def parameters(name: str | None, json_: bool) -> None:
         records = [_parameter(record) for record in some]
         click.echo(as_json(records if name is None else records[0]))
     else:
-        click.echo(_parameter_table(some))
+        click.echo(parameter_table(some))
 
 
 def _parameter(record: registry.Parameter) -> dict[str, object]:
@@ -115,6 +128,36 @@ def reductions(json_: bool) -> None:
     """List the ways to fold an axis away."""
     known = registry.reductions()
     click.echo(as_json(known) if json_ else table(known.items(), ("reduction", "meaning")))
+
+
+@click.command()
+@click.argument("name", required=False, type=DRIVE)
+@json_option
+def drives(name: str | None, json_: bool) -> None:
+    """List the drives of a simulation, or tell everything about one."""
+    some = registry.drives() if name is None else [registry.drive(name)]
+    if json_:
+        records = [
+            {"name": d.name, "meaning": d.meaning, "formula": d.formula,
+             "parameters": [p.name for p in d.parameters]}
+            for d in some
+        ]  # fmt: skip
+        click.echo(as_json(records if name is None else records[0]))
+    elif name is None:
+        rows = [(d.name, d.meaning, ", ".join(p.name for p in d.parameters)) for d in some]
+        click.echo(table(rows, ("drive", "meaning", "parameters")))
+    else:
+        drive = some[0]
+        head = f"{drive.name}: {drive.meaning}\n\nformula   {drive.formula}"
+        click.echo(f"{head}\n\n{parameter_table(drive.parameters)}")
+
+
+@click.command()
+@json_option
+def methods(json_: bool) -> None:
+    """List the methods of simulation."""
+    known = registry.methods()
+    click.echo(as_json(known) if json_ else table(known.items(), ("method", "meaning")))
 
 
 @click.command()

@@ -25,6 +25,10 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AXIS",
+    "CURVES",
+    "DRIVE",
+    "LAW",
+    "METHOD",
     "PARAMETER",
     "PICTURE",
     "QUANTITY",
@@ -173,20 +177,38 @@ def _parameters() -> dict[str, str]:
 
 QUANTITY = _Name("quantity", _quantities)
 PARAMETER = _Name("parameter", _parameters)
+
+
+def _laws() -> dict[str, str]:
+    return {law.name: law.meaning for law in registry.laws()}
+
+
+def _drives() -> dict[str, str]:
+    return {drive.name: drive.meaning for drive in registry.drives()}
+
+
 REDUCTION = _Name("reduction", registry.reductions)
+LAW = _Name("friction law", _laws)
+DRIVE = _Name("drive", _drives)
+METHOD = _Name("method", registry.methods)
 SETTING = _Setting()
 AXIS = _Axis()
 PICTURE = _Output("png", "svg", "pdf")
 TABLE = _Output("parquet")
+CURVES = _Output("csv", "parquet")
 
 
 class SweepCommand(click.Command):
     """A command whose help ends with what the registry holds."""
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """List quantities, parameters and reductions."""
+        """List quantities, parameters, reductions, laws, drives and methods."""
         super().format_epilog(ctx, formatter)
         kinds = {param.type for param in self.params}
+        for kind, head in ((LAW, "Friction laws"), (DRIVE, "Drives"), (METHOD, "Methods")):
+            if kind in kinds:
+                with formatter.section(head):
+                    formatter.write_dl(list(kind.known().items()))
         if QUANTITY in kinds:
             with formatter.section("Quantities"):
                 formatter.write_dl(

@@ -25,6 +25,7 @@ from locosweep.cli.options import (
     summary,
     threads_option,
 )
+from locosweep.cli.simulation import chosen, gait_option, refuse_idle, simulation_options
 from locosweep.errors import InputError
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
 
     Axis = tuple[str, Span | tuple[float, ...]]
 
-__all__ = ["heatmap", "plot", "reproduce"]
+__all__ = ["called", "heatmap", "plot", "reproduce"]
 
 
 @click.command(cls=SweepCommand)
@@ -60,6 +61,8 @@ __all__ = ["heatmap", "plot", "reproduce"]
 )
 @robot_option
 @set_option
+@simulation_options
+@gait_option
 @click.option("--out", type=PICTURE, help="Picture; default QUANTITY.png in the current folder.")
 @click.option("--data", type=TABLE, help="Also write the numbers.")
 @threads_option
@@ -74,6 +77,11 @@ def heatmap(
     best: str,
     robot: Path | None,
     settings: tuple[tuple[str, float], ...],
+    law: str | None,
+    drive: str | None,
+    method: str | None,
+    drive_file: Path | None,
+    gait: str | None,
     out: Path | None,
     data: Path | None,
     threads: int | None,
@@ -91,7 +99,10 @@ def heatmap(
     axes = (y, x) if best_over is None else (y, x, best_over)
     over = None if best_over is None else best_over[0]
     reduce = () if best_over is None else (f"arg{best}", best)
-    spec = Spec((quantity,), axes, fixed(robot, settings, dict(axes)), over, reduce)
+    simulation = chosen(law, drive, method, drive_file, gait)
+    refuse_idle(dict(axes), [quantity], simulation)
+    values = fixed(robot, settings, dict(axes))
+    spec = Spec((quantity,), axes, values, over, reduce, simulation=simulation)
     result = spec.run(threads=threads, progress=on_terminal())
     figure = _heatmap(result, x[0], y[0], star=best == "max")
     if data is not None:
@@ -116,8 +127,12 @@ def _save(ctx: click.Context, figure: Figure, out: Path, result: Result) -> None
     from locosweep.plot import save_figure
     from locosweep.provenance import spec_hash
 
-    command = shlex.join(["locosweep", *ctx.obj])
-    save_figure(figure, out, command=command, spec=spec_hash(result))
+    save_figure(figure, out, command=called(ctx), spec=spec_hash(result))
+
+
+def called(ctx: click.Context) -> str:
+    """Return the command as it was typed, for the metadata of pictures."""
+    return shlex.join(["locosweep", *ctx.obj])
 
 
 def _paths(*paths: Path | None) -> str:
@@ -178,7 +193,7 @@ def plot(
 
 
 @click.command()
-@click.argument("figures", default="all", metavar="[2|3|4|5|all]")
+@click.argument("figures", default="all", metavar="[2|3|4|5|10|12|13|all]")
 @click.option(
     "--out",
     required=True,
@@ -189,7 +204,7 @@ def plot(
 @robot_option
 @json_option
 def reproduce(figures: str, out: Path, robot: Path | None, json_: bool) -> None:
-    """Draw the paper's simulated figures and check the numbers it states.
+    """Draw the paper's figures and check the numbers it states.
 
     The figures use the paper's values; a robot file is held against what the
     paper says of its robot.

@@ -24,6 +24,7 @@ from locosweep.cli.options import (
     summary,
     threads_option,
 )
+from locosweep.cli.simulation import chosen, gait_option, refuse_idle, simulation_options
 from locosweep.errors import InputError
 
 if TYPE_CHECKING:
@@ -43,6 +44,8 @@ __all__ = ["sweep"]
 )
 @robot_option
 @set_option
+@simulation_options
+@gait_option
 @click.option("--over", type=PARAMETER, metavar="NAME", help="Axis to fold away.")
 @click.option("--reduce", multiple=True, type=REDUCTION, metavar="HOW", help="How; repeatable.")
 @click.option("--q", type=float, metavar="Q", help="Which quantile, from 0 to 1.")
@@ -63,6 +66,11 @@ def sweep(
     axes: tuple[tuple[str, Span | tuple[float, ...]], ...],
     robot: Path | None,
     settings: tuple[tuple[str, float], ...],
+    law: str | None,
+    drive: str | None,
+    method: str | None,
+    drive_file: Path | None,
+    gait: str | None,
     over: str | None,
     reduce: tuple[str, ...],
     q: float | None,
@@ -78,8 +86,16 @@ def sweep(
     from locosweep.spec import Spec
 
     if spec_file is not None:
-        given = {"QUANTITY": quantities, "--axis": axes, "--over": over, "--reduce": reduce}
-        for name, value in (given | {"--q": q, "--dtype": dtype}).items():
+        given: dict[str, object] = {"QUANTITY": quantities, "--axis": axes, "--over": over}
+        given |= {"--reduce": reduce, "--q": q, "--dtype": dtype}
+        given |= {
+            "--law": law,
+            "--drive": drive,
+            "--method": method,
+            "--drive-file": drive_file,
+            "--gait": gait,
+        }
+        for name, value in given.items():
             if value:
                 raise InputError(f"{name} is given beside --spec: allowed is one of them")
         read = Spec.load(spec_file)
@@ -87,8 +103,10 @@ def sweep(
     elif not quantities:
         raise InputError("QUANTITY is missing: name at least one, or give --spec FILE.toml")
     else:
+        simulation = chosen(law, drive, method, drive_file, gait)
+        refuse_idle(dict(axes), quantities, simulation)
         values = fixed(robot, settings, dict(axes))
-        spec = Spec(quantities, axes, values, over, reduce, q, dtype or "float64")
+        spec = Spec(quantities, axes, values, over, reduce, q, dtype or "float64", simulation)
     if out is None and save_spec is None:
         raise InputError("--out is missing: allowed is a file that ends in .parquet")
     report: dict[str, object] = {"file": None, "spec": None}

@@ -12,6 +12,12 @@ use super::Lane;
 pub fn exp<L: Lane>(x: L) -> L {
     let x = x.max(x.with(-700.0)).min(x.with(700.0));
     let k = (x * std::f64::consts::LOG2_E).round();
+    (reduced(x, k) + 1.0) * k.exp2_whole()
+}
+
+/// e^r - 1 for r = x - k ln 2.
+#[inline(always)]
+fn reduced<L: Lane>(x: L, k: L) -> L {
     // ln 2 in two parts: the first has 32 trailing zero bits, k * part is exact.
     let r = k.mul_add(x.with(-6.931_471_803_691_238e-1), x);
     let r = k.mul_add(x.with(-1.908_214_929_270_587_7e-10), r);
@@ -32,8 +38,27 @@ pub fn exp<L: Lane>(x: L) -> L {
     ] {
         tail = tail.mul_add(r, x.with(c));
     }
-    let series = (r * r).mul_add(tail, r) + 1.0;
-    series * k.exp2_whole()
+    (r * r).mul_add(tail, r)
+}
+
+/// e^x - 1 for x in [-700, 700], within 2 ulp.
+#[inline(always)]
+pub fn exp_less_one<L: Lane>(x: L) -> L {
+    let x = x.max(x.with(-700.0)).min(x.with(700.0));
+    let k = (x * std::f64::consts::LOG2_E).round();
+    let power = k.exp2_whole();
+    // 2^k (1 + s) - 1 with s = e^r - 1.
+    power.mul_add(reduced(x, k), power - 1.0)
+}
+
+/// tanh(x), within 4 ulp.
+#[inline(always)]
+pub fn tanh<L: Lane>(x: L) -> L {
+    // (e^2a - 1)/(e^2a + 1) keeps its digits at 0; beyond 20 it is 1.
+    let a = x.abs().min(x.with(20.0));
+    let grown = exp_less_one(a + a);
+    let size = grown / (grown + 2.0);
+    L::select(x.lt(x.with(0.0)), -size, size)
 }
 
 /// E2(x) = (x + e^-x - 1)/x^2 for x >= 0.
@@ -54,6 +79,35 @@ pub fn speed_factor<L: Lane>(x: L) -> L {
     let direct = (one - exp(-far)) / far;
     let near = x.min(one);
     L::select(x.lt(one), (-near).mul_add(near_path_factor(near), one), direct)
+}
+
+/// e^-x, E1(x) and E2(x) together, x >= 0; only the form that some lane needs is
+/// computed, and the one that is not needed changes no lane.
+#[inline(always)]
+pub fn motion_factors<L: Lane>(x: L) -> (L, L, L) {
+    let one = x.with(1.0);
+    let is_near = x.lt(one);
+    let near = x.min(one);
+    let e2 = near_path_factor(near);
+    let e1 = (-near).mul_add(e2, one);
+    let decay = (-near).mul_add(e1, one);
+    if !L::any(L::not(is_near)) {
+        return (decay, e1, e2);
+    }
+    x.apart(
+        #[inline(always)]
+        || {
+            let far = x.max(one);
+            let far_decay = exp(-far);
+            let far_e1 = (one - far_decay) / far;
+            let far_e2 = (one - far_e1) / far;
+            (
+                L::select(is_near, decay, far_decay),
+                L::select(is_near, e1, far_e1),
+                L::select(is_near, e2, far_e2),
+            )
+        },
+    )
 }
 
 /// Sum of (-x)^n/(n + 2)! to n = 17 for x in [0, 1]: remainder below 1e-17.

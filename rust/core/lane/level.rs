@@ -69,6 +69,9 @@ pub trait Task {
     /// Packs per register file: 4 vectors in flight where the loop carries a
     /// dependence (a running best), 2 where points are independent.
     const CHAINED: bool = false;
+    /// Scalars will do below AVX2: large kernels, compiled for processors that
+    /// are hardly in use any more, would cost more to build than they save.
+    const SCALAR_BASELINE: bool = false;
     fn run<P: Pack>(self, token: P::Token) -> Self::Output;
 }
 
@@ -106,6 +109,9 @@ pub fn run<T: Task>(level: Level, task: T) -> T::Output {
             Level::Baseline => {}
         }
         if let Some(simd) = found.as_sse2() {
+            if T::SCALAR_BASELINE {
+                return task.run::<f64>(simd);
+            }
             return simd.vectorize(
                 #[inline(always)]
                 || task.run::<Pack1<_>>(simd),

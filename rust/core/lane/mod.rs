@@ -8,14 +8,24 @@
 
 pub mod exp;
 mod level;
+pub mod log;
 mod root;
 pub mod stream;
+pub mod trig;
 mod wide;
 
 pub use level::{Level, Task, run};
 pub use wide::{Pack, Pack1, Pack2, Pack4};
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// Bits of a double just above sqrt(1/2), and what lifts them to those of 1.
+const SQRT_HALF: u64 = 0x3fe6_a09e_6800_0000;
+const SPLIT_OFFSET: u64 = 0x3ff0_0000_0000_0000 - SQRT_HALF;
+const MANTISSA: u64 = (1 << 52) - 1;
+/// 2^52, whose bits count whole numbers.
+const WHOLE_VALUE: f64 = 4_503_599_627_370_496.0;
+const WHOLE: u64 = WHOLE_VALUE.to_bits();
 
 /// Arithmetic that a formula may use.
 pub trait Lane:
@@ -44,6 +54,9 @@ pub trait Lane:
     fn round(self) -> Self;
     /// `2^self` for whole numbers in [-1022, 1023].
     fn exp2_whole(self) -> Self;
+    /// m in [0.7071, 1.4142] and a whole k with `self` = m 2^k, for positive
+    /// normal numbers.
+    fn split(self) -> (Self, Self);
 
     /// The smaller one; `other` or NaN where one is NaN.
     fn min(self, other: Self) -> Self;
@@ -55,6 +68,7 @@ pub trait Lane:
     fn not_nan(self) -> Self::Mask;
     fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    fn not(mask: Self::Mask) -> Self::Mask;
     fn any(mask: Self::Mask) -> bool;
     /// `a` where the mask holds, `b` elsewhere. Never computes with the lane
     /// that it does not take, so a NaN there does no harm.
@@ -79,6 +93,22 @@ pub trait Lane:
     #[inline(always)]
     fn ge(self, other: Self) -> Self::Mask {
         other.le(self)
+    }
+    /// 1, -1 or, at zero, 0.
+    #[inline(always)]
+    fn sign(self) -> Self {
+        let zero = self.with(0.0);
+        let negative = Self::select(self.lt(zero), self.with(-1.0), zero);
+        Self::select(zero.lt(self), self.with(1.0), negative)
+    }
+    #[inline(always)]
+    fn is_finite(self) -> Self::Mask {
+        self.abs().lt(self.with(f64::INFINITY))
+    }
+    /// Within `-limit` and `limit`.
+    #[inline(always)]
+    fn clip(self, limit: Self) -> Self {
+        self.min(limit).max(-limit)
     }
     /// `self` where the mask holds, NaN elsewhere.
     #[inline(always)]
@@ -123,6 +153,13 @@ impl Lane for f64 {
         f64::from_bits(((self as i64 + 1023) as u64) << 52)
     }
     #[inline(always)]
+    fn split(self) -> (f64, f64) {
+        let shifted = self.to_bits().wrapping_add(SPLIT_OFFSET);
+        let m = f64::from_bits((shifted & MANTISSA) + SQRT_HALF);
+        // The exponent as the low bits of 2^52.
+        (m, f64::from_bits((shifted >> 52) | WHOLE) - (WHOLE_VALUE + 1023.0))
+    }
+    #[inline(always)]
     fn min(self, other: f64) -> f64 {
         if self < other { self } else { other }
     }
@@ -149,6 +186,10 @@ impl Lane for f64 {
     #[inline(always)]
     fn or(a: bool, b: bool) -> bool {
         a | b
+    }
+    #[inline(always)]
+    fn not(mask: bool) -> bool {
+        !mask
     }
     #[inline(always)]
     fn any(mask: bool) -> bool {

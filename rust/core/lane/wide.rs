@@ -3,7 +3,7 @@
 //! More than one vector per pack hides the latency of an operation behind its
 //! neighbours; how many pay depends on the number of registers (see `level`).
 
-use super::{Lane, root, stream};
+use super::{Lane, MANTISSA, SPLIT_OFFSET, SQRT_HALF, WHOLE, WHOLE_VALUE, root, stream};
 use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdMask, f64x8, u64x8};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -19,6 +19,31 @@ pub trait Pack: Lane {
     /// As `store`, past the caches where `to` begins a cache line. Other threads
     /// may read only after `stream::fence`.
     fn stream(self, to: &mut [f64]);
+}
+
+/// A pack of one, for kernels that are not worth vectors (see `Task`).
+impl Pack for f64 {
+    #[cfg(target_arch = "x86_64")]
+    type Token = fearless_simd::x86::Sse2;
+    #[cfg(target_arch = "aarch64")]
+    type Token = fearless_simd::aarch64::Neon;
+    const LANES: usize = 1;
+    #[inline(always)]
+    fn splat(_: Self::Token, value: f64) -> f64 {
+        value
+    }
+    #[inline(always)]
+    fn load(_: Self::Token, from: &[f64]) -> f64 {
+        from[0]
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        to[0] = self;
+    }
+    #[inline(always)]
+    fn stream(self, to: &mut [f64]) {
+        to[0] = self;
+    }
 }
 
 macro_rules! pack {
@@ -86,6 +111,11 @@ macro_rules! pack {
                 Self([$(exp2_whole(self.0[$i])),+])
             }
             #[inline(always)]
+            fn split(self) -> (Self, Self) {
+                let parts = [$(split(self.0[$i])),+];
+                (Self([$(parts[$i].0),+]), Self([$(parts[$i].1),+]))
+            }
+            #[inline(always)]
             fn min(self, other: Self) -> Self {
                 Self([$(self.0[$i].min(other.0[$i])),+])
             }
@@ -112,6 +142,10 @@ macro_rules! pack {
             #[inline(always)]
             fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask {
                 [$(a[$i] | b[$i]),+]
+            }
+            #[inline(always)]
+            fn not(mask: Self::Mask) -> Self::Mask {
+                [$(!mask[$i]),+]
             }
             #[inline(always)]
             fn any(mask: Self::Mask) -> bool {
@@ -191,6 +225,17 @@ fn exp2_whole<S: Simd>(x: f64x8<S>) -> f64x8<S> {
     let shifted: u64x8<S> = (x + (6_755_399_441_055_744.0 + 1023.0)).bitcast();
     let simd = x.simd;
     simd.shl_u64x8(shifted, 52).bitcast()
+}
+
+#[inline(always)]
+fn split<S: Simd>(x: f64x8<S>) -> (f64x8<S>, f64x8<S>) {
+    let simd = x.simd;
+    let number = |bits| u64x8::splat(simd, bits);
+    let bits: u64x8<S> = x.bitcast();
+    let shifted = bits + number(SPLIT_OFFSET);
+    let m: f64x8<S> = ((shifted & number(MANTISSA)) + number(SQRT_HALF)).bitcast();
+    let k: f64x8<S> = (simd.shr_u64x8(shifted, 52) | number(WHOLE)).bitcast();
+    (m, k - (WHOLE_VALUE + 1023.0))
 }
 
 #[cfg(test)]

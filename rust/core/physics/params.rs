@@ -74,6 +74,134 @@ params! {
         "smallest segment count to consider";
     SegmentsMax "segments_max" r"N_\mathrm{max}" ["1"] Some(MOST_SEGMENTS), 1.0 => MOST_SEGMENTS, whole, None,
         "largest segment count to consider";
+    // Friction laws.
+    LoadFriction "load_friction" r"\mu_l" ["1"] Some(0.0), 0.0 => 1e3, real, None,
+        "friction per newton of drive force, where the drive presses the segment to the ground";
+    ViscousLoad "viscous_load" r"b_1" ["N s/m"] Some(0.0), 0.0 => 1e9, real, None,
+        "viscous coefficient at a normal force of 1 N, beside the constant one";
+    LoadExponent "load_exponent" r"q" ["1"] Some(1.0), 0.1 => 3.0, real, None,
+        "exponent with which the viscous coefficient grows with the normal force";
+    Quadratic "quadratic" r"c_2" ["N s^2/m^2"] Some(0.0), 0.0 => 1e9, real, None,
+        "quadratic drag coefficient";
+    PowerDrag "power_drag" r"c_p" ["N"] Some(0.0), 0.0 => 1e9, real, None,
+        "power-law drag at 1 m/s";
+    PowerExponent "power_exponent" r"p" ["1"] Some(1.5), 0.1 => 4.0, real, None,
+        "exponent of power-law drag";
+    StribeckSpeed "stribeck_speed" r"v_s" ["m/s"] Some(0.01), 1e-9 => 1e3, real, None,
+        "speed over which friction falls from static to Coulomb";
+    StribeckExponent "stribeck_exponent" r"\delta" ["1"] Some(1.0), 0.1 => 4.0, real, None,
+        "exponent of the fall from static to Coulomb friction";
+    ModelicaDecay "modelica_decay" r"f_\mathrm{exp}" ["s/m"] Some(100.0), 1e-6 => 1e9, real, None,
+        "decay of the Stribeck part in the form of the Modelica library";
+    BristleStiffness "bristle_stiffness" r"\sigma_0" ["N/m"] Some(1e5), 1e-3 => 1e12, real, None,
+        "stiffness of the contact before it slides";
+    BristleDamping "bristle_damping" r"\sigma_1" ["N s/m"] Some(300.0), 0.0 => 1e9, real, None,
+        "damping of the contact before it slides";
+    DampingSpeed "damping_speed" r"v_d" ["m/s"] Some(INF), 1e-9 => INF, real, None,
+        "speed over which the damping of the contact fades, which keeps it passive; inf: it does not";
+    DahlExponent "dahl_exponent" r"i" ["1"] Some(1.0), 0.1 => 3.0, real, None,
+        "shape of Dahl's curve: below 1 brittle, above 1 ductile";
+    ElasticShare "elastic_share" r"z_\mathrm{ba}/z_\mathrm{ss}" ["1"] Some(0.7), 0.0 => 0.99, real, None,
+        "share of the deflection at sliding up to which the contact is purely elastic";
+    Attraction "attraction" r"C" ["N/s"] Some(100.0), 1e-6 => 1e9, real, None,
+        "rate at which a sliding element returns to its steady friction";
+    StiffnessSpread "stiffness_spread" r"\kappa" ["1"] Some(2.0), 1.0 => 1e3, real, None,
+        "stiffness of one element over that of the next softer one";
+    DwellTime "dwell_time" r"\tau_\mathrm{dw}" ["s"] Some(1.0), 1e-6 => 1e6, real, None,
+        "time at rest over which the contact gains its static friction";
+    RippleAmplitude "ripple_amplitude" r"a" ["1"] Some(0.0), 0.0 => 1.0, real, None,
+        "relative amplitude of friction along the track";
+    RippleLength "ripple_length" r"L" ["m"] Some(0.01), 1e-9 => 1e6, real, None,
+        "period of friction along the track";
+    RipplePhaseDeg "ripple_phase_deg" r"\varphi_r" ["deg"] Some(0.0), -360.0 => 360.0, real, None,
+        "phase of friction along the track at its zero";
+    PatchStart "patch_start" r"x_p" ["m"] Some(0.0), -1e6 => 1e6, real, None,
+        "where a patch of other friction begins";
+    PatchLength "patch_length" r"L_p" ["m"] Some(0.01), 1e-9 => 1e6, real, None,
+        "length of the patch";
+    PatchRatio "patch_ratio" r"\rho_p" ["1"] Some(1.0), 0.0 => 1e3, real, None,
+        "friction on the patch over friction elsewhere";
+    TrackLength "track_length" r"L_t" ["m"] Some(0.1), 1e-9 => 1e6, real, None,
+        "length of track over which the six friction ratios are spread, then repeated";
+    Track1 "track_1" r"\rho_1" ["1"] Some(1.0), 0.0 => 1e3, real, None, "friction ratio at the track's zero";
+    Track2 "track_2" r"\rho_2" ["1"] Some(1.0), 0.0 => 1e3, real, None, "friction ratio at 1/6 of the track";
+    Track3 "track_3" r"\rho_3" ["1"] Some(1.0), 0.0 => 1e3, real, None, "friction ratio at 2/6 of the track";
+    Track4 "track_4" r"\rho_4" ["1"] Some(1.0), 0.0 => 1e3, real, None, "friction ratio at 3/6 of the track";
+    Track5 "track_5" r"\rho_5" ["1"] Some(1.0), 0.0 => 1e3, real, None, "friction ratio at 4/6 of the track";
+    Track6 "track_6" r"\rho_6" ["1"] Some(1.0), 0.0 => 1e3, real, None, "friction ratio at 5/6 of the track";
+    Buildup "buildup" r"k_b" ["N/m"] Some(0.0), 0.0 => 1e9, real, None,
+        "resistance of the lubricant pushed along, per distance swept since the last rest or turn";
+    BuildupRoot "buildup_root" r"c_1" ["N/m^0.5"] Some(0.0), 0.0 => 1e9, real, None,
+        "resistance of the lubricant pushed along, per root of the distance swept (a yield stress)";
+    Snowplough "snowplough" r"c_3" ["N s^2/m^2"] Some(0.0), 0.0 => 1e9, real, None,
+        "momentum given to the lubricant scraped up, per square of the speed";
+    MixedSpeed "mixed_speed" r"v_m" ["m/s"] Some(0.05), 1e-9 => 1e3, real, None,
+        "speed over which the film takes over from the solid contact";
+    MixedExponent "mixed_exponent" r"n" ["1"] Some(1.0), 0.1 => 4.0, real, None,
+        "exponent with which the film takes over";
+    TransitionSpeed "transition_speed" r"v_t" ["m/s"] Some(1e-3), 1e-9 => 1e3, real, None,
+        "speed over which a regularised law rises from zero, at its peak where it has one: it creeps below";
+    // The drive of one segment.
+    Gain "gain" r"k_d" ["N"] Some(1.0), -1e9 => 1e9, real, Some(("drive", "gain")),
+        "drive force per unit of a table of samples";
+    DriveForce "drive_force" r"F_0" ["N"] Some(0.0), -1e9 => 1e9, real, None,
+        "constant part of the drive force";
+    DriveAmplitude "drive_amplitude" r"A" ["N"] Some(0.0), -1e9 => 1e9, real, None,
+        "amplitude of the drive force";
+    DriveFrequency "drive_frequency" r"f" ["Hz"] Some(1.0), 1e-9 => 1e6, real, None,
+        "frequency of the drive; of a multisine the lowest, of a chirp the first";
+    DriveFrequencyEnd "drive_frequency_end" r"f_1" ["Hz"] Some(10.0), 1e-9 => 1e6, real, None,
+        "frequency of a chirp at the end of the run";
+    DrivePhaseDeg "drive_phase_deg" r"\varphi" ["deg"] Some(0.0), -360.0 => 360.0, real, None,
+        "phase of the drive at the start";
+    DriveHarmonics "drive_harmonics" r"n_h" ["1"] Some(8.0), 1.0 => 64.0, whole, None,
+        "number of components of a multisine";
+    DriveRate "drive_rate" r"\dot F" ["N/s"] Some(1.0), 1e-9 => 1e9, real, None,
+        "rate at which a ramp rises and falls";
+    DriveHold "drive_hold" r"t_h" ["s"] Some(0.0), 0.0 => 1e6, real, None,
+        "time that a ramp stays at its top";
+    DrivePeriod "drive_period" r"T_p" ["s"] Some(1.0), 1e-9 => 1e6, real, None,
+        "period of a pulse train";
+    DriveDuty "drive_duty" r"d" ["1"] Some(0.5), 0.0 => 1.0, real, None,
+        "share of the period in which a pulse train drives forward";
+    DriveBack "drive_back" r"F_b" ["N"] Some(0.0), -1e9 => 1e9, real, None,
+        "force of a pulse train in the rest of the period, backward positive";
+    SpringStiffness "spring_stiffness" r"k_s" ["N/m"] Some(0.0), 0.0 => 1e9, real, None,
+        "stiffness of a spring that pulls the segment";
+    SpringDamping "spring_damping" r"d_s" ["N s/m"] Some(0.0), 0.0 => 1e9, real, None,
+        "damping beside that spring";
+    PullSpeed "pull_speed" r"v_p" ["m/s"] Some(0.0), -1e6 => 1e6, real, None,
+        "speed of the spring's other end";
+    // One run.
+    Duration "duration" r"T" ["s"] Some(1.0), 1e-9 => 1e9, real, None,
+        "time that is simulated";
+    TimeStep "time_step" r"h" ["s"] Some(1e-3), 1e-12 => 1e6, real, None,
+        "step of the fixed-step methods";
+    Tolerance "tolerance" r"\epsilon" ["1"] Some(1e-6), 1e-14 => 0.1, real, None,
+        "relative local error that the adaptive methods aim at";
+    StartPosition "start_position" r"x_0" ["m"] Some(0.0), -1e6 => 1e6, real, None,
+        "position at the start";
+    StartSpeed "start_speed" r"v_0" ["m/s"] Some(0.0), -1e6 => 1e6, real, None,
+        "speed at the start";
+    // The whole robot.
+    JointStiffness "joint_stiffness" r"k_\mathrm{j}" ["N/m"] Some(INF), 1e-3 => INF, real, None,
+        "stiffness between a joint's drive and the joint; inf: ideal, and locked where it is not driven";
+    JointDamping "joint_damping" r"d_\mathrm{j}" ["N s/m"] Some(0.0), 0.0 => 1e9, real, None,
+        "damping beside that stiffness";
+    Dwell "dwell" r"t_\mathrm{w}" ["s"] Some(0.0), 0.0 => 1e6, real, None,
+        "rest after each phase of the gait";
+    Cycles "cycles" r"n_\mathrm{c}" ["1"] Some(10.0), 1.0 => 1e6, whole, None,
+        "cycles of the gait that are simulated";
+    Impact "impact" r"\iota" ["1"] Some(1.0), 0.0 => 1.0, whole, None,
+        "what becomes of the momentum left at the end of an ideal joint's stroke. 1: the robot keeps it (plastic impact); 0: it is dropped, as in the closed forms";
+    BreakAway "break_away" r"\beta_\mathrm{s}" ["1"] Some(1.0), 0.0 => 1.0, whole, None,
+        "1: a segment that the gait moves must first overcome its static friction; 0: it starts against Coulomb friction, as in the closed forms";
+    SupplyVoltage "supply_voltage" "U" ["V"] Some(10.0), 0.0 => 1e6, real, Some(("motor", "supply_voltage")),
+        "supply voltage of the motor";
+    WindingResistance "winding_resistance" "R" ["ohm"] Some(20.0), 1e-9 => 1e9, real, Some(("motor", "resistance")),
+        "winding resistance of the motor";
+    ForceConstant "force_constant" r"k_F" ["N/A"] Some(1.7), 1e-9 => 1e9, real, Some(("motor", "force_constant")),
+        "force per ampere, and back-EMF in V s/m";
 }
 
 pub const PARAM_COUNT: usize = PARAMS.len();
@@ -88,14 +216,6 @@ pub const FILE_KEYS: &[Param] = &[
         (0.0, 1e9),
         ("surface", "coulomb_force"),
         "Coulomb friction as a force (N, or N m on a rotary bench), in place of mu_coulomb",
-    ),
-    key(
-        "gain",
-        "N",
-        Some(1.0),
-        (-1e9, 1e9),
-        ("drive", "gain"),
-        "drive force per unit of the drive column",
     ),
     key(
         "position_noise",
@@ -136,30 +256,6 @@ pub const FILE_KEYS: &[Param] = &[
         (0.0, 1e9),
         ("sensor", "power_noise"),
         "standard deviation of power",
-    ),
-    key(
-        "supply_voltage",
-        "V",
-        Some(10.0),
-        (0.0, 1e6),
-        ("motor", "supply_voltage"),
-        "supply voltage of the motor",
-    ),
-    key(
-        "resistance",
-        "ohm",
-        Some(20.0),
-        (1e-9, 1e9),
-        ("motor", "resistance"),
-        "winding resistance of the motor",
-    ),
-    key(
-        "force_constant",
-        "N/A",
-        Some(1.7),
-        (0.0, 1e9),
-        ("motor", "force_constant"),
-        "force per ampere, and back-EMF in V s/m",
     ),
     key(
         "mass_uncertainty",

@@ -158,17 +158,24 @@ impl<L: Lane> Point<L> {
     }
 }
 
-impl Point<f64> {
-    /// A point from named values, defaults for the rest; NaN where a parameter
-    /// has neither. For tests, examples and single answers.
-    pub fn of(given: &[(ParamId, f64)]) -> Self {
-        let mut all = [f64::NAN; COLUMNS];
-        for id in ParamId::all() {
-            let value = given.iter().rev().find(|(g, _)| *g == id).map(|(_, v)| *v);
-            if let Some(value) = value.or(id.param().default) {
-                [all[id.main()], all[id.derived()]] = columns(id, value);
-            }
+/// All columns from named values, defaults for the rest; NaN where a parameter
+/// has neither.
+pub fn row(given: &[(ParamId, f64)]) -> [f64; COLUMNS] {
+    let mut all = [f64::NAN; COLUMNS];
+    for id in ParamId::all() {
+        let value = given.iter().rev().find(|(g, _)| *g == id).map(|(_, v)| *v);
+        if let Some(value) = value.or(id.param().default) {
+            [all[id.main()], all[id.derived()]] = columns(id, value);
         }
+    }
+    all
+}
+
+impl Point<f64> {
+    /// A point from named values, see [`row`]. For tests, examples and single
+    /// answers.
+    pub fn of(given: &[(ParamId, f64)]) -> Self {
+        let all = row(given);
         Self::gather(|c| all[c])
     }
 }

@@ -35,4 +35,11 @@ statuses! {
     CannotBrake 11 "cannot_brake" "the anchors cannot brake the moving segments to rest";
     EmptyRange 12 "empty_range" "no segment count lies between segments_min and segments_max";
     NotFinite 13 "not_finite" "the formula has no finite value here";
+    NotReached 14 "not_reached" "the run ends before the stroke is complete";
+    Unresolved 15 "unresolved" "events or changes follow too closely to be resolved";
+    Diverged 16 "diverged" "the trajectory leaves all bounds: a smaller time_step may keep it";
+    TooManySegments 17 "too_many_segments" "the whole robot is simulated up to 32 segments";
+    NoPhaseTime 18 "no_phase_time" "the phases of the gait have no duration: give a speed_limit or a dwell";
+    TooManySteps 19 "too_many_steps" "the run would take too many steps, or events follow each other without end";
+    MixedJoints 20 "mixed_joints" "some joints of the robot are ideal and others elastic";
 }

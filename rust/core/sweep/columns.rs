@@ -234,13 +234,20 @@ impl<'a> Columns<'a> {
         }
     }
 
+    /// A pack of one column from cell `start` on.
+    #[inline(always)]
+    pub fn load<P: Pack>(&self, token: P::Token, column: usize, start: usize) -> P {
+        let (numbers, runs) = self.column(column, start);
+        if runs { P::load(token, numbers) } else { P::splat(token, numbers[0]) }
+    }
+
     /// A reader of packs over the cells from `start` on, for a kernel that uses
     /// the parameters in `used` and was compiled for `VARY`.
     #[inline(always)]
     pub fn reader<P: Pack, const VARY: u8>(
         &self,
         token: P::Token,
-        used: u64,
+        used: u128,
         start: usize,
         len: usize,
     ) -> Reader<'a, P, VARY> {
@@ -273,6 +280,14 @@ impl<'a> Columns<'a> {
         Reader { token, used, wide, constant, masks }
     }
 
+    /// All columns of cell `i`.
+    pub fn row(&self, i: usize) -> [f64; COLUMNS] {
+        std::array::from_fn(|c| {
+            let (column, runs) = self.column(c, 0);
+            column[if runs { i } else { 0 }]
+        })
+    }
+
     /// Cell `i` as a scalar point.
     pub fn point(&self, i: usize) -> Point<f64> {
         Point::gather(|c| {
@@ -285,7 +300,7 @@ impl<'a> Columns<'a> {
 /// Points of consecutive cells, a pack at a time.
 pub struct Reader<'a, P: Pack, const VARY: u8> {
     token: P::Token,
-    used: u64,
+    used: u128,
     wide: Point<&'a [f64]>,
     constant: Point<P>,
     masks: [usize; COLUMNS],

@@ -3,10 +3,11 @@
 use super::columns::{Layout, PADDING};
 use super::grid::{Axis, Grid};
 use super::reduce::Reduce;
-use super::registry::Entry;
+use super::registry::{Entry, Way};
+use super::simulation::{Choice, Simulation};
 use crate::error::{Error, Result};
-use crate::physics::ParamId;
 use crate::physics::point::{COLUMNS, columns};
+use crate::physics::{Gait, ParamId};
 
 /// One quantity, reduced along the job's reduced axis or not.
 pub struct Request {
@@ -25,6 +26,10 @@ pub struct Job {
     /// Its places, 0, 1, 2, ..., as the kernels count them.
     pub(super) places: Vec<f64>,
     pub(super) plain: bool,
+    /// For quantities that are simulated.
+    pub(super) simulation: Option<Simulation>,
+    /// For quantities of whole robots.
+    pub(super) gait: Option<Gait>,
     cells: usize,
     evaluations: u64,
 }
@@ -32,7 +37,22 @@ pub struct Job {
 impl Job {
     /// `over` names the reduced axis; every request then needs a reduction, and
     /// none may have one without it.
-    pub fn new(grid: Grid, requests: Vec<Request>, over: Option<&str>) -> Result<Job> {
+    pub fn new(
+        grid: Grid,
+        requests: Vec<Request>,
+        over: Option<&str>,
+        choice: &Choice,
+    ) -> Result<Job> {
+        let is_run = |request: &Request| matches!(request.entry.way, Way::Run(_));
+        let is_gait = |request: &Request| matches!(request.entry.way, Way::Gait(_));
+        let gait = match requests.iter().any(is_gait) {
+            true => Some(Gait::parse(&choice.gait)?),
+            false => None,
+        };
+        let simulation = match requests.iter().any(is_run) {
+            true => Some(Simulation::new(choice, &grid)?),
+            false => None,
+        };
         let names = || grid.axes.iter().map(|a| a.id.param().name.to_owned()).collect::<Vec<_>>();
         let over = match over {
             None => None,
@@ -53,7 +73,9 @@ impl Job {
             }
             for id in ParamId::all() {
                 let missing = grid.axis(id).is_none() && grid.fixed[id as usize].is_none();
-                if request.entry.uses(id) && missing {
+                let simulated = simulation.as_ref().filter(|_| is_run(request));
+                let taken = || simulated.is_some_and(|s| s.params().any(|p| p == id.param().name));
+                if missing && (request.entry.uses(id) || taken()) {
                     return Err(Error::MissingParameter {
                         name: id.param().name.to_owned(),
                         quantity: request.entry.info.name.to_owned(),
@@ -84,7 +106,20 @@ impl Job {
         // Without requests a job only checks its grid.
         let layout = if requests.is_empty() { Layout::new(&[]) } else { Layout::new(&kept) };
         let plain = grid.is_plain();
-        Ok(Job { layout, plain, cells, evaluations, over, fixed, rivals, places, requests, grid })
+        Ok(Job {
+            simulation,
+            gait,
+            layout,
+            plain,
+            cells,
+            evaluations,
+            over,
+            fixed,
+            rivals,
+            places,
+            requests,
+            grid,
+        })
     }
 
     /// The axes of the result, in order.
@@ -104,6 +139,22 @@ impl Job {
     /// How often a formula is evaluated.
     pub fn evaluations(&self) -> u64 {
         self.evaluations
+    }
+
+    /// Gait in use, where whole robots are simulated.
+    pub fn gait(&self) -> Option<&'static str> {
+        self.gait.map(Gait::name)
+    }
+
+    /// Law, drive and method in use, where trajectories are simulated.
+    pub fn choice(&self) -> Option<(&'static str, &'static str, &'static str)> {
+        let used = self.simulation.as_ref()?;
+        Some((used.law.info.name, used.drive.info().name, used.method.name()))
+    }
+
+    /// Whether trajectories are simulated, each of which takes its time.
+    pub fn simulates(&self) -> bool {
+        self.simulation.is_some() || self.gait.is_some()
     }
 
     pub(super) fn rival_count(&self) -> usize {

@@ -3,17 +3,28 @@
 //! number.
 
 mod columns;
+mod gait_outputs;
 mod grid;
 mod job;
 mod kernel;
+mod outputs;
 mod pool;
 mod reduce;
 mod registry;
+pub mod replay;
 mod run;
+mod runs;
+mod simulation;
+mod trace;
+mod trajectories;
 
+pub use gait_outputs::GaitOutput;
 pub use grid::{Axis, Grid};
 pub use job::{Job, Request};
+pub use outputs::Output;
 pub use pool::threads_to_use;
 pub use reduce::Reduce;
 pub use registry::{Entry, QUANTITIES};
 pub use run::{Buffer, Control, DEFAULT_CHUNK, FRESH_CHUNK, Options, run};
+pub use simulation::Choice;
+pub use trace::{Traces, trace};

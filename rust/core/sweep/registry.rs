@@ -1,7 +1,9 @@
 //! The quantities with their compiled kernels, chosen once per sweep.
 
 use super::columns::{Columns, Vary};
+use super::gait_outputs::GaitOutput;
 use super::kernel::{Dense, Extremum, Rivals};
+use super::outputs::Output;
 use crate::describe::{Info, nearest};
 use crate::error::{Error, Result};
 use crate::for_each_quantity;
@@ -9,9 +11,10 @@ use crate::lane::{Level, run};
 use crate::physics::closed_form::*;
 use crate::physics::{PARAMS, ParamId, Point, Quantity, Status};
 use std::marker::PhantomData;
+use std::sync::LazyLock;
 
 /// One bit per parameter named.
-pub const fn used_by(params: &[&str]) -> u64 {
+pub const fn used_by(params: &[&str]) -> u128 {
     let (mut bits, mut i) = (0, 0);
     while i < params.len() {
         let (mut k, mut found) = (0, false);
@@ -46,7 +49,23 @@ const fn same(a: &str, b: &str) -> bool {
 /// A quantity as the engine sees it.
 pub struct Entry {
     pub info: Info,
-    pub used: u64,
+    pub used: u128,
+    pub way: Way,
+}
+
+/// How a quantity is computed.
+#[derive(Clone, Copy)]
+pub enum Way {
+    Closed(Closed),
+    /// By simulating the trajectory of one segment.
+    Run(Output),
+    /// By simulating the whole robot.
+    Gait(GaitOutput),
+}
+
+/// The kernels of a closed form.
+#[derive(Clone, Copy)]
+pub struct Closed {
     pub score_power: f64,
     pub score_floor: f64,
     pub status: fn(&Point<f64>) -> Status,
@@ -73,14 +92,30 @@ pub struct Search<'a> {
 
 impl Entry {
     const fn of<Q: Quantity>() -> Entry {
-        Entry {
-            info: Q::INFO,
-            used: used_by(Q::INFO.params),
+        let closed = Closed {
             score_power: Q::SCORE_POWER,
             score_floor: Q::SCORE_FLOOR,
             status: Q::status,
             dense: dense::<Q>,
             extremum: extremum::<Q>,
+        };
+        Entry { info: Q::INFO, used: used_by(Q::INFO.params), way: Way::Closed(closed) }
+    }
+
+    fn of_run(output: Output) -> Entry {
+        let info = output.info();
+        Entry { info, used: used_by(info.params), way: Way::Run(output) }
+    }
+
+    fn of_gait(output: GaitOutput) -> Entry {
+        let info = output.info();
+        Entry { info, used: used_by(info.params), way: Way::Gait(output) }
+    }
+
+    pub fn closed(&self) -> Option<&Closed> {
+        match &self.way {
+            Way::Closed(closed) => Some(closed),
+            Way::Run(_) | Way::Gait(_) => None,
         }
     }
 
@@ -128,7 +163,14 @@ fn extremum<Q: Quantity>(level: Level, search: Search, best: &mut [f64], at: &mu
 
 macro_rules! entries {
     ($($quantity:ident),+ $(,)?) => {
-        pub static QUANTITIES: &[Entry] = &[$(Entry::of::<$quantity>()),+];
+        const CLOSED: &[Entry] = &[$(Entry::of::<$quantity>()),+];
     };
 }
 for_each_quantity!(entries);
+
+/// Closed forms first, then what simulated segments and robots give.
+pub static QUANTITIES: LazyLock<Vec<Entry>> = LazyLock::new(|| {
+    let runs = Output::ALL.iter().map(|output| Entry::of_run(*output));
+    let gaits = GaitOutput::ALL.iter().map(|output| Entry::of_gait(*output));
+    CLOSED.iter().map(|entry| Entry { ..*entry }).chain(runs).chain(gaits).collect()
+});

@@ -7,7 +7,8 @@ use super::job::{Job, Request};
 use super::kernel::{FoldAll, FoldBest, Kept, Rivals};
 use super::pool::pool;
 use super::reduce::{Reduce, quantile};
-use super::registry::{Entry, Points, Search};
+use super::registry::{Closed, Entry, Points, Search, Way};
+use super::runs::{RUN_BLOCK, RUN_CHUNK, Runs};
 use crate::error::{Error, Result};
 use crate::lane::{self, Level, stream};
 use crate::physics::closed_form::TIE;
@@ -130,6 +131,7 @@ pub fn run(
 fn cut<'a>(job: &Job, buffers: Vec<(usize, Buffer<'a>)>, chunk: usize) -> Vec<Chunk<'a>> {
     // A reduction does the work of all rivals per cell: smaller chunks keep all
     // threads busy to the end.
+    let chunk = if job.simulates() { chunk.min(RUN_CHUNK) } else { chunk };
     let cells = (chunk / job.rival_count().max(1)).max(PADDING).min(chunk.max(1));
     let mut chunks = Vec::with_capacity(job.cells().div_ceil(cells));
     let mut rest = buffers;
@@ -157,6 +159,7 @@ struct Worker<'a> {
     streamed: bool,
     cursor: Cursor<'a>,
     scratch: Scratch,
+    runs: Runs,
 }
 
 #[derive(Default)]
@@ -172,7 +175,8 @@ struct Scratch {
 impl<'a> Worker<'a> {
     fn new(job: &'a Job, level: Level, control: &'a Control, streamed: bool) -> Worker<'a> {
         let cursor = Cursor::new(&job.layout, &job.fixed);
-        Worker { job, level, control, streamed, cursor, scratch: Scratch::default() }
+        let (scratch, runs) = (Scratch::default(), Runs::new(job));
+        Worker { job, level, control, streamed, cursor, scratch, runs }
     }
 
     fn chunk(&mut self, chunk: Chunk) {
@@ -226,9 +230,20 @@ impl<'a> Worker<'a> {
 
     /// Values of one request, not reduced, on a stretch of cells.
     fn dense(&mut self, request: usize, cell: usize, out: &mut [f64], streamed: bool) {
-        let (plain, vary) = self.kernel();
-        let points = Points { columns: self.cursor.at(cell, vary as u8), plain, vary };
-        (self.job.requests[request].entry.dense)(self.level, points, out, streamed);
+        match self.job.requests[request].entry.way {
+            Way::Closed(Closed { dense, .. }) => {
+                let (plain, vary) = self.kernel();
+                let points = Points { columns: self.cursor.at(cell, vary as u8), plain, vary };
+                dense(self.level, points, out, streamed);
+            }
+            way => {
+                let columns = self.cursor.at(cell, Vary::ANY);
+                let cells = (cell, out.len(), 0);
+                let (cancel, level) = (&self.control.cancel, self.level);
+                let values = self.runs.values(self.job, level, cancel, columns, way, cells);
+                out.copy_from_slice(values);
+            }
+        }
     }
 
     /// The dense kernel that fits the job: promise and vary class.
@@ -247,6 +262,8 @@ impl<'a> Worker<'a> {
             PADDING
         } else if self.job.over.is_some() {
             BLOCK / 4
+        } else if self.job.simulates() {
+            RUN_BLOCK
         } else {
             BLOCK
         }
@@ -323,12 +340,13 @@ impl<'a> Worker<'a> {
         let over = self.over().id;
         // The largest value itself may differ in its last bits from the value of
         // the largest score.
-        let scored = reduce != Reduce::Max || entry.score_power == 1.0;
         let plain = self.job.plain && self.job.layout.vary != Vary::Any;
-        if plain && scored && over == ParamId::Segments {
-            let floor = if min { f64::NEG_INFINITY } else { entry.score_floor };
+        let searches = |c: &&Closed| reduce != Reduce::Max || c.score_power == 1.0;
+        let closed = entry.closed().filter(searches);
+        if let (true, Some(closed), ParamId::Segments) = (plain, closed, over) {
+            let floor = if min { f64::NEG_INFINITY } else { closed.score_floor };
             reset(&mut scratch.best, cells, floor);
-            let ahead = margin * if min { 1.0 } else { entry.score_power };
+            let ahead = margin * if min { 1.0 } else { closed.score_power };
             let columns = self.cursor.at(cell, Vary::MAIN);
             let [main, derived] = &self.job.rivals;
             let part = (PATIENCE / cells).max(1);
@@ -340,7 +358,7 @@ impl<'a> Worker<'a> {
                     places: &self.job.places[range],
                 };
                 let search = Search { columns, rivals, ahead, min };
-                (entry.extremum)(self.level, search, &mut scratch.best, &mut scratch.at);
+                (closed.extremum)(self.level, search, &mut scratch.best, &mut scratch.at);
                 if self.control.cancel.load(Ordering::Relaxed) {
                     return;
                 }
@@ -369,7 +387,8 @@ impl<'a> Worker<'a> {
     ) {
         let id = self.over().id;
         // The reduced parameter joins those that vary within the block.
-        let main = self.job.layout.vary != Vary::Any && is_wide(Vary::MAIN, id.main());
+        let closed = entry.closed().is_some();
+        let main = closed && self.job.layout.vary != Vary::Any && is_wide(Vary::MAIN, id.main());
         let vary = if self.job.plain && main { Vary::Main } else { Vary::Any };
         let plain = vary == Vary::Main;
         let (job, level, control) = (self.job, self.level, self.control);
@@ -383,8 +402,17 @@ impl<'a> Worker<'a> {
                 reset(chosen, values.len() + PADDING, rivals[place]);
             }
             let columns = columns.replacing(id, [&chosen[0], &chosen[1]]);
-            let points = Points { columns, plain, vary };
-            (entry.dense)(level, points, values, false);
+            match entry.way {
+                Way::Closed(Closed { dense, .. }) => {
+                    dense(level, Points { columns, plain, vary }, values, false);
+                }
+                way => {
+                    let cells = (cell, values.len(), place);
+                    let cancel = &control.cancel;
+                    let found = self.runs.values(job, level, cancel, columns, way, cells);
+                    values.copy_from_slice(found);
+                }
+            }
             fold(level, place, values, Kept { best, at, count });
         }
     }
@@ -399,8 +427,17 @@ impl<'a> Worker<'a> {
             look_up(rivals, at, chosen);
         }
         let columns = columns.replacing(param, [&chosen[0], &chosen[1]]);
-        let points = Points { columns, plain: false, vary: Vary::Any };
-        (entry.dense)(self.level, points, values, false);
+        match entry.way {
+            Way::Closed(Closed { dense, .. }) => {
+                dense(self.level, Points { columns, plain: false, vary: Vary::Any }, values, false);
+            }
+            way => {
+                let cells = (cell, values.len(), usize::MAX);
+                let (job, cancel) = (self.job, &self.control.cancel);
+                let found = self.runs.values(job, self.level, cancel, columns, way, cells);
+                values.copy_from_slice(found);
+            }
+        }
         for (value, at) in values.iter_mut().zip(at) {
             if at.is_nan() {
                 *value = f64::NAN;
@@ -434,7 +471,11 @@ impl<'a> Worker<'a> {
                     } else if reduce.is_some() {
                         Status::NoneFeasible
                     } else {
-                        (entry.status)(&columns.point(i))
+                        match &entry.way {
+                            Way::Closed(closed) => (closed.status)(&columns.point(i)),
+                            Way::Run(output) => self.runs.status(i, *output),
+                            Way::Gait(_) => self.runs.gait_status(i),
+                        }
                     };
                     to[offset + i] = status as u8;
                 }

@@ -1,0 +1,1 @@
+"""Dynamics of friction-driven bodies in what users would pick instead of locosweep."""

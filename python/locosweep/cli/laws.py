@@ -1,0 +1,150 @@
+"""The command that lists, explains and draws the friction laws."""
+
+from __future__ import annotations
+
+import shutil
+import textwrap
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from locosweep import registry
+from locosweep.cli.law_pages import law_record, markdown
+from locosweep.cli.listing import parameter_table, table
+from locosweep.cli.options import (
+    LAW,
+    as_json,
+    fixed,
+    json_option,
+    on_terminal,
+    robot_option,
+    set_option,
+)
+from locosweep.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from locosweep.plot_data import Characteristic
+
+__all__ = ["laws"]
+
+
+@click.command()
+@click.argument("name", required=False, type=LAW)
+@click.option(
+    "--out",
+    metavar="FOLDER",
+    type=click.Path(file_okay=False, path_type=Path),
+    help="Draw every law, or the named one, into a folder, made if missing; without NAME also "
+    "an overview (laws.png) and a table (laws.md).",
+)
+@robot_option
+@set_option
+@json_option
+@click.pass_context
+def laws(
+    ctx: click.Context,
+    name: str | None,
+    out: Path | None,
+    robot: Path | None,
+    settings: tuple[tuple[str, float], ...],
+    json_: bool,
+) -> None:
+    """List the friction laws, tell everything about one, or draw them.
+
+    Pictures share one frame. They use values that show the traits of each law;
+    --robot and --set give others.
+    """
+    some = registry.laws() if name is None else [registry.law(name)]
+    if out is None and (robot is not None or settings):
+        raise InputError("--robot and --set give values for pictures: allowed beside --out FOLDER")
+    files = [] if out is None else _draw(ctx, out, some, name is None, robot, settings)
+    if json_:
+        records = [law_record(law) for law in some] if name is None else _detail(some[0])
+        paths = [str(file) for file in files]
+        click.echo(as_json({"files": paths, "laws": records} if files else records))
+    elif files:
+        click.echo("\n".join(map(str, files)))
+    elif name is None:
+        rows = [(law.name, law.kind, law.meaning, _names(law)) for law in some]
+        click.echo(table(rows, ("law", "kind", "meaning", "parameters")))
+        click.echo("\nlocosweep laws NAME shows formula, source, limits, units and ranges of one.")
+    else:
+        click.echo(_page(some[0]))
+
+
+def _names(law: registry.Law) -> str:
+    return ", ".join(p.name for p in law.parameters)
+
+
+def _detail(law: registry.Law) -> dict[str, object]:
+    parameters = [
+        {"name": p.name, "symbol": p.symbol, "unit": p.unit, "default": p.default,
+         "range": list(p.range), "meaning": p.meaning}
+        for p in law.parameters
+    ]  # fmt: skip
+    return law_record(law) | {"parameters": parameters}
+
+
+def _page(law: registry.Law) -> str:
+    known = "motion between events is known in closed form"
+    entries = {
+        "kind": law.kind,
+        "formula": law.formula,
+        "source": law.source,
+        "limits": law.limits,
+        "exact": known if law.exact else "no: stepped by a numerical method",
+    }
+    width = min(shutil.get_terminal_size().columns, 100)
+    lines = [f"{law.name}: {law.meaning}", ""]
+    for head, text in entries.items():
+        lines.append(textwrap.fill(f"{head:<10}{text}", width, subsequent_indent=" " * 10))
+    return "\n".join([*lines, "", parameter_table(law.parameters)])
+
+
+def _draw(
+    ctx: click.Context,
+    out: Path,
+    some: Sequence[registry.Law],
+    whole: bool,
+    robot: Path | None,
+    settings: tuple[tuple[str, float], ...],
+) -> list[Path]:
+    """Write the pictures, and for all laws the overview and the table."""
+    from locosweep.cli.law_pictures import overview, page
+    from locosweep.cli.pictures import called
+    from locosweep.files import replacing
+    from locosweep.plot import save_figure
+    from locosweep.plot_data import EXAMPLE, behaviour_of, characteristic_of
+    from locosweep.plot_laws import frame_of
+    from locosweep.progress import Meter
+
+    values = EXAMPLE | dict(fixed(robot, settings, ()))
+    # All laws, also where one is drawn: pictures of different calls then compare.
+    seen: dict[str, Characteristic] = {
+        law.name: characteristic_of(law.name, **values) for law in registry.laws()
+    }
+    frame = frame_of(*seen.values())
+    pages = {law.name: behaviour_of(law.name, **values) for law in some}
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"--out {out}: cannot make this folder: {error.strerror}") from None
+    meter = Meter("pictures") if on_terminal() else None
+    command, files = called(ctx), []
+    if whole:
+        files.append(out / "laws.png")
+        save_figure(overview(some, list(seen.values()), frame), files[-1], command=command)
+        files.append(out / "laws.md")
+        with replacing(files[-1]) as temporary:
+            temporary.write_text(markdown(some), encoding="utf-8", newline="\n")
+    for done, law in enumerate(some, 1):
+        files.append(out / f"{law.name}.png")
+        used = {p.name: values.get(p.name, p.default or 0.0) for p in law.parameters}
+        figure = page(law, seen[law.name], pages[law.name], frame, used)
+        save_figure(figure, files[-1], command=command)
+        if meter is not None:
+            meter(done, len(some), 0.0)
+    return files

@@ -1,0 +1,179 @@
+"""Data files of others: plain columns of CSV and Parquet, read with suspicion."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from locosweep.errors import DataFileError, InputError
+from locosweep.registry import unknown
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Collection, Mapping
+
+    import polars as pl
+    from numpy.typing import NDArray
+
+__all__ = ["UNITS", "checksum", "label_of", "number_column", "read_frame"]
+
+UNITS = {
+    "m": 1.0,
+    "cm": 1e-2,
+    "mm": 1e-3,
+    "um": 1e-6,
+    "s": 1.0,
+    "ms": 1e-3,
+    "us": 1e-6,
+    "N": 1.0,
+    "mN": 1e-3,
+    "kN": 1e3,
+    "N m": 1.0,
+    "rad": 1.0,
+    "deg": np.pi / 180.0,
+    "m/s": 1.0,
+    "cm/s": 1e-2,
+    "mm/s": 1e-3,
+    "rad/s": 1.0,
+    "deg/s": np.pi / 180.0,
+    "W": 1.0,
+    "mW": 1e-3,
+    "1": 1.0,
+}
+"""Factors to the SI unit of a column."""
+
+
+def checksum(path: str | os.PathLike[str]) -> str:
+    """Return the SHA-256 of a file, in hexadecimal digits."""
+    try:
+        return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+    except OSError as error:
+        raise DataFileError(f"{path}: {error.strerror or error}") from None
+
+
+def read_frame(
+    path: str | os.PathLike[str],
+    wanted: Collection[str],
+    needed: Collection[str],
+    columns: Mapping[str, str] | None = None,
+) -> tuple[pl.DataFrame, list[str]]:
+    """Read the wanted columns of a CSV or Parquet file.
+
+    Parameters
+    ----------
+    path : path-like
+        A name that ends in ``.parquet`` is Parquet, any other CSV.
+    wanted, needed : collection of str
+        Columns to read, and those that must be there.
+    columns : mapping of str to str, optional
+        Their name of a column, by ours.
+
+    Returns
+    -------
+    frame : polars.DataFrame
+        The wanted columns that are there, by our names. Those of a CSV are text.
+    others : list of str
+        Columns that were not read.
+
+    Raises
+    ------
+    DataFileError
+        No such file, not readable, empty, a column missing or there twice.
+    """
+    import polars as pl
+
+    path, columns = Path(path), dict(columns or {})
+    for name in columns:
+        if name not in wanted:
+            raise InputError(f"column: {unknown('column', name, wanted)}")
+    if not path.is_file():
+        raise DataFileError(f"{path}: no such file")
+    theirs = {name: columns.get(name, name) for name in wanted}
+    try:
+        if path.suffix == ".parquet":
+            frame = pl.read_parquet(path)
+        else:
+            # As text: a number that is none is then found with its row.
+            frame = pl.read_csv(path, infer_schema=False, truncate_ragged_lines=False)
+    except pl.exceptions.NoDataError:
+        raise DataFileError(f"{path}: empty, allowed is at least a line of names") from None
+    except (OSError, pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
+        first = str(error).splitlines()[0] if str(error) else type(error).__name__
+        kind = "Parquet" if path.suffix == ".parquet" else "CSV"
+        raise DataFileError(f"{path}: not a readable {kind} file: {first}") from None
+    for name in frame.columns:
+        if name.removesuffix("_duplicated_0") in theirs.values() and name not in theirs.values():
+            twice = name.removesuffix("_duplicated_0")
+            raise DataFileError(f"{path}: column {twice} is there twice")
+    for name in (*needed, *columns):
+        if theirs[name] not in frame.columns:
+            hint = "" if theirs[name] == name else f" (given for {name})"
+            there = ", ".join(frame.columns[:20])
+            raise DataFileError(f"{path}: no column {theirs[name]}{hint}: there are {there}")
+    if frame.height == 0:
+        raise DataFileError(f"{path}: no rows")
+    present = {theirs[name]: name for name in wanted if theirs[name] in frame.columns}
+    others = [name for name in frame.columns if name not in present]
+    return frame.select(list(present)).rename(present), others
+
+
+def number_column(
+    path: str | os.PathLike[str],
+    frame: pl.DataFrame,
+    name: str,
+    unit: str | None = None,
+    *,
+    label: str | None = None,
+) -> NDArray[np.float64]:
+    """Return one column as numbers, missing ones as NaN.
+
+    Raises
+    ------
+    DataFileError
+        Text or an infinite value, with its row (the first below the names is 1).
+    """
+    import polars as pl
+
+    column, label = frame[name], label or name
+    if column.dtype == pl.String:
+        text = column.str.strip_chars()
+        empty = text.is_null() | text.str.to_lowercase().is_in(["", "nan", "na", "null"])
+        numbers = text.cast(pl.Float64, strict=False)
+        wrong = (numbers.is_null() & ~empty).arg_true()
+        if len(wrong):
+            row = int(wrong[0])
+            raise DataFileError(
+                f"{path}: row {row + 1}, column {label}: {column[row]!r} is not a number"
+            )
+    elif column.dtype.is_numeric():
+        numbers = column.cast(pl.Float64)
+    else:
+        raise DataFileError(f"{path}: column {label} has type {column.dtype}: allowed are numbers")
+    values = numbers.fill_null(float("nan")).to_numpy().astype(np.float64)
+    infinite = np.flatnonzero(np.isinf(values))
+    if infinite.size:
+        raise DataFileError(f"{path}: row {infinite[0] + 1}, column {label}: infinite")
+    if unit is None:
+        return values
+    if unit not in UNITS:
+        raise InputError(f"unit of {name}: {unknown('unit', unit, UNITS)}")
+    return values * UNITS[unit]
+
+
+def label_of(path: str | os.PathLike[str], frame: pl.DataFrame) -> list[str]:
+    """Return the run label of every row, as text; "0" without a column of labels."""
+    if "run" not in frame.columns:
+        return ["0"] * frame.height
+    column = frame["run"]
+    if column.dtype.is_float():
+        whole = column.cast(int, strict=False)
+        if bool((whole.cast(column.dtype) == column).fill_null(value=False).all()):
+            column = whole
+    labels = column.cast(str)
+    missing = labels.is_null().arg_true()
+    if len(missing):
+        raise DataFileError(f"{path}: row {int(missing[0]) + 1}, column run: no label")
+    return labels.to_list()

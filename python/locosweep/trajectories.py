@@ -1,0 +1,163 @@
+"""Trajectories of one segment: to look at, one point of a grid or a few."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from locosweep import _core, memory
+from locosweep.engine import samples_of, whole
+from locosweep.errors import InputError
+from locosweep.grid import Grid
+from locosweep.progress import Meter
+
+if TYPE_CHECKING:
+    import polars as pl
+    from numpy.typing import ArrayLike, NDArray
+
+    from locosweep._core import CancelToken
+    from locosweep.progress import Progress
+
+__all__ = ["Trajectories", "simulate"]
+
+_FIELDS = 4
+
+
+@dataclass(frozen=True)
+class Trajectories:
+    """Motion of one segment at every point of a grid.
+
+    Attributes
+    ----------
+    t : ndarray
+        Times in s: one-dimensional, or of the shape of ``x`` where the duration is
+        an axis.
+    x, v : ndarray
+        Position in m and speed in m/s, shape of the grid with the samples last.
+    force : ndarray
+        Force of the drive on the segment in N.
+    way : ndarray
+        Direction of sliding, 1 or -1; 0 while friction holds the segment.
+    axes : dict of str to ndarray
+        The grid's axes.
+    fixed : dict of str to float
+        All other parameters.
+    law, drive, method : str
+        What was simulated, and how.
+    """
+
+    t: NDArray[np.float64]
+    x: NDArray[np.float64]
+    v: NDArray[np.float64]
+    force: NDArray[np.float64]
+    way: NDArray[np.float64]
+    axes: dict[str, NDArray[np.float64]]
+    fixed: dict[str, float]
+    law: str
+    drive: str
+    method: str
+
+    def to_polars(self) -> pl.DataFrame:
+        """Return a long table: the axes, then t, x, v, force and way."""
+        import polars as pl
+
+        shape = self.x.shape
+        index = np.indices(shape[:-1])
+        columns = {
+            name: np.repeat(values[place.ravel()], shape[-1])
+            for (name, values), place in zip(self.axes.items(), index, strict=True)
+        }
+        columns["t"] = np.broadcast_to(self.t, shape).ravel()
+        for name in ("x", "v", "force", "way"):
+            columns[name] = getattr(self, name).ravel()
+        return pl.DataFrame(columns)
+
+
+def simulate(
+    grid: Grid | None = None,
+    *,
+    law: str | None = None,
+    drive: str | None = None,
+    method: str | None = None,
+    table: tuple[ArrayLike, ArrayLike] | None = None,
+    samples: int = 501,
+    threads: int | None = None,
+    memory_limit: int | None = None,
+    progress: bool | Progress = False,
+    token: CancelToken | None = None,
+    **fixed: Any,
+) -> Trajectories:
+    """Simulate one segment at every point of a grid and keep its motion.
+
+    Solves m dv/dt = F - R - m g sin(alpha) with the drive force F, friction R and
+    true sticking. For numbers of millions of trajectories use `sweep`, which keeps
+    no motion.
+
+    Parameters
+    ----------
+    grid : Grid, optional
+        Axes and fixed values. Without it, all parameters come from ``fixed``.
+    law, drive, method, table
+        As in `sweep`.
+    samples : int
+        Evenly spread times from 0 to the duration at which motion is kept.
+    threads, memory_limit, progress, token
+        As in `sweep`.
+    **fixed
+        Further parameters, as in `Grid`.
+
+    Returns
+    -------
+    Trajectories
+        NaN where a trajectory could not be resolved.
+
+    Raises
+    ------
+    InputError
+        As in `sweep`.
+    Cancelled
+        The token was used.
+
+    Examples
+    --------
+    >>> import locosweep as ls
+    >>> run = ls.simulate(law="coulomb_viscous", mu_coulomb=0.15, viscous=0.5,
+    ...                   drive_force=1.5951, duration=1.0, samples=3)
+    >>> run.v.round(4)
+    array([0.    , 1.4415, 2.0146])
+    """
+    grid = (Grid() if grid is None else grid).with_fixed(fixed)
+    count = whole("samples", samples)
+    if count is None or count < 2:
+        raise InputError(f"samples is {samples}: allowed is a whole number from 2 upward")
+    job = _core.Sweep(
+        list(grid.axes.items()),
+        list(grid.fixed.items()),
+        [("final_position", None, None)],
+        law=law,
+        drive=drive,
+        method=method,
+        table=samples_of(table),
+    )
+    workers = _core.threads_to_use(whole("threads", threads))
+    needed = 8 * _FIELDS * job.cells * count + job.working_bytes(workers)
+    memory.check(needed, memory_limit, "the trajectories")
+    shares = np.linspace(0.0, 1.0, count)
+    meter = Meter("simulate") if progress is True else progress or None
+    fields = job.trace(shares, workers, meter, token)
+    shape = (*job.shape, count)
+    x, v, force, way = (field.reshape(shape) for field in fields)
+    values = dict(job.fixed)
+    axes = {name: grid.axes[name] for name in job.axes}
+    if "duration" in axes:
+        place = list(axes).index("duration")
+        durations = axes["duration"].reshape([-1 if i == place else 1 for i in range(len(shape))])
+        t = np.broadcast_to(durations * shares, shape).copy()
+    else:
+        t = values["duration"] * shares
+    used = job.choice
+    if used is None:  # pragma: no cover - a simulated quantity always has one
+        raise InputError("nothing to simulate")
+    return Trajectories(t, x, v, force, way, axes, values, *used)

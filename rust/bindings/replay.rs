@@ -1,0 +1,188 @@
+//! Replays of measured runs as a Python class.
+
+use crate::door::{enter, input_error, raise};
+use crate::sweep::CancelToken;
+use locosweep::lane::Level;
+use locosweep::physics::effects::{Active, EFFECT_PARAMS, EFFECTS, Effect, Nominal};
+use locosweep::sweep::replay::{Column, Run, replay};
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use std::collections::HashMap;
+
+use crate::tables::Parameter;
+
+/// An effect that a nominal model of a measured run may lack.
+#[pyclass(frozen, get_all, module = "locosweep._core", name = "Effect")]
+pub struct EffectRecord {
+    name: &'static str,
+    /// friction, drive, body, environment or sensor.
+    site: &'static str,
+    /// TeX.
+    formula: &'static str,
+    meaning: &'static str,
+    parameters: Vec<Py<Parameter>>,
+    /// Place of the first parameter among those of all effects.
+    first: usize,
+}
+
+#[pymethods]
+impl EffectRecord {
+    fn __repr__(&self) -> String {
+        format!("Effect(name='{}', site='{}', meaning='{}')", self.name, self.site, self.meaning)
+    }
+}
+
+/// All effects, in the order of the registry.
+#[pyfunction]
+pub fn effects(py: Python<'_>) -> PyResult<Vec<EffectRecord>> {
+    let record = |effect: &Effect| {
+        let info = effect.info();
+        let parameters = info.params.iter().map(|p| Py::new(py, Parameter::from(&p.param)));
+        Ok(EffectRecord {
+            name: info.name,
+            site: info.site.name(),
+            formula: info.formula,
+            meaning: info.meaning,
+            parameters: parameters.collect::<PyResult<_>>()?,
+            first: effect.first(),
+        })
+    };
+    Effect::ALL.iter().map(record).collect()
+}
+
+/// Runs of a drive, and the model that they are replayed through.
+#[pyclass(frozen, module = "locosweep._core")]
+pub struct Replay {
+    nominal: Nominal,
+    runs: Vec<Run>,
+}
+
+#[pymethods]
+impl Replay {
+    /// `nominal` has the keys segments, mass, gravity, viscous, slope_deg, gain,
+    /// limit, and mu_coulomb or coulomb_force; for a pendulum also
+    /// gravity_torque. Each run is (times in s from 0, drive, slope in degrees).
+    #[new]
+    #[allow(clippy::type_complexity)]
+    fn new(
+        py: Python<'_>,
+        nominal: HashMap<String, f64>,
+        runs: Vec<(PyReadonlyArray1<'_, f64>, PyReadonlyArray1<'_, f64>, f64)>,
+    ) -> PyResult<Replay> {
+        let need = |name: &str| {
+            let value = nominal.get(name).copied();
+            value.ok_or_else(|| input_error(py, format!("the nominal model has no {name}")))
+        };
+        let coulomb_force = nominal.get("coulomb_force").copied();
+        let gravity_torque = nominal.get("gravity_torque").copied();
+        let model = Nominal {
+            segments: need("segments")?,
+            mass: need("mass")?,
+            gravity: need("gravity")?,
+            mu_coulomb: if coulomb_force.is_some() { 0.0 } else { need("mu_coulomb")? },
+            coulomb_force,
+            viscous: need("viscous")?,
+            slope_deg: need("slope_deg")?,
+            gain: need("gain")?,
+            limit: need("limit")?,
+            rotary: gravity_torque.is_some(),
+            gravity_torque: gravity_torque.unwrap_or(0.0),
+        };
+        let mut read = Vec::with_capacity(runs.len());
+        for (i, (times, drive, slope_deg)) in runs.into_iter().enumerate() {
+            let run = Run {
+                times: times.as_array().to_vec(),
+                drive: drive.as_array().to_vec(),
+                slope_deg,
+            };
+            let rises = run.times.windows(2).all(|pair| pair[0] < pair[1]);
+            let finite = run.times.iter().chain(&run.drive).all(|value| value.is_finite());
+            if run.times.is_empty() || run.times.len() != run.drive.len() || !rises || !finite {
+                let message = format!(
+                    "run {i}: allowed are as many finite drive values as rising times, at least one"
+                );
+                return Err(input_error(py, message));
+            }
+            read.push(run);
+        }
+        Ok(Replay { nominal: model, runs: read })
+    }
+
+    /// Samples of each run.
+    #[getter]
+    fn lengths(&self) -> Vec<usize> {
+        self.runs.iter().map(|run| run.times.len()).collect()
+    }
+
+    /// Replay columns, each (run, first sample, one beyond the last, effects).
+    ///
+    /// `values` holds the parameters of all effects, a row a column; `shares`
+    /// factors on nominal mass, Coulomb level and gain, and the clock offset in
+    /// s; `starts` position and speed at the window's start. Returns x, v, x_rear
+    /// and force, all columns one after another.
+    #[pyo3(signature = (columns, values, shares, starts, threads, progress=None, token=None))]
+    #[allow(clippy::too_many_arguments, clippy::type_complexity)]
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        columns: Vec<(usize, usize, usize, Vec<String>)>,
+        values: PyReadonlyArray2<'_, f64>,
+        shares: PyReadonlyArray2<'_, f64>,
+        starts: PyReadonlyArray2<'_, f64>,
+        threads: usize,
+        progress: Option<Py<PyAny>>,
+        token: Option<&CancelToken>,
+    ) -> PyResult<[Bound<'py, PyArray1<f64>>; 4]> {
+        let count = columns.len();
+        let (values, shares, starts) = (values.as_array(), shares.as_array(), starts.as_array());
+        let shapes = [values.dim(), shares.dim(), starts.dim()];
+        if shapes != [(count, EFFECT_PARAMS), (count, 4), (count, 2)] {
+            let message = format!(
+                "values, shares and starts have shapes {shapes:?}: allowed are ({count}, {EFFECT_PARAMS}), ({count}, 4) and ({count}, 2)"
+            );
+            return Err(input_error(py, message));
+        }
+        let mut made = Vec::with_capacity(count);
+        for (i, (run, first, last, names)) in columns.into_iter().enumerate() {
+            let length = self.runs.get(run).map_or(0, |run| run.times.len());
+            if first >= last || last > length {
+                let message = format!(
+                    "column {i} is samples {first} to {last} of run {run}: allowed is a window within its {length} samples"
+                );
+                return Err(input_error(py, message));
+            }
+            let mut active = Active::default();
+            for name in &names {
+                active = active.with(Effect::parse(name).map_err(|error| raise(py, error))?);
+            }
+            made.push(Column {
+                run,
+                window: (first, last),
+                active,
+                values: std::array::from_fn(|k| values[[i, k]]),
+                shares: std::array::from_fn(|k| shares[[i, k]]),
+                start: (starts[[i, 0]], starts[[i, 1]]),
+            });
+        }
+        let level = Level::current().map_err(|error| raise(py, error))?;
+        let control = token.map_or_else(Default::default, CancelToken::control);
+        let work = || replay(&self.nominal, &self.runs, &made, (level, threads), &control);
+        let found = enter(py, &control, count as u64, progress.as_ref(), work)?;
+        let mut all: [Vec<f64>; 4] = Default::default();
+        for readings in found {
+            for (all, one) in
+                all.iter_mut().zip([readings.x, readings.v, readings.x_rear, readings.force])
+            {
+                all.extend(one);
+            }
+        }
+        Ok(all.map(|field| field.into_pyarray(py)))
+    }
+}
+
+/// Number of the parameters of all effects.
+#[pyfunction]
+pub fn effect_parameter_count() -> usize {
+    debug_assert_eq!(EFFECTS.len(), Effect::ALL.len());
+    EFFECT_PARAMS
+}

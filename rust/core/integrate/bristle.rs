@@ -1,0 +1,452 @@
+//! Stiff steps for bristle laws: a Rosenbrock method of order 3 with an embedded
+//! one of order 2, L-stable and stiffly accurate, so that bristles a thousand
+//! times faster than the motion neither limit the step nor ring.
+//!
+//! RODAS3 of Sandu, Verwer, Blom, Spee, Carmichael and Potra 1997: four stages,
+//! three evaluations, one small linear system per step. Every lane has its own
+//! step size; none changes with its neighbours.
+
+use super::settle::Cubic;
+use super::{Advance, Clock, MOST_STIFF_STEPS, State, Tally};
+use crate::lane::Lane;
+use crate::physics::friction::{Bristle, MOST_STATES, Partials, Place};
+use crate::physics::segment::Segment;
+
+pub struct Rosenbrock<'a, 'b, Q: Bristle, L: Lane, F> {
+    pub segment: &'b Segment<'a, L>,
+    pub set: Q::Set<L>,
+    /// Step sizes from the tolerance; else all as given.
+    pub adaptive: bool,
+    /// The step that each lane would take next.
+    pub next: L,
+    pub go_on: F,
+}
+
+const PATIENCE: u32 = 64;
+/// Smallest step, as a share of the time left; below, a trajectory is given up.
+const SMALLEST: f64 = 1e-13;
+
+/// x, v, then the bristle states; the last two are work and heat.
+type Vector<L> = [L; MOST_STATES + 2];
+
+impl<Q: Bristle, L: Lane, F: FnMut() -> bool> Advance<L> for Rosenbrock<'_, '_, Q, L, F> {
+    #[inline(always)]
+    fn elastic(&self, state: &State<L>) -> L {
+        Q::stored(&self.set, &state.z)
+    }
+
+    #[inline(always)]
+    fn advance(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) -> bool {
+        let mut count = 0;
+        while L::any(state.t.lt(until)) {
+            self.step(state, tally, until);
+            count += 1;
+            if count % PATIENCE == 0 {
+                tally.give_up(state, until, MOST_STIFF_STEPS);
+                if !(self.go_on)() {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    #[inline(always)]
+    fn steps(&self, duration: L) -> L {
+        let pieces = self.segment.drive.pieces(duration);
+        if self.adaptive { pieces } else { duration / self.segment.step + pieces }
+    }
+}
+
+/// What one step found.
+#[derive(Clone, Copy)]
+struct Step<L> {
+    x: L,
+    v: L,
+    z: [L; MOST_STATES],
+    work: L,
+    heat: L,
+    error: L,
+}
+
+impl<'a, 'b, Q: Bristle, L: Lane, F: FnMut() -> bool> Rosenbrock<'a, 'b, Q, L, F> {
+    #[inline(always)]
+    pub fn new(
+        segment: &'b Segment<'a, L>,
+        set: Q::Set<L>,
+        adaptive: bool,
+        go_on: F,
+    ) -> Rosenbrock<'a, 'b, Q, L, F> {
+        // The first step is cautious: the controller grows it soon.
+        let first = if adaptive { segment.step * 0.01 } else { segment.step };
+        Rosenbrock { segment, set, adaptive, next: first, go_on }
+    }
+
+    #[inline(always)]
+    fn step(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) {
+        let zero = state.t.with(0.0);
+        let active = state.t.lt(until);
+        let piece_end = self.segment.drive.piece_end(state.clock.piece);
+        let end = piece_end.min(until);
+        let left = (end - state.t).max(zero);
+        let last = left.le(self.next * (1.0 + 1e-9));
+        let dt = L::select(last, left, self.next);
+        // A lane that has arrived steps over a nominal time and is then ignored.
+        let dt = L::select(zero.lt(dt), dt, self.segment.step);
+        let step = dt.apart(
+            #[inline(always)]
+            || self.attempt(state, dt, tally.watch.energy),
+        );
+        let one = zero.with(1.0);
+        let finite = step.error.lt(zero.with(f64::INFINITY));
+        let mut accepted = active;
+        if self.adaptive {
+            let smallest = left * SMALLEST + 1e-300;
+            let tiny = dt.le(smallest);
+            let fine = step.error.le(one);
+            accepted = L::and(active, L::or(fine, tiny));
+            let given_up = L::and(active, L::and(tiny, L::not(fine)));
+            tally.lost = L::select(given_up, tally.lost + 1.0, tally.lost);
+            // Error falls with the third power of the step.
+            let error = L::select(finite, step.error.max(zero.with(1e-9)), zero.with(1e6));
+            let factor = (cube_root(error) * (1.0 / 0.9)).max(zero.with(1.0 / 6.0));
+            let factor = factor.min(zero.with(5.0));
+            let proposed = dt / factor;
+            // The last stretch before a station says nothing about the step that
+            // fits, unless it was too long.
+            let keep = L::and(last, proposed.lt(self.next));
+            let keep = L::and(keep, step.error.le(one));
+            let next = L::select(keep, self.next, proposed);
+            self.next = L::select(active, next, self.next);
+        }
+        take(self.segment, state, tally, &step, dt, accepted);
+        let t = L::select(last, end, state.t + dt);
+        state.t = L::select(accepted, t, state.t);
+        let over = L::and(L::and(accepted, last), piece_end.le(until));
+        self.segment.drive.turn_over(&mut state.clock, piece_end, over);
+        tally.steps = L::select(active, tally.steps + 1.0, tally.steps);
+    }
+
+    #[inline(always)]
+    fn rates(
+        &self,
+        set: &Q::Set<L>,
+        t: L,
+        clock: &Clock<L>,
+        y: &Vector<L>,
+    ) -> (L, [L; MOST_STATES], L, L) {
+        t.apart(
+            #[inline(always)]
+            || self.rates_here(set, t, clock, y),
+        )
+    }
+
+    #[inline(always)]
+    fn rates_here(
+        &self,
+        set: &Q::Set<L>,
+        t: L,
+        clock: &Clock<L>,
+        y: &Vector<L>,
+    ) -> (L, [L; MOST_STATES], L, L) {
+        let segment = self.segment;
+        let (x, v) = (y[0], y[1]);
+        let z: [L; MOST_STATES] = std::array::from_fn(|i| y[2 + i]);
+        let rates = Q::rates(set, v, &z);
+        let against = Q::force(set, v, &z, &rates);
+        let force = segment.force(t, clock, x, v);
+        let a = (force - segment.pull_back(x) - against) * segment.per_mass;
+        (a, rates, force, against)
+    }
+
+    /// One step from `state`.
+    #[inline(always)]
+    fn attempt(&self, state: &State<L>, dt: L, energy: bool) -> Step<L> {
+        let segment = self.segment;
+        let zero = dt.with(0.0);
+        let count = Q::STATES;
+        let mut y: Vector<L> = [zero; MOST_STATES + 2];
+        (y[0], y[1]) = (state.x, state.v);
+        y[2..2 + count].copy_from_slice(&state.z[..count]);
+        // Where the law varies along the way it is taken at the step's middle.
+        let middle = Place {
+            way: state.v.sign(),
+            x: (dt * 0.5).mul_add(state.v, state.x),
+            swept: state.swept,
+            drive: segment.commanded(state.t, &state.clock),
+            t: state.t + dt * 0.5,
+        };
+        let set = Q::placed(&self.set, &middle);
+        let partials = Q::partials(&set, state.v, &state.z);
+        let per_dt = dt.with(1.0) / dt;
+        let solver = Solver::new::<Q>(segment, &partials, per_dt * 2.0);
+        let force_t = segment.force_slope(state.t, &state.clock);
+        let slope_t = force_t * segment.per_mass;
+
+        let (a, rates, f1, r1) = self.rates(&set, state.t, &state.clock, &y);
+        // Stage 1: f + dt/2 f_t.
+        let mut right: Vector<L> = [zero; MOST_STATES + 2];
+        let fill = |right: &mut Vector<L>, v: L, a: L, rates: &[L; MOST_STATES]| {
+            right[0] = v;
+            right[1] = a;
+            right[2..2 + count].copy_from_slice(&rates[..count]);
+        };
+        fill(&mut right, y[1], (dt * 0.5).mul_add(slope_t, a), &rates);
+        let k1 = solver.solve::<Q>(&right);
+        // Work and friction are components like any other, only that nothing
+        // depends on them.
+        let ledger = Ledger::new::<Q>(self.segment, &partials, (f1, r1), y[1], per_dt * 2.0);
+        let (power1, rubbing1) = (f1 * y[1], r1 * y[1]);
+        let power_t = force_t * (y[1] * dt);
+        let w1 = ledger.solve::<Q>((power1 + power_t * 0.5, rubbing1), &k1);
+        // Stage 2: the same f + 4/dt k1 + 3/2 dt f_t.
+        fill(&mut right, y[1], (dt * 1.5).mul_add(slope_t, a), &rates);
+        for (right, k1) in right.iter_mut().zip(&k1) {
+            *right = (per_dt * 4.0).mul_add(*k1, *right);
+        }
+        let k2 = solver.solve::<Q>(&right);
+        let with = |base: (L, L), sum: (L, L)| (base.0 + sum.0, base.1 + sum.1);
+        let times = |w: (L, L), by: L| (w.0 * by, w.1 * by);
+        let w2 = ledger
+            .solve::<Q>(with((power1 + power_t * 1.5, rubbing1), times(w1, per_dt * 4.0)), &k2);
+        // Stage 3 at y + 2 k1.
+        let mut at = y;
+        for (at, k1) in at.iter_mut().zip(&k1) {
+            *at = *at + *k1 * 2.0;
+        }
+        let later = state.t + dt;
+        let (a, rates, f3, r3) = self.rates(&set, later, &state.clock, &at);
+        fill(&mut right, at[1], a, &rates);
+        for i in 0..right.len() {
+            right[i] = per_dt.mul_add(k1[i] - k2[i], right[i]);
+        }
+        let k3 = solver.solve::<Q>(&right);
+        let back = times((w1.0 - w2.0, w1.1 - w2.1), per_dt);
+        let w3 = ledger.solve::<Q>(with((f3 * at[1], r3 * at[1]), back), &k3);
+        // Stage 4 at y + 2 k1 + k3.
+        for (at, k3) in at.iter_mut().zip(&k3) {
+            *at = *at + *k3;
+        }
+        let (a, rates, f4, r4) = self.rates(&set, later, &state.clock, &at);
+        fill(&mut right, at[1], a, &rates);
+        for i in 0..right.len() {
+            right[i] = per_dt.mul_add(k1[i] - k2[i] - k3[i] * (8.0 / 3.0), right[i]);
+        }
+        let k4 = solver.solve::<Q>(&right);
+        let (work, heat) = if energy {
+            let back = with(back, times(w3, per_dt * (-8.0 / 3.0)));
+            let w4 = ledger.solve::<Q>(with((f4 * at[1], r4 * at[1]), back), &k4);
+            (w1.0 * 2.0 + w3.0 + w4.0, w1.1 * 2.0 + w3.1 + w4.1)
+        } else {
+            (zero, zero)
+        };
+        let mut z = [zero; MOST_STATES];
+        let mut error = zero;
+        for i in 0..2 + count {
+            let new = at[i] + k4[i];
+            let scale = self.scale(i, y[i], new);
+            error = error.max((k4[i] / scale).abs());
+            at[i] = new;
+        }
+        z[..count].copy_from_slice(&at[2..2 + count]);
+        let error = L::select(error.not_nan(), error, zero.with(f64::INFINITY));
+        Step { x: at[0], v: at[1], z, work, heat, error }
+    }
+
+    /// Size of an error that just passes.
+    #[inline(always)]
+    fn scale(&self, i: usize, from: L, to: L) -> L {
+        let floor = match i {
+            0 => 1e-6,
+            1 => 1e-4,
+            _ => 1e-8,
+        };
+        self.segment.tolerance * (from.abs().max(to.abs()) + floor)
+    }
+}
+
+/// Takes a finished step into state and tally, where `mask` holds.
+#[inline(always)]
+fn take<L: Lane>(
+    segment: &Segment<L>,
+    state: &mut State<L>,
+    tally: &mut Tally<L>,
+    step: &Step<L>,
+    dt: L,
+    mask: L::Mask,
+) {
+    // The same for all laws: compiled once.
+    dt.apart(
+        #[inline(always)]
+        || take_here(segment, state, tally, step, dt, mask),
+    );
+}
+
+#[inline(always)]
+fn take_here<L: Lane>(
+    segment: &Segment<L>,
+    state: &mut State<L>,
+    tally: &mut Tally<L>,
+    step: &Step<L>,
+    dt: L,
+    mask: L::Mask,
+) {
+    let zero = dt.with(0.0);
+    let x = L::select(mask, step.x, state.x);
+    let v = L::select(mask, step.v, state.v);
+    if tally.watch.stroke {
+        let arrives = L::and(mask, tally.arrives(segment, state.x, x));
+        if L::any(arrives) {
+            let target = segment.target;
+            let gone = Cubic::new(dt, (target - state.x, -state.v), (target - x, -v));
+            let when = state.t + dt * gone.fall(dt.with(1.0));
+            tally.stroke_time = L::select(arrives, when, tally.stroke_time);
+        }
+    }
+    if tally.watch.energy {
+        tally.spend(L::select(mask, step.work, zero), L::select(mask, step.heat, zero));
+    }
+    let far = L::and(mask, (state.v * v).lt(zero));
+    if L::any(far) {
+        let place = Cubic::new(dt, (state.x, state.v), (x, v));
+        let peak = place.at(place.turn());
+        tally.peak_x = L::select(far, tally.peak_x.max(peak), tally.peak_x);
+    }
+    // Swept since the last turn; backward motion leaves nothing to push.
+    let swept = (state.swept + (x - state.x)).max(zero);
+    let swept = L::select(zero.lt(v), swept, zero);
+    state.swept = L::select(mask, swept, state.swept);
+    for i in 0..MOST_STATES {
+        state.z[i] = L::select(mask, step.z[i], state.z[i]);
+    }
+    state.x = x;
+    state.v = v;
+    tally.look(x, v);
+}
+
+/// Third root over lanes, good to a few percent: it only sizes steps.
+#[inline(always)]
+fn cube_root<L: Lane>(x: L) -> L {
+    // x^(1/3) = x^(1/4) x^(1/16) x^(1/64) ..., four factors leave 0.4 %.
+    let a = x.sqrt().sqrt();
+    let b = a.sqrt().sqrt();
+    let c = b.sqrt().sqrt();
+    (a * b) * (c * c.sqrt().sqrt())
+}
+
+/// How work and friction respond to speed and bristles over a step.
+struct Ledger<L> {
+    per_gamma: L,
+    work_x: L,
+    work_v: L,
+    heat_v: L,
+    heat_z: [L; MOST_STATES],
+}
+
+impl<L: Lane> Ledger<L> {
+    #[inline(always)]
+    fn new<Q: Bristle>(
+        segment: &Segment<L>,
+        partials: &Partials<L>,
+        (force, against): (L, L),
+        v: L,
+        gamma: L,
+    ) -> Self {
+        let mut heat_z = partials.force_z;
+        for part in heat_z.iter_mut().take(Q::STATES) {
+            *part = *part * v;
+        }
+        Ledger {
+            per_gamma: gamma.with(1.0) / gamma,
+            work_x: -(segment.spring * v),
+            work_v: force - segment.damper * v,
+            heat_v: partials.force_v.mul_add(v, against),
+            heat_z,
+        }
+    }
+
+    #[inline(always)]
+    fn solve<Q: Bristle>(&self, right: (L, L), k: &Vector<L>) -> (L, L) {
+        let work = self.work_x.mul_add(k[0], self.work_v.mul_add(k[1], right.0));
+        let mut heat = self.heat_v.mul_add(k[1], right.1);
+        for i in 0..Q::STATES {
+            heat = self.heat_z[i].mul_add(k[2 + i], heat);
+        }
+        (work * self.per_gamma, heat * self.per_gamma)
+    }
+}
+
+/// Solves (I/(dt/2) - J) k = r with the unknowns x, v and the bristles: dx
+/// follows from dv, and dv and the bristles are eliminated in order.
+struct Solver<L> {
+    gamma: L,
+    per_gamma: L,
+    /// d(acceleration)/dx.
+    pull_x: L,
+    /// Rows of the remaining system after elimination; see `new`.
+    lower: [[L; MOST_STATES + 1]; MOST_STATES + 1],
+}
+
+// Elimination reads best in rows and columns.
+#[allow(clippy::needless_range_loop)]
+impl<L: Lane> Solver<L> {
+    #[inline(always)]
+    fn new<Q: Bristle>(segment: &Segment<L>, partials: &Partials<L>, gamma: L) -> Self {
+        let zero = gamma.with(0.0);
+        let per_gamma = gamma.with(1.0) / gamma;
+        let n = Q::STATES;
+        let pull_x = -(segment.spring * segment.per_mass);
+        let mut m = [[zero; MOST_STATES + 1]; MOST_STATES + 1];
+        // Bristles first, the speed last: bristles are the stiff part, so their
+        // pivots are large.
+        for i in 0..n {
+            for j in 0..n {
+                m[i][j] = -partials.rate_z[i][j];
+            }
+            m[i][i] = m[i][i] + gamma;
+            m[i][n] = -partials.rate_v[i];
+            m[n][i] = partials.force_z[i] * segment.per_mass;
+        }
+        let drag = (partials.force_v + segment.damper) * segment.per_mass;
+        m[n][n] = (gamma + drag) - pull_x * per_gamma;
+        for p in 0..n {
+            let pivot = zero.with(1.0) / m[p][p];
+            for i in p + 1..=n {
+                let factor = m[i][p] * pivot;
+                for j in p + 1..=n {
+                    m[i][j] = (-factor).mul_add(m[p][j], m[i][j]);
+                }
+                m[i][p] = factor;
+            }
+            m[p][p] = pivot;
+        }
+        m[n][n] = zero.with(1.0) / m[n][n];
+        Solver { gamma, per_gamma, pull_x, lower: m }
+    }
+
+    #[inline(always)]
+    fn solve<Q: Bristle>(&self, right: &Vector<L>) -> Vector<L> {
+        let n = Q::STATES;
+        let zero = self.gamma.with(0.0);
+        let m = &self.lower;
+        let mut b = [zero; MOST_STATES + 1];
+        b[..n].copy_from_slice(&right[2..2 + n]);
+        b[n] = (self.pull_x * self.per_gamma).mul_add(right[0], right[1]);
+        for p in 0..n {
+            for i in p + 1..=n {
+                b[i] = (-m[i][p]).mul_add(b[p], b[i]);
+            }
+        }
+        for p in (0..=n).rev() {
+            for j in p + 1..=n {
+                b[p] = (-m[p][j]).mul_add(b[j], b[p]);
+            }
+            b[p] = b[p] * m[p][p];
+        }
+        let mut k = [zero; MOST_STATES + 2];
+        k[0] = (right[0] + b[n]) * self.per_gamma;
+        k[1] = b[n];
+        k[2..2 + n].copy_from_slice(&b[..n]);
+        k
+    }
+}

@@ -1,0 +1,157 @@
+//! Integrators of one segment (and, in `robot`, of the whole robot), over lanes: each lane is a trajectory of its own,
+//! with its own time, step and events; none looks at its neighbours.
+//!
+//! Sticking is a mode (`State::way` is 0), entered when the speed passes zero and
+//! left when the applied force exceeds what friction holds. Jumps of the drive
+//! are ends of its pieces, which no step crosses.
+
+pub mod bristle;
+pub mod exact;
+pub mod joined;
+pub mod replay;
+pub mod robot;
+pub mod runge_kutta;
+mod settle;
+pub mod smooth;
+mod tally;
+
+pub use tally::{Tally, Watch};
+
+use crate::lane::Lane;
+use crate::physics::drive::Clock;
+use crate::physics::friction::MOST_STATES;
+use crate::physics::segment::Segment;
+
+/// Where a trajectory is.
+#[derive(Clone, Copy)]
+pub struct State<L> {
+    pub t: L,
+    pub x: L,
+    pub v: L,
+    /// Direction of sliding, 1 or -1; 0 at rest. Of a law that never rests the
+    /// sign of the speed does not matter, and it stays 1.
+    pub way: L,
+    /// Distance moved forward since the last rest or turn.
+    pub swept: L,
+    pub clock: Clock<L>,
+    pub z: [L; MOST_STATES],
+}
+
+impl<L: Lane> State<L> {
+    #[inline(always)]
+    pub fn start(segment: &Segment<L>) -> Self {
+        let zero = segment.x.with(0.0);
+        State {
+            t: zero,
+            x: segment.x,
+            v: segment.v,
+            way: segment.v.sign(),
+            swept: zero,
+            clock: segment.drive.clock(zero),
+            z: [zero; MOST_STATES],
+        }
+    }
+
+    /// `self` where the mask holds, `other` elsewhere.
+    #[inline(always)]
+    pub fn or(self, mask: L::Mask, other: State<L>) -> State<L> {
+        let mut z = self.z;
+        for (z, other) in z.iter_mut().zip(other.z) {
+            *z = L::select(mask, *z, other);
+        }
+        State {
+            t: L::select(mask, self.t, other.t),
+            x: L::select(mask, self.x, other.x),
+            v: L::select(mask, self.v, other.v),
+            way: L::select(mask, self.way, other.way),
+            swept: L::select(mask, self.swept, other.swept),
+            clock: self.clock.or(mask, other.clock),
+            z,
+        }
+    }
+}
+
+/// METHOD REGISTRY.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    Exact,
+    RungeKutta,
+    Rosenbrock,
+    RosenbrockFixed,
+}
+
+impl Method {
+    /// Names and meanings, in the order users see them.
+    pub const ALL: &'static [(Method, &'static str, &'static str)] = &[
+        (
+            Method::Exact,
+            "exact",
+            "closed form from event to event: Coulomb and viscous friction under a stepwise drive",
+        ),
+        (
+            Method::RungeKutta,
+            "runge_kutta",
+            "classical fourth-order steps of time_step with located events",
+        ),
+        (
+            Method::Rosenbrock,
+            "rosenbrock",
+            "stiff third-order steps, their size from tolerance: bristle and smooth laws",
+        ),
+        (Method::RosenbrockFixed, "rosenbrock_fixed", "the same with steps of time_step"),
+    ];
+
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|m| m.0 == self).map_or("", |m| m.1)
+    }
+}
+
+/// Most steps or pieces of one trajectory.
+pub const MOST_STEPS: f64 = 2e7;
+/// The same for the stiff method, whose steps take longer.
+pub const MOST_STIFF_STEPS: f64 = 2e6;
+
+/// Moves trajectories on; what differs between methods.
+pub trait Advance<L: Lane> {
+    /// Takes every lane to its time `until`; false if the run was given up.
+    fn advance(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) -> bool;
+
+    /// Steps that a run will take at least, where that is known before.
+    #[inline(always)]
+    fn steps(&self, duration: L) -> L {
+        duration.with(0.0)
+    }
+
+    /// Energy in the bristles, for laws that have some.
+    #[inline(always)]
+    fn elastic(&self, state: &State<L>) -> L {
+        state.x.with(0.0)
+    }
+}
+
+/// Runs from start to end, with a visit to each station.
+#[inline(always)]
+pub fn drive<L: Lane>(
+    segment: &Segment<L>,
+    mut method: impl Advance<L>,
+    stations: &[f64],
+    mut visit: impl FnMut(usize, &State<L>),
+    watch: Watch,
+) -> Tally<L> {
+    let mut state = State::start(segment);
+    let mut tally = Tally::start(segment, watch);
+    // What would take for ever is not begun.
+    let zero = segment.duration.with(0.0);
+    let long = zero.with(MOST_STEPS).lt(method.steps(segment.duration));
+    let duration = L::select(long, zero, segment.duration);
+    tally.long = L::select(long, zero.with(1.0), zero);
+    for (i, share) in stations.iter().enumerate() {
+        if !method.advance(&mut state, &mut tally, duration * *share) {
+            break;
+        }
+        visit(i, &state);
+    }
+    method.advance(&mut state, &mut tally, duration);
+    let elastic = method.elastic(&state);
+    tally.end(segment, &state, elastic)
+}

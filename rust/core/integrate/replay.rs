@@ -1,0 +1,250 @@
+//! Replays of measured drives through the measured plant: what the sensors would
+//! read at every sample, a trajectory per lane.
+
+use super::bristle::Rosenbrock;
+use super::exact::Exact;
+use super::joined::Joined;
+use super::runge_kutta::RungeKutta;
+use super::settle::Cubic;
+use super::{Advance, State, Tally, Watch};
+use crate::lane::Lane;
+use crate::physics::drive::{Drive, DriveKind, Path, Table};
+use crate::physics::effects::{Active, Body, Effect, Measured, Plant};
+use crate::physics::friction::{Contact, Given};
+use crate::physics::params::ParamId;
+use crate::physics::segment::Segment;
+
+/// One run: samples of the drive and where the head starts.
+#[derive(Debug, Clone, Copy)]
+pub struct Samples<'a> {
+    /// Seconds since the first sample of the run.
+    pub times: &'a [f64],
+    pub drive: &'a [f64],
+    /// The window that is replayed: first sample and one beyond the last.
+    pub window: (usize, usize),
+}
+
+impl Samples<'_> {
+    /// Numbers within the window and times.
+    #[inline(always)]
+    fn instants(&self) -> impl Iterator<Item = (usize, f64)> {
+        let (from, to) = self.window;
+        self.times[from..to].iter().copied().enumerate()
+    }
+
+    /// State at the window's start.
+    #[inline(always)]
+    fn start<L: Lane>(&self, segment: &Segment<L>) -> State<L> {
+        let mut state = State::start(segment);
+        state.t = state.t.with(self.times[self.window.0]);
+        state.clock = segment.drive.clock(state.t);
+        state
+    }
+}
+
+/// Longest step of the methods that take steps, s.
+const STEP: f64 = 1e-3;
+/// Local error of the stiff method.
+const TOLERANCE: f64 = 1e-5;
+
+/// What the sensors would read at one sample; the position without its sensor's
+/// own effects.
+#[derive(Debug, Clone, Copy)]
+pub struct Reading<L> {
+    pub x: L,
+    pub v: L,
+    pub force: L,
+}
+
+/// A drive that only holds the samples; everything else is in the path.
+struct Plain<L>(L);
+
+impl<L: Lane> Given<L> for Plain<L> {
+    fn get(&self, id: ParamId) -> L {
+        self.0.with(if id == ParamId::Gain { 1.0 } else { 0.0 })
+    }
+    fn derived(&self, _: ParamId) -> L {
+        self.0.with(0.0)
+    }
+}
+
+fn segment<'a, L: Lane>(
+    plant: &'a Plant<L>,
+    samples: Samples<'a>,
+    (x, v): (L, L),
+) -> Segment<'a, L> {
+    let zero = x.with(0.0);
+    let one = zero.with(1.0);
+    let table = Table { times: samples.times, values: samples.drive };
+    let mut drive = Drive::new(DriveKind::Table, table, &Plain(zero));
+    drive.path = Some(&plant.path);
+    // Steps follow the fastest of what a step must resolve.
+    let lag = (one / plant.path.per_lag) * 0.25;
+    let step = zero.with(STEP);
+    let step = if plant.path.lags { step.min(lag.max(zero.with(1e-5))) } else { step };
+    Segment {
+        mass: plant.mass,
+        per_mass: one / plant.mass,
+        weight: plant.weight,
+        limit: zero.with(f64::INFINITY),
+        swing: plant.swing,
+        swings: plant.rotary,
+        spring: zero,
+        damper: zero,
+        pull: zero,
+        drive,
+        contact: Contact { normal: zero, coulomb: zero, holding: zero, viscous: zero },
+        x,
+        v,
+        duration: zero.with(samples.times.last().copied().unwrap_or(0.0)),
+        step,
+        tolerance: zero.with(TOLERANCE),
+        target: zero.with(f64::INFINITY),
+    }
+}
+
+const NOTHING: Watch = Watch { energy: false, stroke: false, peaks: false };
+
+/// Runs the head over all samples; `read` gets the number of each.
+#[inline(always)]
+pub fn head<L: Lane>(
+    plant: &Plant<L>,
+    samples: Samples,
+    start: (L, L),
+    go_on: impl FnMut() -> bool + Copy,
+    mut read: impl FnMut(usize, Reading<L>),
+) {
+    let segment = segment(plant, samples, start);
+    let mut state = samples.start(&segment);
+    let mut tally = Tally::start(&segment, NOTHING);
+    let zero = start.0.with(0.0);
+    let set = plant.friction;
+    if let Some(joint) = plant.joint {
+        let mut method = Joined::<Measured, L>::new(&segment, set, joint, &state);
+        let mut go_on = go_on;
+        for (i, t) in samples.instants() {
+            method.advance(&mut state, &mut tally, zero.with(t));
+            let force = method.force(state.x, state.v, method.side);
+            let force = (-plant.emf).mul_add(state.v, force);
+            read(i, Reading { x: state.x, v: state.v, force });
+            if !go_on() {
+                return;
+            }
+        }
+        return;
+    }
+    if plant.active.has(Effect::PreslidingCompliance) {
+        let method = Rosenbrock::<Measured, L, _>::new(&segment, set, true, go_on);
+        over_samples(plant, &segment, method, &mut state, &mut tally, samples, read);
+    } else if plant.is_linear() {
+        let method = Exact::<Measured, L, _> { segment: &segment, set, go_on };
+        over_samples(plant, &segment, method, &mut state, &mut tally, samples, read);
+    } else {
+        let method = RungeKutta::<Measured, L, _> { segment: &segment, set, locate: true, go_on };
+        over_samples(plant, &segment, method, &mut state, &mut tally, samples, read);
+    }
+}
+
+#[inline(always)]
+fn over_samples<L: Lane>(
+    plant: &Plant<L>,
+    segment: &Segment<L>,
+    mut method: impl Advance<L>,
+    state: &mut State<L>,
+    tally: &mut Tally<L>,
+    samples: Samples,
+    mut read: impl FnMut(usize, Reading<L>),
+) {
+    for (i, t) in samples.instants() {
+        if !method.advance(state, tally, state.t.with(t)) {
+            return;
+        }
+        let force = segment.force(state.t, &state.clock, state.x, state.v);
+        let force = (-plant.emf).mul_add(state.v, force);
+        read(i, Reading { x: state.x, v: state.v, force });
+    }
+}
+
+/// Runs the body under the reaction to `force`, the drive forces just after each
+/// sample; `read` gets its position at each.
+#[inline(always)]
+pub fn body<L: Lane>(
+    plant: &Plant<L>,
+    body: &Body<L>,
+    samples: Samples,
+    forces: impl Fn(usize) -> L,
+    go_on: impl FnMut() -> bool + Copy,
+    mut read: impl FnMut(usize, L),
+) {
+    let zero = body.mass.with(0.0);
+    let mut friction = plant.friction;
+    friction.active = Active::default().with(Effect::StribeckFriction);
+    (friction.forward, friction.backward) = (body.levels.coulomb, body.levels.coulomb);
+    friction.viscous = zero;
+    friction.drop = (body.levels.holding - body.levels.coulomb).max(zero);
+    friction.per_stribeck = zero.with(1e30);
+    friction.exponent = zero.with(1.0);
+    let back = Path { gain: -plant.path.gain, ..plant.path };
+    let mut own = segment(plant, samples, (zero, zero));
+    own.drive.path = Some(&back);
+    own.mass = body.mass;
+    own.per_mass = zero.with(1.0) / body.mass;
+    own.weight = body.weight;
+    (own.swing, own.swings) = (zero, false);
+    let mut state = samples.start(&own);
+    let mut tally = Tally::start(&own, NOTHING);
+    read(0, zero);
+    // The force between two samples is what the drive's path gives there; what
+    // depends on the head's motion is taken at the interval's middle.
+    let follows = plant.joint.is_some() || plant.active.has(Effect::BackEmf) || plant.path.lags;
+    for (i, t) in samples.instants().skip(1) {
+        let until = zero.with(t);
+        let mut now = own;
+        if follows {
+            let mean = (forces(i - 1) + forces(i)) * -0.5;
+            now.drive = Drive::steady(mean);
+        }
+        let mut method = Exact::<Measured, L, _> { segment: &now, set: friction, go_on };
+        if !method.advance(&mut state, &mut tally, until) {
+            return;
+        }
+        read(i, state.x);
+    }
+}
+
+/// The position that the sensor reads at sample `i`, from the head's own motion.
+#[inline(always)]
+pub fn sensed<L: Lane>(
+    plant: &Plant<L>,
+    samples: Samples,
+    i: usize,
+    motion: impl Fn(usize) -> (L, L),
+) -> L {
+    let times = &samples.times[samples.window.0..samples.window.1];
+    let [scale, drift, delay] = plant.sensor;
+    let t = delay.with(times[i]);
+    let start = motion(0).0;
+    let (late, x) = if plant.active.has(Effect::SensorDelay) {
+        let last = t.with(times[times.len() - 1]);
+        let late = (t - delay).max(t.with(times[0])).min(last);
+        // Each lane looks between its own two samples.
+        let x = t.fill(|lane| {
+            let at = late.lane(lane);
+            let after = times.partition_point(|time| *time <= at).clamp(1, times.len() - 1);
+            let (a, b) = (after - 1, after);
+            let dt = times[b] - times[a];
+            let (from, to) = (motion(a), motion(b));
+            let cubic = Cubic::new(
+                dt,
+                (from.0.lane(lane), from.1.lane(lane)),
+                (to.0.lane(lane), to.1.lane(lane)),
+            );
+            cubic.at((at - times[a]) / dt)
+        });
+        (late, x)
+    } else {
+        (t, motion(i).0)
+    };
+    let scaled = (scale + 1.0).mul_add(x - start, start);
+    drift.mul_add(late, scaled)
+}

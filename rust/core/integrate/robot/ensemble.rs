@@ -1,0 +1,162 @@
+//! Many robots, one per lane. Lanes that run together share segment count,
+//! movers and cycles, so points are grouped by them.
+
+use super::{GaitTally, Plan, RunOptions, simulate, simulate_lanes};
+use crate::lane::{Lane, Level, Pack, Task, run};
+use crate::physics::friction::Given;
+use crate::physics::gait::{Gait, Schedule};
+use crate::physics::point::COLUMNS;
+use crate::physics::{ParamId, Robot, Status};
+
+/// All columns of one point (see `physics::point::row`).
+pub type Row = [f64; COLUMNS];
+
+/// Points of a pack, a row per lane.
+struct Lanes<'a, L> {
+    like: L,
+    rows: &'a [&'a Row],
+}
+
+impl<L: Lane> Given<L> for Lanes<'_, L> {
+    fn get(&self, id: ParamId) -> L {
+        self.like.fill(|i| self.rows[i][id.main()])
+    }
+    fn derived(&self, id: ParamId) -> L {
+        self.like.fill(|i| self.rows[i][id.derived()])
+    }
+}
+
+/// What lanes must share: ideal joints, segments, movers, cycles.
+type Key = (bool, u64, u64, u64);
+
+fn key(row: &Row) -> Key {
+    let whole = |id: ParamId| row[id.main()] as u64;
+    let ideal = row[ParamId::JointStiffness.main()].is_infinite();
+    (ideal, whole(ParamId::Segments), whole(ParamId::Moving), whole(ParamId::Cycles))
+}
+
+fn options<L: Lane>(given: &impl Given<L>) -> RunOptions<L> {
+    RunOptions {
+        time_step: given.get(ParamId::TimeStep),
+        dwell: given.get(ParamId::Dwell),
+        impact: given.get(ParamId::Impact),
+        break_away: given.get(ParamId::BreakAway),
+    }
+}
+
+fn schedule(gait: Gait, key: Key) -> Result<Schedule, Status> {
+    gait.schedule(key.1 as usize, key.2 as usize)
+}
+
+/// Lanes of elastic robots that share `key`.
+#[inline(always)]
+fn together<L: Lane>(schedule: &Schedule, key: Key, given: &impl Given<L>) -> GaitTally<L> {
+    let robot = Robot::uniform(given, key.1 as usize);
+    let plan = Plan { schedule, cycles: key.3 as usize };
+    simulate_lanes(&robot, &plan, &options(given))
+}
+
+fn alone(schedule: &Schedule, key: Key, row: &Row) -> GaitTally<f64> {
+    let given = Lanes { like: 0.0, rows: &[row] };
+    let robot = Robot::uniform(&given, key.1 as usize);
+    let plan = Plan { schedule, cycles: key.3 as usize };
+    simulate(&robot, &plan, &options(&given), &mut ())
+}
+
+/// One robot per lane, whatever the lanes have in common. The more of them
+/// share segments, movers and cycles the faster; each lane's result is the same
+/// in any company.
+#[inline(always)]
+pub fn gait_tally<L: Lane>(gait: Gait, given: &impl Given<L>) -> GaitTally<L> {
+    let like = given.get(ParamId::Mass);
+    let mut rows: Vec<Row> = Vec::new();
+    like.map(|x| {
+        rows.push([f64::NAN; COLUMNS]);
+        x
+    });
+    for id in ParamId::all() {
+        let (value, derived) = (given.get(id), given.derived(id));
+        for (i, row) in rows.iter_mut().enumerate() {
+            row[id.main()] = value.lane(i);
+            row[id.derived()] = derived.lane(i);
+        }
+    }
+    let keys: Vec<Key> = rows.iter().map(key).collect();
+    let mut done: Vec<Option<GaitTally<f64>>> = vec![None; rows.len()];
+    while let Some(first) = done.iter().position(Option::is_none) {
+        let shared = keys[first];
+        let members: Vec<usize> = (0..rows.len()).filter(|i| keys[*i] == shared).collect();
+        match schedule(gait, shared) {
+            Err(status) => {
+                let none = GaitTally::none(0.0, status);
+                members.iter().for_each(|i| done[*i] = Some(none));
+            }
+            Ok(schedule) if shared.0 => {
+                members.iter().for_each(|i| done[*i] = Some(alone(&schedule, shared, &rows[*i])));
+            }
+            Ok(schedule) => {
+                // Lanes of other groups run along as copies.
+                let pick = |i: usize| if keys[i] == shared { &rows[i] } else { &rows[first] };
+                let picked: Vec<&Row> = (0..rows.len()).map(pick).collect();
+                let all = together(&schedule, shared, &Lanes { like, rows: &picked });
+                members.iter().for_each(|i| done[*i] = Some(all.lane(*i)));
+            }
+        }
+    }
+    GaitTally::fill(like, |i| done[i].unwrap_or(GaitTally::none(0.0, Status::NotFinite)))
+}
+
+struct Packs<'a, F> {
+    schedule: &'a Schedule,
+    key: Key,
+    members: &'a [usize],
+    point: &'a (dyn Fn(usize) -> Row + Sync),
+    each: F,
+}
+
+impl<F: FnMut(usize, GaitTally<f64>)> Task for Packs<'_, F> {
+    type Output = ();
+    const SCALAR_BASELINE: bool = true;
+
+    #[inline(always)]
+    fn run<P: Pack>(mut self, token: P::Token) {
+        for members in self.members.chunks(P::LANES) {
+            let rows: Vec<Row> = members.iter().map(|i| (self.point)(*i)).collect();
+            let last = rows.len() - 1;
+            let rows: Vec<&Row> = (0..P::LANES).map(|i| &rows[i.min(last)]).collect();
+            let given = Lanes { like: P::splat(token, 0.0), rows: &rows };
+            let all = together(self.schedule, self.key, &given);
+            for (lane, i) in members.iter().enumerate() {
+                (self.each)(*i, all.lane(lane));
+            }
+        }
+    }
+}
+
+/// Runs the robots of the points 0 to `count`, and hands each result to `each`
+/// with the number of its point, in no particular order.
+pub fn ensemble(
+    level: Level,
+    gait: Gait,
+    count: usize,
+    point: &(dyn Fn(usize) -> Row + Sync),
+    each: &mut dyn FnMut(usize, GaitTally<f64>),
+) {
+    let mut order: Vec<(Key, usize)> = (0..count).map(|i| (key(&point(i)), i)).collect();
+    order.sort_unstable();
+    for group in order.chunk_by(|a, b| a.0 == b.0) {
+        let shared = group[0].0;
+        let members: Vec<usize> = group.iter().map(|m| m.1).collect();
+        match schedule(gait, shared) {
+            Err(status) => members.iter().for_each(|i| each(*i, GaitTally::none(0.0, status))),
+            Ok(schedule) if shared.0 => {
+                members.iter().for_each(|i| each(*i, alone(&schedule, shared, &point(*i))));
+            }
+            Ok(schedule) => {
+                let each = |i, tally| each(i, tally);
+                let (schedule, members) = (&schedule, &members[..]);
+                run(level, Packs { schedule, key: shared, members, point, each });
+            }
+        }
+    }
+}

@@ -1,0 +1,344 @@
+//! Robots with ideal joints, from event to event: between two of them every
+//! force is constant or fades with the speed, so motion is known in closed form
+//! and nothing is lost to a step size. Events are a segment that comes to rest,
+//! a joint that reaches its speed, its force limit or its length.
+
+use super::chain::{Body, Chain, Link, Sliding, solve_with_break_away};
+use super::flow::{Flow, Piece};
+use super::tally::{End, GaitTally, Ledger};
+use super::trace::Observer;
+use super::{Plan, RunOptions};
+use crate::physics::Status;
+use crate::physics::gait::Phase;
+use crate::physics::robot::{Levels, Robot};
+
+/// Events per phase before the run is given up.
+const MOST_EVENTS: usize = 2_000;
+/// Events this close to each other (relative to the time to the first) count as one.
+const TIE: f64 = 1e-11;
+/// Relative rounding of a length that has been reached.
+const REACHED: f64 = 1e-12;
+
+/// What a joint does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Drive {
+    Locked,
+    /// Below (1) or above (-1) its speed: the full force, this way.
+    Push(f64),
+    /// At its speed, with what force that takes.
+    Paced,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Actuator {
+    pub drive: Drive,
+    /// Speed of the gait's command, with its sign.
+    pub rate: f64,
+    /// Length to reach.
+    pub target: f64,
+    /// Force now.
+    pub force: f64,
+}
+
+pub(super) struct Ideal<'a, O> {
+    pub robot: &'a Robot<f64>,
+    pub x: Vec<f64>,
+    pub v: Vec<f64>,
+    pub levels: Vec<Levels<f64>>,
+    pub joints: Vec<Actuator>,
+    start: Vec<f64>,
+    chain: Chain,
+    bodies: Vec<Body>,
+    sliding: Vec<Sliding>,
+    links: Vec<Link>,
+    pub ledger: Ledger<f64>,
+    pub phase: usize,
+    pub observer: &'a mut O,
+}
+
+/// Runs a robot whose joints are all ideal.
+pub(super) fn run<O: Observer<f64>>(
+    robot: &Robot<f64>,
+    plan: &Plan,
+    options: &RunOptions<f64>,
+    observer: &mut O,
+) -> GaitTally<f64> {
+    if robot.joints.iter().any(|j| j.limit.is_infinite() && j.speed.is_infinite()) {
+        return GaitTally::none(0.0, Status::Unbounded);
+    }
+    let n = robot.segments.len();
+    let idle = Actuator { drive: Drive::Locked, rate: 0.0, target: 0.0, force: 0.0 };
+    let lengths = robot.joints.iter().zip(&plan.schedule.start);
+    let mut state = Ideal {
+        robot,
+        x: vec![0.0; n],
+        v: vec![0.0; n],
+        levels: robot.segments.iter().map(|s| s.levels(1.0)).collect(),
+        joints: vec![idle; robot.joints.len()],
+        start: lengths.map(|(joint, length)| joint.stroke * length).collect(),
+        chain: Chain::default(),
+        bodies: Vec::new(),
+        sliding: Vec::new(),
+        links: Vec::new(),
+        ledger: Ledger::new(0.0),
+        phase: 0,
+        observer,
+    };
+    for _ in 0..plan.cycles {
+        for (p, phase) in plan.schedule.phases.iter().enumerate() {
+            state.phase = p;
+            if let Err(status) = state.phase(phase, options) {
+                return GaitTally::none(0.0, status);
+            }
+        }
+        state.ledger.cycle(&state.x);
+    }
+    let kinetic = state.kinetic();
+    let cycles = plan.cycles as f64;
+    let end = End { x: &state.x, kinetic, elastic: 0.0, cycles, status: 0.0 };
+    state.ledger.close(robot, &end)
+}
+
+impl<O: Observer<f64>> Ideal<'_, O> {
+    fn phase(&mut self, phase: &Phase, options: &RunOptions<f64>) -> Result<(), Status> {
+        for (i, levels) in self.levels.iter_mut().enumerate() {
+            *levels = self.robot.levels(i, phase, options.break_away);
+        }
+        self.command(phase);
+        self.jerk(options.impact);
+        let groups = Flow::roles(self, phase);
+        let mut events = 0;
+        while self.joints.iter().any(|j| j.drive != Drive::Locked) {
+            events += 1;
+            if events > MOST_EVENTS {
+                return Err(Status::TooManySteps);
+            }
+            let flow = self.flow();
+            let (dt, happened) = self.next(&flow, f64::INFINITY);
+            if dt.is_infinite() {
+                // A drive that stalls on the way ends the phase where it stands.
+                if events == 1 {
+                    return Err(Status::DriveTooWeak);
+                }
+                self.joints.iter_mut().for_each(|j| j.drive = Drive::Locked);
+                self.jerk(options.impact);
+                break;
+            }
+            self.go(&flow, &groups, dt, true);
+            self.apply(&happened, options.impact);
+        }
+        if options.impact == 0.0 {
+            self.ledger.impact += self.kinetic();
+            self.v.iter_mut().for_each(|v| *v = 0.0);
+        }
+        let mut left = if phase.rests { options.dwell } else { 0.0 };
+        while left > 0.0 {
+            events += 1;
+            if events > MOST_EVENTS {
+                return Err(Status::TooManySteps);
+            }
+            let flow = self.flow();
+            let (dt, happened) = self.next(&flow, left);
+            self.go(&flow, &groups, dt, false);
+            self.apply(&happened, options.impact);
+            left -= dt;
+        }
+        Ok(())
+    }
+
+    pub fn length(&self, j: usize) -> f64 {
+        self.start[j] + (self.x[j] - self.x[j + 1])
+    }
+
+    /// Hands the joints the lengths of a phase.
+    fn command(&mut self, phase: &Phase) {
+        let times = self.robot.joints.iter().map(|j| j.stroke / j.speed);
+        let time = phase.pace * times.fold(0.0, f64::max);
+        for (j, joint) in self.robot.joints.iter().enumerate() {
+            let target = joint.stroke * phase.target[j];
+            let way = target - self.length(j);
+            let here = way.abs() <= REACHED * joint.stroke;
+            let rate = if time > 0.0 { way / time } else { way.signum() * f64::INFINITY };
+            let drive = if here { Drive::Locked } else { Drive::Paced };
+            self.joints[j] = Actuator { drive, rate, target, force: 0.0 };
+        }
+    }
+
+    /// Joins at once what no finite force keeps apart: locked joints, and those
+    /// of unlimited force, whose rates jump. Momentum is kept; or, with
+    /// `impact` 0, what is locked to a resting segment rests too.
+    fn jerk(&mut self, impact: f64) {
+        let before = self.kinetic();
+        let n = self.x.len();
+        let stiff = |joints: &[Actuator], j: usize| match joints[j].drive {
+            Drive::Locked => Some(0.0),
+            _ if self.robot.joints[j].limit.is_infinite() => Some(joints[j].rate),
+            _ => None,
+        };
+        let mut first = 0;
+        while first < n {
+            let mut last = first;
+            // Speeds relative to the first segment of the rigid run.
+            let mut offsets = vec![0.0];
+            while let Some(rate) = (last + 1 < n).then(|| stiff(&self.joints, last)).flatten() {
+                offsets.push(offsets[last - first] - rate);
+                last += 1;
+            }
+            let (mut mass, mut momentum) = (0.0, 0.0);
+            for i in first..=last {
+                mass += self.robot.segments[i].mass;
+                momentum += self.robot.segments[i].mass * (self.v[i] - offsets[i - first]);
+            }
+            // Rounding must not wake what rests.
+            let driven = offsets.iter().any(|o| *o != 0.0);
+            let speeds = &self.v[first..=last];
+            let rests =
+                speeds.iter().all(|v| *v == 0.0) || (impact == 0.0 && speeds.contains(&0.0));
+            let moves = driven || !rests;
+            for i in first..=last {
+                self.v[i] = if moves { momentum / mass + offsets[i - first] } else { 0.0 };
+            }
+            first = last + 1;
+        }
+        for j in 0..self.joints.len() {
+            let limited = self.robot.joints[j].limit.is_finite();
+            if self.joints[j].drive != Drive::Locked && limited {
+                let short = self.joints[j].rate - (self.v[j] - self.v[j + 1]);
+                let rate = self.joints[j].rate.abs();
+                let paced = rate.is_finite() && short.abs() <= REACHED * rate;
+                let push = Drive::Push(short.signum());
+                self.joints[j].drive = if paced { Drive::Paced } else { push };
+            }
+        }
+        self.ledger.impact += before - self.kinetic();
+    }
+
+    /// Decides who sticks and slides from now on, and how everything moves.
+    fn flow(&mut self) -> Flow {
+        let robot = self.robot;
+        self.bodies.clear();
+        self.sliding.clear();
+        self.links.clear();
+        for (i, segment) in robot.segments.iter().enumerate() {
+            let (levels, v) = (&self.levels[i], self.v[i]);
+            let slides = if v > 0.0 {
+                -levels.ahead_slide
+            } else if v < 0.0 {
+                levels.back_slide
+            } else {
+                0.0
+            };
+            let (mut ahead, mut back) = (0.0, 0.0);
+            if v == 0.0 {
+                (ahead, back) = (levels.ahead_hold, levels.back_hold);
+            }
+            let push = slides - segment.pull - segment.viscous * v;
+            self.bodies.push(Body { inertia: segment.mass, push, ahead, back });
+            let (ahead, back) = (levels.ahead_slide.min(ahead), levels.back_slide.min(back));
+            self.sliding.push(Sliding { ahead, back });
+        }
+        for (joint, limits) in self.joints.iter().zip(&robot.joints) {
+            self.links.push(match joint.drive {
+                Drive::Locked => Link::RIGID,
+                Drive::Push(way) => Link::force(way * limits.limit),
+                Drive::Paced => Link::held(limits.limit),
+            });
+        }
+        solve_with_break_away(&mut self.chain, &mut self.bodies, &self.sliding, &self.links);
+        for (j, joint) in self.joints.iter_mut().enumerate() {
+            joint.force = self.chain.q[j];
+            let limit = robot.joints[j].limit;
+            if joint.drive == Drive::Paced && joint.force.abs() >= limit {
+                joint.drive = Drive::Push(joint.force.signum());
+            }
+        }
+        Flow::new(self, &self.chain.w, &self.bodies)
+    }
+
+    /// Time to the next events, at most `left`, and which they are.
+    fn next(&self, flow: &Flow, left: f64) -> (f64, Vec<Event>) {
+        let mut all: Vec<(f64, Event)> = Vec::new();
+        for (i, v) in self.v.iter().enumerate() {
+            if *v != 0.0 {
+                all.extend(flow.of(i).time_to(-v).map(|t| (t, Event::Rests(i))));
+            }
+        }
+        for (j, joint) in self.joints.iter().enumerate() {
+            if joint.drive == Drive::Locked {
+                continue;
+            }
+            let forward = joint.rate > 0.0;
+            let gap = flow.gap(self, j);
+            let way = (joint.target - self.length(j)) * joint.rate.signum();
+            let gap_on = if forward { gap } else { gap.flipped() };
+            let at = gap_on.time_to_length(way.max(0.0));
+            all.extend(at.map(|t| (t, Event::Reaches(j))));
+            match joint.drive {
+                Drive::Push(side) if joint.rate.is_finite() => {
+                    let gap = if side > 0.0 { gap } else { gap.flipped() };
+                    let short = side * (joint.rate - (self.v[j] - self.v[j + 1]));
+                    all.extend(gap.time_to_rate(short).map(|t| (t, Event::Paced(j))));
+                }
+                Drive::Paced => {
+                    let limit = self.robot.joints[j].limit;
+                    let t = flow.time_to_limit(j, joint.force, limit);
+                    all.extend(t.map(|(t, side)| (t, Event::Limited(j, side))));
+                }
+                _ => {}
+            }
+        }
+        let first = all.iter().map(|e| e.0).fold(f64::INFINITY, f64::min);
+        if first > left {
+            return (left, Vec::new());
+        }
+        let tied = first * (1.0 + TIE);
+        (first, all.into_iter().filter(|e| e.0 <= tied).map(|e| e.1).collect())
+    }
+
+    /// Moves on by `dt`.
+    fn go(&mut self, flow: &Flow, roles: &Piece, dt: f64, driven: bool) {
+        flow.watch(self, roles, dt);
+        flow.enter(self, roles, dt, driven);
+        for i in 0..self.x.len() {
+            let drift = flow.of(i);
+            self.x[i] += self.v[i] * dt + drift.path(dt);
+            self.v[i] += drift.speed(dt);
+        }
+        self.ledger.time += dt;
+        self.ledger.steps += 1.0;
+    }
+
+    fn apply(&mut self, happened: &[Event], impact: f64) {
+        let mut locked = false;
+        for event in happened {
+            match *event {
+                Event::Rests(i) => self.v[i] = 0.0,
+                Event::Paced(j) => self.joints[j].drive = Drive::Paced,
+                Event::Limited(j, side) => self.joints[j].drive = Drive::Push(side),
+                Event::Reaches(j) => {
+                    self.joints[j].drive = Drive::Locked;
+                    locked = true;
+                }
+            }
+        }
+        if locked {
+            self.jerk(impact);
+        }
+    }
+
+    pub fn kinetic(&self) -> f64 {
+        self.robot.segments.iter().zip(&self.v).map(|(s, v)| 0.5 * s.mass * v * v).sum()
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Event {
+    /// A segment comes to rest.
+    Rests(usize),
+    /// A joint reaches its speed.
+    Paced(usize),
+    /// A joint at its speed needs its whole force.
+    Limited(usize, f64),
+    /// A joint reaches its length.
+    Reaches(usize),
+}

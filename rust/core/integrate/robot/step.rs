@@ -1,0 +1,409 @@
+//! Robots with elastic joints, step by step.
+//!
+//! One set-wise decision per step, on speeds: joints and viscous friction at an
+//! intermediate time theta of the step, dry friction as an impulse that may
+//! stop a segment but never turn it. theta is fitted to the stiffest mode: near
+//! 1/2 (second order) where the step resolves it, towards 1 (which damps it
+//! out) where it does not, so no stiffness asks for a smaller step.
+
+use super::stick::Step;
+use super::tally::{End, GaitTally, Ledger};
+use super::trace::{Now, Observer};
+use super::{Plan, RunOptions};
+use crate::lane::Lane;
+use crate::physics::Status;
+use crate::physics::gait::Schedule;
+use crate::physics::robot::{MOST_SEGMENTS, Robot};
+
+/// Most steps of one stretch, beyond which a run is refused.
+const MOST_STEPS: f64 = 1e7;
+
+/// A phase, prepared.
+struct Roles<L> {
+    /// Ends of the runs of moving segments.
+    movers: Vec<(usize, usize)>,
+    /// Ends of the runs of anchors, and one over what each can hold.
+    anchors: Vec<(usize, usize, L)>,
+}
+
+/// Steps of equal length under constant command rates.
+struct Stretch<'a, L> {
+    roles: &'a Roles<L>,
+    h: L,
+    theta: L,
+    /// 1 while the gait drives joints.
+    driven: L,
+    /// Commands at its start.
+    from: [L; MOST_SEGMENTS],
+}
+
+/// What a step changes.
+struct Saved<L> {
+    x: [L; MOST_SEGMENTS],
+    command: [L; MOST_SEGMENTS],
+    v: [L; MOST_SEGMENTS],
+    slide: [L; MOST_SEGMENTS],
+    bound: [L; MOST_SEGMENTS],
+    ledger: Ledger<L>,
+}
+
+struct Elastic<'a, L, O> {
+    robot: &'a Robot<L>,
+    n: usize,
+    x: [L; MOST_SEGMENTS],
+    /// Lengths that the drives have reached.
+    command: [L; MOST_SEGMENTS],
+    rate: [L; MOST_SEGMENTS],
+    start: [L; MOST_SEGMENTS],
+    step: Step<L>,
+    ledger: Ledger<L>,
+    theta_rate: L,
+    time_step: L,
+    break_away: L,
+    /// 1 where a run is refused.
+    endless: L,
+    phase: usize,
+    observer: &'a mut O,
+}
+
+/// Runs a robot whose joints are all elastic.
+pub(super) fn run<L: Lane, O: Observer<L>>(
+    robot: &Robot<L>,
+    plan: &Plan,
+    options: &RunOptions<L>,
+    observer: &mut O,
+) -> GaitTally<L> {
+    let schedule = plan.schedule;
+    let like = options.time_step;
+    let zero = like.with(0.0);
+    let n = robot.segments.len();
+    let mut state = Elastic {
+        robot,
+        n,
+        x: [zero; MOST_SEGMENTS],
+        command: [zero; MOST_SEGMENTS],
+        rate: [zero; MOST_SEGMENTS],
+        start: [zero; MOST_SEGMENTS],
+        step: Step::new(n, like),
+        ledger: Ledger::new(like),
+        theta_rate: stiffest(robot),
+        time_step: options.time_step,
+        break_away: options.break_away,
+        endless: zero,
+        phase: 0,
+        observer,
+    };
+    for (j, joint) in robot.joints.iter().enumerate() {
+        state.start[j] = joint.stroke * schedule.start[j];
+        state.command[j] = state.start[j];
+    }
+    let all: Vec<Roles<L>> =
+        (0..schedule.phases.len()).map(|p| roles(robot, schedule, p)).collect();
+    let mut moved = zero;
+    for _ in 0..plan.cycles {
+        for (p, role) in all.iter().enumerate() {
+            state.phase = p;
+            state.phase(schedule, role, options);
+        }
+        moved = moved.max(state.ledger.time);
+        let (x, ledger) = (&state.x, &mut state.ledger);
+        ledger.cycle(&x[..n]);
+    }
+    let code = |status: Status| zero.with(f64::from(status as u8));
+    let status = L::select(zero.lt(moved), zero, code(Status::NoPhaseTime));
+    let status = L::select(zero.lt(state.endless), code(Status::TooManySteps), status);
+    let end = End {
+        x: &state.x[..n],
+        kinetic: state.kinetic(),
+        elastic: state.elastic(),
+        cycles: zero.with(plan.cycles as f64),
+        status,
+    };
+    state.ledger.close(robot, &end)
+}
+
+/// Bound of the fastest rate of any mode, 1/s.
+fn stiffest<L: Lane>(robot: &Robot<L>) -> L {
+    let mut mass = robot.segments[0].mass;
+    for segment in &robot.segments {
+        mass = mass.min(segment.mass);
+    }
+    let zero = mass.with(0.0);
+    let (mut stiffness, mut damping) = (zero, zero);
+    for joint in &robot.joints {
+        stiffness = stiffness.max(joint.stiffness);
+        damping = damping.max(joint.damping);
+    }
+    // A segment between two joints, its neighbours in opposite phase.
+    let (per_mass, four) = (mass.with(1.0) / mass, 4.0);
+    (stiffness * per_mass * four).sqrt() + damping * per_mass * four
+}
+
+fn roles<L: Lane>(robot: &Robot<L>, schedule: &Schedule, p: usize) -> Roles<L> {
+    let phase = &schedule.phases[p];
+    let one = robot.gravity.with(1.0);
+    let held = |group: (usize, usize)| {
+        let mut sum = robot.gravity.with(0.0);
+        for i in group.0..=group.1 {
+            let segment = &robot.segments[i];
+            sum = sum + robot.levels(i, phase, one).back_hold - segment.pull;
+        }
+        // Anchors that hold nothing are overloaded without bound.
+        (group.0, group.1, sum.with(1.0) / sum.max(sum.with(0.0)))
+    };
+    Roles {
+        movers: Schedule::groups(phase, true),
+        anchors: Schedule::groups(phase, false).into_iter().map(held).collect(),
+    }
+}
+
+impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
+    fn phase(&mut self, schedule: &Schedule, roles: &Roles<L>, options: &RunOptions<L>) {
+        let phase = &schedule.phases[self.phase];
+        let zero = options.time_step.with(0.0);
+        let mut ramp = zero;
+        for joint in &self.robot.joints {
+            ramp = ramp.max(joint.stroke / joint.speed);
+        }
+        let ramp = ramp * phase.pace;
+        let gradual = zero.lt(ramp);
+        let before = self.elastic();
+        for (j, joint) in self.robot.joints.iter().enumerate() {
+            let target = joint.stroke * phase.target[j];
+            self.rate[j] = L::select(gradual, (target - self.command[j]) / ramp, zero);
+            // Without a speed limit the command jumps.
+            self.command[j] = L::select(gradual, self.command[j], target);
+        }
+        self.ledger.work = self.ledger.work + (self.elastic() - before);
+        self.stretch(schedule, roles, ramp, zero.with(1.0));
+        for (j, joint) in self.robot.joints.iter().enumerate() {
+            self.command[j] = joint.stroke * phase.target[j];
+            self.rate[j] = zero;
+        }
+        if phase.rests {
+            let driven = L::select(gradual, zero, zero.with(1.0));
+            self.stretch(schedule, roles, options.dwell, driven);
+        }
+    }
+
+    /// A stretch of constant command rates, in equal steps. Every lane has its
+    /// own number of them; those that are through wait for the others.
+    fn stretch(&mut self, schedule: &Schedule, roles: &Roles<L>, duration: L, driven: L) {
+        let half = duration.with(0.5);
+        // A quotient that rounding has put just above a whole number is meant.
+        let count = -(-(duration / self.time_step - 1e-9)).floor();
+        let endless = count.gt(half.with(MOST_STEPS));
+        self.endless = L::select(endless, half.with(1.0), self.endless);
+        let count = L::select(endless, half.with(0.0), count);
+        if !L::any(count.gt(half)) {
+            return;
+        }
+        let h = L::select(count.gt(half), duration / count, duration.with(0.0));
+        let z = h * self.theta_rate;
+        let theta = (z / (z + 6.0)) * 0.5 + 0.5;
+        let stretch = Stretch { roles, h, theta, driven, from: self.command };
+        // The hot loop has to be compiled for the level's instructions.
+        duration.apart(
+            #[inline(always)]
+            || self.steps(schedule, &stretch, count),
+        );
+    }
+
+    #[inline(always)]
+    fn steps(&mut self, schedule: &Schedule, stretch: &Stretch<L>, count: L) {
+        let one = count.with(1.0);
+        let half = count.with(0.5);
+        self.prepare(schedule, stretch.h, stretch.theta);
+        let mut left = count;
+        while L::any(left.gt(half)) {
+            let waiting = L::any((one - left).gt(half)).then(|| self.saved());
+            self.advance(stretch, count - left);
+            if let Some(saved) = waiting {
+                self.restore(left.gt(half), &saved);
+            }
+            left = left - 1.0;
+        }
+    }
+
+    fn saved(&self) -> Saved<L> {
+        Saved {
+            x: self.x,
+            command: self.command,
+            v: self.step.v,
+            slide: self.step.slide,
+            bound: self.step.bound,
+            ledger: self.ledger.clone(),
+        }
+    }
+
+    /// Takes back a step where the mask does not hold.
+    fn restore(&mut self, mask: L::Mask, saved: &Saved<L>) {
+        for i in 0..self.n {
+            self.x[i] = L::select(mask, self.x[i], saved.x[i]);
+            self.command[i] = L::select(mask, self.command[i], saved.command[i]);
+            self.step.v[i] = L::select(mask, self.step.v[i], saved.v[i]);
+            self.step.slide[i] = L::select(mask, self.step.slide[i], saved.slide[i]);
+            self.step.bound[i] = L::select(mask, self.step.bound[i], saved.bound[i]);
+        }
+        self.ledger.keep(mask, &saved.ledger);
+    }
+
+    /// What stays the same over a stretch.
+    #[inline(always)]
+    fn prepare(&mut self, schedule: &Schedule, h: L, theta: L) {
+        let phase = &schedule.phases[self.phase];
+        let (step, robot) = (&mut self.step, self.robot);
+        for (i, segment) in robot.segments.iter().enumerate() {
+            let levels = robot.levels(i, phase, self.break_away);
+            step.inertia[i] = segment.mass + h * theta * segment.viscous;
+            step.ahead_slide[i] = levels.ahead_slide * h;
+            step.ahead_hold[i] = levels.ahead_hold * h;
+            step.back_slide[i] = levels.back_slide * h;
+            step.back_hold[i] = levels.back_hold * h;
+        }
+        for (j, joint) in robot.joints.iter().enumerate() {
+            step.gain[j] = h * theta * (joint.stiffness * h * theta + joint.damping);
+            step.limit[j] = h * joint.limit;
+        }
+    }
+
+    /// One step.
+    #[inline(always)]
+    fn advance(&mut self, stretch: &Stretch<L>, done: L) {
+        let n = self.n;
+        let Stretch { h, theta, from, .. } = stretch;
+        let (h, theta) = (*h, *theta);
+        let robot = self.robot;
+        let step = &mut self.step;
+        let rest = -(theta - 1.0);
+        for (i, segment) in robot.segments.iter().enumerate() {
+            step.push[i] =
+                (segment.mass - h * rest * segment.viscous) * step.v[i] - h * segment.pull;
+        }
+        // From the start of the stretch, so that rounding does not pile up.
+        let (at, next) = (h * (done + theta), h * (done + 1.0));
+        for (j, joint) in robot.joints.iter().enumerate() {
+            let length = self.start[j] + (self.x[j] - self.x[j + 1]);
+            let drift = rest * (step.v[j] - step.v[j + 1]);
+            let stretch = from[j] + self.rate[j] * at - length - h * theta * drift;
+            let pace = self.rate[j] - drift;
+            step.bias[j] = h * (joint.stiffness * stretch + joint.damping * pace);
+            self.command[j] = from[j] + self.rate[j] * next;
+        }
+        step.solve();
+        self.account(stretch);
+        for i in 0..n {
+            self.step.v[i] = self.step.w[i];
+        }
+        if O::ON {
+            self.show(stretch);
+        }
+    }
+
+    /// Moves the segments and enters the step into the ledger.
+    #[inline(always)]
+    fn account(&mut self, stretch: &Stretch<L>) {
+        let Stretch { roles, h, theta, driven, .. } = stretch;
+        let (h, theta, driven) = (*h, *theta, *driven);
+        let n = self.n;
+        let (robot, step, sums) = (self.robot, &self.step, &mut self.ledger);
+        let zero = h.with(0.0);
+        let rest = -(theta - 1.0);
+        let per_h = h.with(1.0) / h;
+        let mut q_ahead = zero;
+        let mut power = zero;
+        let mut u_ahead = zero;
+        for i in 0..n {
+            let segment = &robot.segments[i];
+            let (v, w) = (step.v[i], step.w[i]);
+            let u = theta * w + rest * v;
+            let way = h * u;
+            let q = if i + 1 < n { step.q[i] } else { zero };
+            let impulse = step.inertia[i] * w - step.push[i] - q + q_ahead;
+            sums.friction = sums.friction + (segment.viscous * way - impulse) * u;
+            sums.potential = sums.potential + segment.pull * way;
+            sums.back[i] = sums.back[i] - way.min(zero);
+            self.x[i] = self.x[i] + way;
+            if i > 0 {
+                let pace = u_ahead - u;
+                let force = q_ahead * per_h;
+                sums.joint_work = sums.joint_work + q_ahead * pace;
+                sums.work = sums.work + q_ahead * self.rate[i - 1];
+                sums.actuator_peak = sums.actuator_peak.max(force.abs());
+                power = power + robot.motor.power(force, pace);
+            }
+            (q_ahead, u_ahead) = (q, u);
+        }
+        sums.electric = sums.electric + power * h;
+        sums.power_peak = sums.power_peak.max(power);
+        let between = |from: usize, to: usize| {
+            let behind = if to + 1 < n { step.q[to] } else { zero };
+            let ahead = if from > 0 { step.q[from - 1] } else { zero };
+            behind - ahead
+        };
+        let mut drive = zero;
+        for (from, to) in &roles.movers {
+            drive = drive + between(*from, *to);
+        }
+        sums.propulsive = sums.propulsive + drive * driven;
+        sums.propulsive_peak = sums.propulsive_peak.max(drive * per_h);
+        for (from, to, per_hold) in &roles.anchors {
+            let demand = -between(*from, *to);
+            // Nothing over nothing is no load.
+            let load = L::select(zero.lt(demand), demand * per_h * *per_hold, zero);
+            sums.overload = sums.overload.max(load);
+        }
+        sums.time = sums.time + h;
+        sums.driven_time = sums.driven_time + h * driven;
+        sums.steps = sums.steps + 1.0;
+    }
+
+    #[inline(never)]
+    fn show(&mut self, stretch: &Stretch<L>) {
+        let Stretch { roles, h, .. } = stretch;
+        let n = self.n;
+        let zero = self.x[0].with(0.0);
+        let mut force = [zero; MOST_SEGMENTS];
+        let mut power = zero;
+        for (j, force) in force.iter_mut().enumerate().take(n - 1) {
+            *force = self.step.q[j] / *h;
+            let pace = self.step.w[j] - self.step.w[j + 1];
+            power = power + self.robot.motor.power(*force, pace);
+        }
+        let mut drive = zero;
+        for (from, to) in &roles.movers {
+            drive = drive + if to + 1 < n { force[*to] } else { zero };
+            drive = drive - if *from > 0 { force[*from - 1] } else { zero };
+        }
+        self.observer.see(&Now {
+            t: self.ledger.time,
+            phase: self.phase,
+            x: &self.x[..n],
+            v: &self.step.w[..n],
+            force: &force[..n - 1],
+            slide: &self.step.slide[..n],
+            power,
+            propulsive: drive,
+        });
+    }
+
+    fn kinetic(&self) -> L {
+        let mut sum = self.ledger.time.with(0.0);
+        for (i, segment) in self.robot.segments.iter().enumerate() {
+            sum = sum + segment.mass * self.step.v[i] * self.step.v[i] * 0.5;
+        }
+        sum
+    }
+
+    /// Energy in the joints; a drive that slips holds what its limit allows.
+    fn elastic(&self) -> L {
+        let mut sum = self.ledger.time.with(0.0);
+        for (j, joint) in self.robot.joints.iter().enumerate() {
+            let length = self.start[j] + (self.x[j] - self.x[j + 1]);
+            let most = joint.limit / joint.stiffness;
+            let stretch = (self.command[j] - length).min(most).max(-most);
+            sum = sum + joint.stiffness * stretch * stretch * 0.5;
+        }
+        sum
+    }
+}

@@ -1,0 +1,251 @@
+//! What is kept of a run: sums and extremes, the same for both integrators.
+
+use crate::lane::Lane;
+use crate::physics::Status;
+use crate::physics::robot::{MOST_SEGMENTS, Robot};
+
+/// Results of a run of several cycles. Energies count over the whole run.
+#[derive(Debug, Clone, Copy)]
+pub struct GaitTally<L> {
+    /// Mean advance of the segments per cycle, m.
+    pub advance: L,
+    /// The same in the last cycle, m.
+    pub last_advance: L,
+    /// Duration of the run, s.
+    pub time: L,
+    /// Advance over time, m/s.
+    pub velocity: L,
+    /// Way that each segment slides backward per cycle, m.
+    pub slip: [L; MOST_SEGMENTS],
+    /// The largest of them, m.
+    pub slip_max: L,
+    /// What a group of anchors could hold over what it has to, the smallest
+    /// over time and groups; inf where nothing pushes them back.
+    pub anchor_safety: L,
+    /// Force of the joints on the moving segments, N: mean while the gait
+    /// drives a joint, and largest.
+    pub propulsive_mean: L,
+    pub propulsive_peak: L,
+    /// Largest force of any joint's actuator, N.
+    pub actuator_peak: L,
+    /// Electrical power of all motors, W.
+    pub power_mean: L,
+    pub power_peak: L,
+    /// J.
+    pub electric_energy: L,
+    /// Work of the drives, J.
+    pub work: L,
+    /// Lost in friction between segments and ground, J.
+    pub friction: L,
+    /// Lost between drive and joint: in the damper, and where the drive slips.
+    pub damping: L,
+    /// Lost in impacts at the end of a stroke, J; negative where a drive of
+    /// unlimited force starts with a jerk.
+    pub impact: L,
+    /// Change of the stored energies, J.
+    pub kinetic: L,
+    pub potential: L,
+    pub elastic: L,
+    /// Work less all of the above: what the method itself loses, J.
+    pub residual: L,
+    /// Work and electrical energy per weight and distance.
+    pub transport_cost: L,
+    pub electric_transport_cost: L,
+    /// Steps or events.
+    pub steps: L,
+    /// Code of the status; every value is NaN where it is not `Ok`.
+    pub status: L,
+}
+
+/// Sums and extremes so far.
+#[derive(Debug, Clone)]
+pub(super) struct Ledger<L> {
+    pub time: L,
+    pub driven_time: L,
+    pub back: [L; MOST_SEGMENTS],
+    pub overload: L,
+    pub propulsive: L,
+    pub propulsive_peak: L,
+    pub actuator_peak: L,
+    pub electric: L,
+    pub power_peak: L,
+    /// Of the drives and at the joints.
+    pub work: L,
+    pub joint_work: L,
+    pub friction: L,
+    pub impact: L,
+    pub potential: L,
+    pub steps: L,
+    pub cycle_start: L,
+    pub last_advance: L,
+}
+
+/// State at the end of a run.
+pub(super) struct End<'a, L> {
+    pub x: &'a [L],
+    pub kinetic: L,
+    pub elastic: L,
+    pub cycles: L,
+    pub status: L,
+}
+
+impl<L: Lane> Ledger<L> {
+    pub fn new(like: L) -> Ledger<L> {
+        let zero = like.with(0.0);
+        Ledger {
+            time: zero,
+            driven_time: zero,
+            back: [zero; MOST_SEGMENTS],
+            overload: zero,
+            propulsive: zero,
+            propulsive_peak: zero,
+            actuator_peak: zero,
+            electric: zero,
+            power_peak: zero,
+            work: zero,
+            joint_work: zero,
+            friction: zero,
+            impact: zero,
+            potential: zero,
+            steps: zero,
+            cycle_start: zero,
+            last_advance: zero,
+        }
+    }
+
+    /// Notes where a cycle ends.
+    pub fn cycle(&mut self, x: &[L]) {
+        let here = mean(x);
+        self.last_advance = here - self.cycle_start;
+        self.cycle_start = here;
+    }
+
+    pub fn close(&self, robot: &Robot<L>, end: &End<L>) -> GaitTally<L> {
+        let zero = self.time.with(0.0);
+        let total = mean(end.x);
+        let damping = self.work - self.joint_work - end.elastic;
+        let stored = end.kinetic + self.potential;
+        let weight = robot.segments.iter().fold(zero, |sum, s| sum + s.mass) * robot.gravity;
+        let slip = self.back.map(|s| s / end.cycles);
+        let tally = GaitTally {
+            advance: total / end.cycles,
+            last_advance: self.last_advance,
+            time: self.time,
+            velocity: total / self.time,
+            slip,
+            slip_max: slip.iter().fold(zero, |a, b| a.max(*b)),
+            anchor_safety: zero.with(1.0) / self.overload,
+            propulsive_mean: self.propulsive / self.driven_time,
+            propulsive_peak: self.propulsive_peak,
+            actuator_peak: self.actuator_peak,
+            power_mean: self.electric / self.time,
+            power_peak: self.power_peak,
+            electric_energy: self.electric,
+            work: self.work,
+            friction: self.friction,
+            damping,
+            impact: self.impact,
+            kinetic: end.kinetic,
+            potential: self.potential,
+            elastic: end.elastic,
+            residual: self.joint_work - self.friction - self.impact - stored,
+            transport_cost: self.work / (weight * total),
+            electric_transport_cost: self.electric / (weight * total),
+            steps: self.steps,
+            status: end.status,
+        };
+        // A run that has left the range of numbers shows it in its position.
+        let finite = total.abs().lt(zero.with(f64::INFINITY));
+        let lost = zero.with(f64::from(Status::NotFinite as u8));
+        let ok = end.status.lt(zero.with(0.5));
+        let status = L::select(L::or(finite, zero.lt(end.status)), end.status, lost);
+        tally.only_if(L::and(finite, ok), status)
+    }
+}
+
+pub(super) fn mean<L: Lane>(x: &[L]) -> L {
+    let sum = x[1..].iter().fold(x[0], |sum, x| sum + *x);
+    sum / sum.with(x.len() as f64)
+}
+
+macro_rules! fields {
+    ($($field:ident),+) => {
+        impl<L: Lane> GaitTally<L> {
+            /// NaN where `mask` does not hold, with the status given there.
+            fn only_if(self, mask: L::Mask, status: L) -> GaitTally<L> {
+                GaitTally {
+                    $($field: self.$field.only_if(mask),)+
+                    slip: self.slip.map(|s| s.only_if(mask)),
+                    status,
+                }
+            }
+
+            /// No run at all, for this reason.
+            pub fn none(like: L, status: Status) -> GaitTally<L> {
+                let nan = like.with(f64::NAN);
+                GaitTally {
+                    $($field: nan,)+
+                    slip: [nan; MOST_SEGMENTS],
+                    status: like.with(f64::from(status as u8)),
+                }
+            }
+
+            /// The results of one lane.
+            pub fn lane(&self, i: usize) -> GaitTally<f64> {
+                GaitTally {
+                    $($field: self.$field.lane(i),)+
+                    slip: self.slip.map(|s| s.lane(i)),
+                    status: self.status.lane(i),
+                }
+            }
+
+            /// Lanes from their results.
+            pub fn fill(like: L, lanes: impl Fn(usize) -> GaitTally<f64>) -> GaitTally<L> {
+                GaitTally {
+                    $($field: like.fill(|i| lanes(i).$field),)+
+                    slip: std::array::from_fn(|s| like.fill(|i| lanes(i).slip[s])),
+                    status: like.fill(|i| lanes(i).status),
+                }
+            }
+        }
+
+        impl GaitTally<f64> {
+            /// Names of the results, one number each.
+            pub const NAMES: &'static [&'static str] = &[$(stringify!($field)),+];
+
+            /// The results in the order of their names.
+            pub fn values(&self) -> Vec<f64> {
+                vec![$(self.$field),+]
+            }
+
+            pub fn status(&self) -> Status {
+                let code = self.status as usize;
+                Status::ALL.get(code).copied().unwrap_or(Status::NotFinite)
+            }
+        }
+    };
+}
+fields! {
+    advance, last_advance, time, velocity, slip_max, anchor_safety, propulsive_mean,
+    propulsive_peak, actuator_peak, power_mean, power_peak, electric_energy, work, friction,
+    damping, impact, kinetic, potential, elastic, residual, transport_cost,
+    electric_transport_cost, steps
+}
+
+macro_rules! ledger {
+    ($($field:ident),+) => {
+        impl<L: Lane> Ledger<L> {
+            /// Takes back what does not belong to `mask`.
+            pub fn keep(&mut self, mask: L::Mask, before: &Ledger<L>) {
+                $(self.$field = L::select(mask, self.$field, before.$field);)+
+                for (now, before) in self.back.iter_mut().zip(&before.back) {
+                    *now = L::select(mask, *now, *before);
+                }
+            }
+        }
+    };
+}
+ledger! {
+    time, driven_time, overload, propulsive, propulsive_peak, actuator_peak, electric,
+    power_peak, work, joint_work, friction, impact, potential, steps
+}

@@ -1,0 +1,387 @@
+//! Classical Runge-Kutta steps for dry laws of any shape, with stops and
+//! break-aways located within the step.
+//!
+//! A step integrates the law of one direction of sliding; where the speed has
+//! passed zero by its end (or dipped below it within), the stop is located, the
+//! segment rests or turns there, and the rest of the step follows.
+
+use super::settle::{Cubic, rise};
+use super::{Advance, MOST_STEPS, State, Tally};
+use crate::lane::Lane;
+use crate::physics::friction::{Dry, Place};
+use crate::physics::segment::Segment;
+
+pub struct RungeKutta<'a, 'b, Q: Dry, L: Lane, F> {
+    pub segment: &'b Segment<'a, L>,
+    pub set: Q::Set<L>,
+    pub locate: bool,
+    pub go_on: F,
+}
+
+/// Steps between two looks at the flag that stops a run.
+const PATIENCE: u32 = 256;
+/// Events that one step may hold before its trajectory is given up.
+const MOST_EVENTS: u32 = 100;
+
+/// The end of a step, and what was done on the way.
+#[derive(Clone, Copy)]
+struct Step<L> {
+    x: L,
+    v: L,
+    /// Accelerations at both ends.
+    start: L,
+    end: L,
+    work: L,
+    heat: L,
+}
+
+impl<Q: Dry, L: Lane, F: FnMut() -> bool> Advance<L> for RungeKutta<'_, '_, Q, L, F> {
+    #[inline(always)]
+    fn advance(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) -> bool {
+        let h = self.segment.step;
+        let (mut from, mut taken) = (state.t, h.with(0.0));
+        let mut count = 0;
+        while L::any(state.t.lt(until)) {
+            let piece_end = self.segment.drive.piece_end(state.clock.piece);
+            let active = state.t.lt(until);
+            let end = piece_end.min(until);
+            let left = (end - state.t).max(h.with(0.0));
+            // A step that would leave less than a rounding error takes it along.
+            let last = left.le(h * (1.0 + 1e-9));
+            let dt = L::select(last, left, h);
+            // Not a running sum, whose rounding would grow with the steps.
+            taken = taken + 1.0;
+            let next = L::select(last, end, taken.mul_add(h, from));
+            self.step(state, tally, dt);
+            state.t = L::select(active, next, state.t);
+            let over = L::and(L::and(active, last), piece_end.le(until));
+            self.segment.drive.turn_over(&mut state.clock, piece_end, over);
+            from = L::select(over, end, from);
+            taken = L::select(over, h.with(0.0), taken);
+            tally.steps = L::select(active, tally.steps + 1.0, tally.steps);
+            count += 1;
+            if count % PATIENCE == 0 {
+                tally.give_up(state, until, MOST_STEPS);
+                if !(self.go_on)() {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    #[inline(always)]
+    fn steps(&self, duration: L) -> L {
+        duration / self.segment.step + self.segment.drive.pieces(duration)
+    }
+}
+
+impl<Q: Dry, L: Lane, F: FnMut() -> bool> RungeKutta<'_, '_, Q, L, F> {
+    #[inline(always)]
+    fn place(&self, state: &State<L>, way: L, x: L, drive: L, t: L) -> Place<L> {
+        let forward = (x - state.x).max(x.with(0.0));
+        let swept = if Q::PLACED { state.swept + forward } else { state.swept };
+        Place { way, x, swept, drive, t }
+    }
+
+    /// Acceleration, drive force and resistance on lanes that slide.
+    #[inline(always)]
+    fn slope(&self, state: &State<L>, t: L, x: L, v: L) -> (L, L, L) {
+        let segment = self.segment;
+        let force = segment.force(t, &state.clock, x, v);
+        let place = self.place(state, state.way, x, force, t);
+        let against = Q::resistance(&self.set, state.way * v, &place);
+        let net = force - segment.pull_back(x) - state.way * against;
+        (net * segment.per_mass, force, against)
+    }
+
+    /// One step of sliding from `state`.
+    #[inline(always)]
+    fn slide(&self, state: &State<L>, dt: L, energy: bool) -> Step<L> {
+        dt.apart(
+            #[inline(always)]
+            || self.slide_here(state, dt, energy),
+        )
+    }
+
+    #[inline(always)]
+    fn slide_here(&self, state: &State<L>, dt: L, energy: bool) -> Step<L> {
+        let half = dt * 0.5;
+        let sixth = dt * (1.0 / 6.0);
+        let zero = dt.with(0.0);
+        let (x0, v0) = (state.x, state.v);
+        let (mut a, mut u) = (zero, v0);
+        let (mut x, mut v) = (x0, v0);
+        let (mut start, mut sum_a, mut sum_v) = (zero, zero, zero);
+        let (mut work, mut heat) = (zero, zero);
+        // The fifth slope is the one after the step, for the cubics; that of the
+        // fourth stage lies an order lower.
+        for stage in 0..5 {
+            let reach = if stage == 0 {
+                zero
+            } else if stage < 3 {
+                half
+            } else {
+                dt
+            };
+            if stage < 4 {
+                v = reach.mul_add(a, v0);
+                x = reach.mul_add(u, x0);
+            } else {
+                v = sixth.mul_add(sum_a, v0);
+                x = sixth.mul_add(sum_v, x0);
+            }
+            let (slope, force, against) = self.slope(state, state.t + reach, x, v);
+            (a, u) = (slope, v);
+            if stage == 0 {
+                start = a;
+            }
+            if stage < 4 {
+                let weight = dt.with(if stage == 1 || stage == 2 { 2.0 } else { 1.0 });
+                sum_a = a.mul_add(weight, sum_a);
+                sum_v = v.mul_add(weight, sum_v);
+                if energy {
+                    work = (force * v).mul_add(weight, work);
+                    heat = (against * v).mul_add(weight, heat);
+                }
+            }
+        }
+        let (work, heat) = (sixth * work, state.way * (sixth * heat));
+        Step { x, v, start, end: a, work, heat }
+    }
+
+    /// Force that friction would have to hold at rest, and by how much it
+    /// exceeds what it can.
+    #[inline(always)]
+    fn excess(&self, state: &State<L>, t: L) -> (L, L) {
+        t.apart(
+            #[inline(always)]
+            || self.excess_here(state, t),
+        )
+    }
+
+    #[inline(always)]
+    fn excess_here(&self, state: &State<L>, t: L) -> (L, L) {
+        let zero = t.with(0.0);
+        let force = self.segment.force(t, &state.clock, state.x, zero);
+        let push = force - self.segment.pull_back(state.x);
+        let place = Place { way: push.sign(), x: state.x, swept: zero, drive: force, t };
+        let holds = Q::holding(&self.set, &place);
+        let holds = holds.max(Q::resistance(&self.set, zero, &place));
+        (push, push.abs() - holds)
+    }
+
+    /// One step of `dt`, with whatever happens within.
+    #[inline(always)]
+    fn step(&mut self, state: &mut State<L>, tally: &mut Tally<L>, dt: L) {
+        let zero = dt.with(0.0);
+        // What a step left at rest is decided anew: the drive may have jumped.
+        let still = L::not(zero.lt(state.v.abs()));
+        state.way = L::select(still, zero, state.way);
+        let moving = zero.lt(state.way.abs());
+        // Most steps hold no event in any lane.
+        if !L::any(L::not(moving)) {
+            let step = self.slide(state, dt, tally.watch.energy);
+            if !L::any(self.stops(state, &step, dt)) {
+                take(self.segment, Q::PLACED, state, tally, &step, dt, moving);
+                return;
+            }
+        }
+        dt.apart(
+            #[inline(always)]
+            || self.eventful(state, tally, dt),
+        );
+    }
+
+    /// Lanes whose speed passes zero within the step.
+    #[inline(always)]
+    fn stops(&self, state: &State<L>, step: &Step<L>, dt: L) -> L::Mask {
+        let zero = dt.with(0.0);
+        let (from, to) = (state.way * state.v, state.way * step.v);
+        let (falls, rises) = (state.way * step.start, state.way * step.end);
+        let dips = L::and(falls.lt(zero), zero.lt(rises));
+        let below = to.lt(zero);
+        if self.locate && L::any(dips) {
+            let cubic = Cubic::new(dt, (from, falls), (to, rises));
+            return L::or(below, L::and(dips, cubic.at(cubic.turn()).lt(zero)));
+        }
+        below
+    }
+
+    #[inline(always)]
+    fn eventful(&mut self, state: &mut State<L>, tally: &mut Tally<L>, dt: L) {
+        let zero = dt.with(0.0);
+        let begin = state.t;
+        let mut left = dt;
+        let mut events = 0;
+        while L::any(zero.lt(left)) {
+            events += 1;
+            if events > MOST_EVENTS {
+                let open = zero.lt(left);
+                tally.lost = L::select(open, tally.lost + 1.0, tally.lost);
+                break;
+            }
+            let used = self.part(state, tally, left);
+            left = L::select(used.lt(left), left - used, zero);
+            state.t = state.t + used;
+        }
+        state.t = begin;
+    }
+
+    /// To the next event of each lane, or to the end of what is left of the
+    /// step; returns the time that this took.
+    #[inline(always)]
+    fn part(&mut self, state: &mut State<L>, tally: &mut Tally<L>, left: L) -> L {
+        let zero = left.with(0.0);
+        let open = zero.lt(left);
+        let resting = L::and(open, L::not(zero.lt(state.way.abs())));
+        let mut used = left;
+        let mut released = zero;
+        if L::any(resting) {
+            let (push, over) = self.excess(state, state.t);
+            let at_once = zero.lt(over);
+            let (wait, way) = self.wait(state, left);
+            let wait = L::select(at_once, zero, wait);
+            released = L::select(at_once, push.sign(), way);
+            used = L::select(resting, wait, used);
+            tally.stuck = L::select(resting, tally.stuck + wait, tally.stuck);
+        }
+        let moving = L::and(open, zero.lt(state.way.abs()));
+        if L::any(moving) {
+            let dt = L::select(moving, left, zero);
+            let whole = self.slide(state, dt, tally.watch.energy);
+            let stops = L::and(moving, self.stops(state, &whole, dt));
+            if L::any(stops) {
+                let until = if self.locate { self.stop_time(state, &whole, dt) } else { dt };
+                let until = L::select(stops, until, dt);
+                let mut step = self.slide(state, until, tally.watch.energy);
+                step.v = L::select(stops, zero, step.v);
+                take(self.segment, Q::PLACED, state, tally, &step, until, moving);
+                used = L::select(moving, until, used);
+                let now = State { t: state.t + used, ..*state };
+                let (push, over) = self.excess(&now, now.t);
+                let goes = zero.lt(over);
+                let way = L::select(goes, push.sign(), zero);
+                let rests = L::and(stops, L::not(goes));
+                tally.sticks = L::select(rests, tally.sticks + 1.0, tally.sticks);
+                state.swept = L::select(stops, zero, state.swept);
+                state.way = L::select(stops, way, state.way);
+            } else {
+                take(self.segment, Q::PLACED, state, tally, &whole, dt, moving);
+            }
+        }
+        state.way = L::select(resting, released, state.way);
+        used
+    }
+
+    /// Time until friction gives way within the next `left` seconds and the
+    /// direction then; all of `left` and 0 where it holds.
+    #[inline(always)]
+    fn wait(&self, state: &State<L>, left: L) -> (L, L) {
+        let zero = left.with(0.0);
+        let excess = |theta: L| self.excess(state, state.t + left * theta).1;
+        let one = left.with(1.0);
+        let end = excess(one);
+        if !self.locate {
+            // Seen at the end of the step only: the next one starts with it.
+            return (left, zero);
+        }
+        let (start, half) = (excess(zero), excess(one * 0.5));
+        // A peak between the ends, from the parabola through three points.
+        let bend = start + end - half * 2.0;
+        let tilt = end - start;
+        let peak = L::select(bend.lt(zero), (tilt / bend) * -0.25 + 0.5, one);
+        let inside = L::and(zero.lt(peak), peak.lt(one));
+        let peak = L::select(inside, peak, one);
+        let at_peak = excess(peak);
+        let reach = L::select(zero.lt(at_peak), peak, one);
+        let breaks = L::or(zero.lt(end), zero.lt(at_peak));
+        if !L::any(breaks) {
+            return (left, zero);
+        }
+        let theta = rise(reach, excess);
+        let wait = L::select(breaks, left * theta, left);
+        let (push, _) = self.excess(state, state.t + wait);
+        (wait, L::select(breaks, push.sign(), zero))
+    }
+
+    /// When the speed passes zero: from the cubic, then by Newton on the step
+    /// itself.
+    #[inline(always)]
+    fn stop_time(&self, state: &State<L>, whole: &Step<L>, dt: L) -> L {
+        let zero = dt.with(0.0);
+        let (from, to) = (state.way * state.v, state.way * whole.v);
+        let slopes = (state.way * whole.start, state.way * whole.end);
+        let cubic = Cubic::new(dt, (from, slopes.0), (to, slopes.1));
+        let end = L::select(to.lt(zero), dt.with(1.0), cubic.turn());
+        let mut until = dt * cubic.fall(end);
+        for _ in 0..3 {
+            let step = self.slide(state, until, false);
+            let better = until - step.v / step.end;
+            let usable = L::and(better.gt(zero), better.le(dt));
+            until = L::select(usable, better, until);
+        }
+        until
+    }
+}
+
+/// Takes a finished step into state and tally, where `mask` holds.
+#[inline(always)]
+fn take<L: Lane>(
+    segment: &Segment<L>,
+    placed: bool,
+    state: &mut State<L>,
+    tally: &mut Tally<L>,
+    step: &Step<L>,
+    dt: L,
+    mask: L::Mask,
+) {
+    // The same for all laws: compiled once.
+    dt.apart(
+        #[inline(always)]
+        || take_here(segment, placed, state, tally, step, dt, mask),
+    );
+}
+
+#[inline(always)]
+fn take_here<L: Lane>(
+    segment: &Segment<L>,
+    placed: bool,
+    state: &mut State<L>,
+    tally: &mut Tally<L>,
+    step: &Step<L>,
+    dt: L,
+    mask: L::Mask,
+) {
+    let zero = dt.with(0.0);
+    let x = L::select(mask, step.x, state.x);
+    let v = L::select(mask, step.v, state.v);
+    if tally.watch.stroke {
+        let arrives = L::and(mask, tally.arrives(segment, state.x, x));
+        if L::any(arrives) {
+            let target = segment.target;
+            let gone = Cubic::new(dt, (target - state.x, -state.v), (target - x, -v));
+            let when = state.t + dt * gone.fall(dt.with(1.0));
+            tally.stroke_time = L::select(arrives, when, tally.stroke_time);
+        }
+    }
+    if tally.watch.energy {
+        let (work, heat) = (L::select(mask, step.work, zero), L::select(mask, step.heat, zero));
+        tally.spend(work, heat);
+    }
+    // A peak of the speed between the ends.
+    let peaks = L::and(mask, (step.start * step.end).lt(zero));
+    if L::any(peaks) {
+        let cubic = Cubic::new(dt, (state.v, step.start), (step.v, step.end));
+        let peak = L::select(peaks, cubic.at(cubic.turn()), v);
+        tally.peak_v = tally.peak_v.max(peak.abs());
+    }
+    if placed {
+        let forward = L::and(mask, zero.lt(state.way));
+        let swept = state.swept + (x - state.x);
+        state.swept = L::select(forward, swept, state.swept);
+    }
+    state.x = x;
+    state.v = v;
+    tally.look(x, v);
+}

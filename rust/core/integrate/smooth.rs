@@ -1,0 +1,186 @@
+//! Classical Runge-Kutta steps for laws that are functions of speed: no events,
+//! so every step is the same few operations. Such laws creep instead of resting;
+//! time at rest is therefore not counted.
+
+use super::settle::Cubic;
+use super::{Advance, State, Tally};
+use crate::lane::Lane;
+use crate::physics::friction::Smooth;
+use crate::physics::segment::Segment;
+
+pub struct Steps<'a, 'b, Q: Smooth, L: Lane, F> {
+    pub segment: &'b Segment<'a, L>,
+    pub set: Q::Set<L>,
+    /// Whether any trajectory is pulled by a spring.
+    pub sprung: bool,
+    pub ahead: Ahead<'b>,
+    pub go_on: F,
+}
+
+/// Drive forces at start, middle and end of every step, where these are the
+/// same for all trajectories; empty where they are not.
+#[derive(Debug, Clone, Copy)]
+pub struct Ahead<'a>(pub &'a [[f64; 3]]);
+
+const PATIENCE: u32 = 256;
+
+impl<Q: Smooth, L: Lane, F: FnMut() -> bool> Advance<L> for Steps<'_, '_, Q, L, F> {
+    #[inline(always)]
+    fn advance(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) -> bool {
+        if !self.ahead.0.is_empty() {
+            return self.in_step(state, tally, until);
+        }
+        let h = self.segment.step;
+        let (mut from, mut taken) = (state.t, h.with(0.0));
+        let mut count = 0;
+        while L::any(state.t.lt(until)) {
+            let piece_end = self.segment.drive.piece_end(state.clock.piece);
+            let active = state.t.lt(until);
+            let end = piece_end.min(until);
+            let left = (end - state.t).max(h.with(0.0));
+            let last = left.le(h * LAST);
+            let dt = L::select(last, left, h);
+            // Not a running sum, whose rounding would grow with the steps.
+            taken = taken + 1.0;
+            let next = L::select(last, end, taken.mul_add(h, from));
+            let half = dt * 0.5;
+            let forces = [state.t, state.t + half, state.t + dt]
+                .map(|t| self.segment.commanded(t, &state.clock));
+            let old = *state;
+            self.step(state, tally, dt, forces);
+            state.t = next;
+            let over = L::and(last, piece_end.le(until));
+            self.segment.drive.turn_over(&mut state.clock, piece_end, over);
+            from = L::select(over, state.t, from);
+            taken = L::select(over, h.with(0.0), taken);
+            *state = state.or(active, old);
+            count += 1;
+            if count % PATIENCE == 0 && !(self.go_on)() {
+                return false;
+            }
+        }
+        true
+    }
+
+    #[inline(always)]
+    fn steps(&self, duration: L) -> L {
+        duration / self.segment.step + self.segment.drive.pieces(duration)
+    }
+}
+
+/// A step that would leave less than a rounding error takes it along.
+pub const LAST: f64 = 1.0 + 1e-9;
+
+impl<Q: Smooth, L: Lane, F: FnMut() -> bool> Steps<'_, '_, Q, L, F> {
+    /// All lanes in the same steps, without a spring, from start to end.
+    #[inline(always)]
+    fn in_step(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) -> bool {
+        let h = self.segment.step;
+        let steps = self.ahead.0.len();
+        for (i, forces) in self.ahead.0.iter().enumerate() {
+            let last = i + 1 == steps;
+            let dt = if last { until - state.t } else { h };
+            let forces = forces.map(|force| h.with(force).clip(self.segment.limit));
+            self.step(state, tally, dt, forces);
+            state.t = if last { until } else { h * (i + 1) as f64 };
+            if i as u32 % PATIENCE == PATIENCE - 1 && !(self.go_on)() {
+                return false;
+            }
+        }
+        true
+    }
+
+    #[inline(always)]
+    fn step(&mut self, state: &mut State<L>, tally: &mut Tally<L>, dt: L, forces: [L; 3]) {
+        dt.apart(
+            #[inline(always)]
+            || self.step_here(state, tally, dt, forces),
+        );
+    }
+
+    #[inline(always)]
+    fn step_here(&mut self, state: &mut State<L>, tally: &mut Tally<L>, dt: L, forces: [L; 3]) {
+        let segment = self.segment;
+        let half = dt * 0.5;
+        let sixth = dt * (1.0 / 6.0);
+        let zero = dt.with(0.0);
+        let (x0, v0) = (state.x, state.v);
+        // The slopes of the previous stage, and the weighted sums.
+        let (mut a, mut u) = (zero, v0);
+        let (mut start, mut sum_a, mut sum_v) = (zero, zero, zero);
+        let mut first_change = zero;
+        let (mut work, mut heat) = (zero, zero);
+        for stage in 0..4usize {
+            let reach = if stage == 3 {
+                dt
+            } else if stage == 0 {
+                zero
+            } else {
+                half
+            };
+            let v = reach.mul_add(a, v0);
+            let drive = forces[stage.div_ceil(2)];
+            let force = if self.sprung {
+                let x = reach.mul_add(u, x0);
+                segment.with_spring(drive, state.t + reach, x, v)
+            } else {
+                drive
+            };
+            let against = Q::force(&self.set, v);
+            let before = a;
+            a = ((force - segment.weight) - against) * segment.per_mass;
+            u = v;
+            let weight = if stage == 1 || stage == 2 { 2.0 } else { 1.0 };
+            sum_a = a.mul_add(dt.with(weight), sum_a);
+            sum_v = v.mul_add(dt.with(weight), sum_v);
+            if stage == 0 {
+                start = a;
+            } else if stage == 1 {
+                first_change = (a - start).abs();
+            } else if stage == 2 {
+                // The step times the law's steepness over the mass, from how two
+                // stages disagree; beyond 2.8 the method is unstable.
+                let steep = (first_change * 1.4).lt((a - before).abs());
+                let large = (a.abs() * 1e-6).lt(first_change);
+                let rough = L::and(steep, large);
+                tally.rough = L::select(rough, tally.rough + 1.0, tally.rough);
+            }
+            if tally.watch.energy {
+                work = (force * v).mul_add(dt.with(weight), work);
+                heat = (against * v).mul_add(dt.with(weight), heat);
+            }
+        }
+        let v = sixth.mul_add(sum_a, v0);
+        let x = sixth.mul_add(sum_v, x0);
+        if tally.watch.energy {
+            tally.spend(sixth * work, sixth * heat);
+        }
+        if tally.watch.stroke {
+            let arrives = tally.arrives(self.segment, x0, x);
+            if L::any(arrives) {
+                let target = self.segment.target;
+                let gone = Cubic::new(dt, (target - x0, -v0), (target - x, -v));
+                let when = state.t + dt * gone.fall(dt.with(1.0));
+                tally.stroke_time = L::select(arrives, when, tally.stroke_time);
+            }
+        }
+        if tally.watch.peaks {
+            // The speed peaks where its slope changes sign, the position where
+            // the speed does.
+            let fast = (start * a).lt(dt.with(0.0));
+            let far = (v0 * v).lt(dt.with(0.0));
+            if L::any(L::or(fast, far)) {
+                let speed = Cubic::new(dt, (v0, start), (v, a));
+                let peak = speed.at(speed.turn()).abs();
+                tally.peak_v = L::select(fast, tally.peak_v.max(peak), tally.peak_v);
+                let place = Cubic::new(dt, (x0, v0), (x, v));
+                let peak = place.at(place.turn());
+                tally.peak_x = L::select(far, tally.peak_x.max(peak), tally.peak_x);
+            }
+            tally.look(x, v);
+        }
+        tally.steps = tally.steps + 1.0;
+        state.x = x;
+        state.v = v;
+    }
+}

@@ -1,0 +1,221 @@
+//! The measured head with its effects: nominal model in, segment, friction,
+//! drive path, body and sensor out.
+
+use super::friction::Coefficients;
+use super::{Active, EFFECT_PARAMS, Effect};
+use crate::lane::Lane;
+use crate::lane::trig::{cos_turns, sin_turns};
+use crate::physics::drive::Path;
+
+/// What is known of a rig before it is measured; one value per file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Nominal {
+    pub segments: f64,
+    pub mass: f64,
+    pub gravity: f64,
+    /// Coefficient, unless `coulomb_force` is given.
+    pub mu_coulomb: f64,
+    pub coulomb_force: Option<f64>,
+    pub viscous: f64,
+    pub slope_deg: f64,
+    pub gain: f64,
+    pub limit: f64,
+    /// A pendulum: x in rad, mass the moment of inertia.
+    pub rotary: bool,
+    pub gravity_torque: f64,
+}
+
+/// Friction levels, N.
+#[derive(Debug, Clone, Copy)]
+pub struct Levels<L> {
+    pub holding: L,
+    pub coulomb: L,
+}
+
+/// The anchored rest of the robot, where it may slide.
+#[derive(Debug, Clone, Copy)]
+pub struct Body<L> {
+    pub mass: L,
+    pub weight: L,
+    pub levels: Levels<L>,
+}
+
+/// How the drive is joined to the head.
+#[derive(Debug, Clone, Copy)]
+pub struct Joint<L> {
+    /// Mass on the drive's side.
+    pub mass: L,
+    pub stiffness: L,
+    pub damping: L,
+    /// Half the gap; of a spring 0, which then also pulls.
+    pub gap: L,
+    pub is_spring: bool,
+}
+
+/// The plant of one trajectory per lane.
+#[derive(Debug, Clone, Copy)]
+pub struct Plant<L> {
+    pub active: Active,
+    pub mass: L,
+    /// Pull of the slope, or largest pull of gravity on a pendulum.
+    pub weight: L,
+    pub swing: L,
+    pub rotary: bool,
+    pub friction: Coefficients<L>,
+    pub path: Path<L>,
+    pub emf: L,
+    pub joint: Option<Joint<L>>,
+    pub body: Option<Body<L>>,
+    /// Scale error, drift and delay of the position sensor.
+    pub sensor: [L; 3],
+}
+
+/// Stiffness of a backlash contact per kilogram of head, N/(m kg): far above
+/// what is measured.
+const CONTACT_STIFFNESS: f64 = 2e4;
+
+impl<L: Lane> Plant<L> {
+    /// `values` are the parameters of all effects in the order of the registry;
+    /// those of effects that are not active do not count. `share` multiplies the
+    /// nominal mass, Coulomb level and gain, `clock` delays the drive: what an
+    /// uncertain nominal model leaves open. `slope_deg` is that of the run.
+    pub fn new(
+        nominal: &Nominal,
+        slope_deg: f64,
+        active: Active,
+        values: &[L; EFFECT_PARAMS],
+        (share, clock): ([L; 3], L),
+    ) -> Self {
+        let zero = clock.with(0.0);
+        let one = zero.with(1.0);
+        let value = |effect: Effect, i: usize, off: f64| {
+            if active.has(effect) { values[effect.first() + i] } else { zero.with(off) }
+        };
+        let known_mass = share[0] * nominal.mass;
+        let mass = known_mass + value(Effect::PayloadMass, 0, 0.0);
+        let grown = mass / known_mass;
+        let turns = (value(Effect::SlopeError, 0, 0.0) + slope_deg) * (1.0 / 360.0);
+        let (sine, cosine) = (sin_turns(turns), cos_turns(turns));
+        let nominal_cosine = libm::cos(nominal.slope_deg.to_radians());
+        // Levels of effects are given at the nominal slope.
+        let reference = zero.with(match nominal.coulomb_force {
+            Some(force) => force,
+            None => nominal.mu_coulomb * nominal.mass * nominal.gravity * nominal_cosine,
+        });
+        let coulomb = match nominal.coulomb_force {
+            Some(force) => {
+                let level = share[1] * force + value(Effect::CoulombError, 1, 0.0);
+                if nominal.rotary { level } else { level * grown }
+            }
+            None => {
+                let mu = share[1] * nominal.mu_coulomb + value(Effect::CoulombError, 0, 0.0);
+                mu * (mass * nominal.gravity) * cosine
+            }
+        };
+        let coulomb = coulomb.max(zero);
+        let emf = value(Effect::BackEmf, 0, 0.0);
+        let viscous = value(Effect::ViscousFriction, 0, 0.0) + (emf + nominal.viscous);
+        let mut friction = Coefficients::nominal(coulomb, viscous);
+        friction.active = active;
+        friction.quadratic = value(Effect::QuadraticDrag, 0, 0.0);
+        friction.drop = values[Effect::StribeckFriction.first()] - reference;
+        friction.per_stribeck = one / value(Effect::StribeckFriction, 1, 1.0);
+        friction.exponent = value(Effect::StribeckFriction, 2, 1.0);
+        if active.has(Effect::DirectionDependentFriction) {
+            let at = Effect::DirectionDependentFriction.first();
+            friction.forward = (coulomb + (values[at] - reference)).max(zero);
+            friction.backward = (coulomb + (values[at + 1] - reference)).max(zero);
+        }
+        friction.ripple = value(Effect::PositionDependentFriction, 0, 0.0);
+        friction.per_length = one / value(Effect::PositionDependentFriction, 1, 1.0);
+        let phase = value(Effect::PositionDependentFriction, 2, 0.0);
+        friction.phase = phase * (0.5 / std::f64::consts::PI);
+        friction.load = value(Effect::LoadDependentFriction, 0, 0.0);
+        friction.drift = value(Effect::FrictionDrift, 0, 0.0);
+        friction.per_drift_time = one / value(Effect::FrictionDrift, 1, 1.0);
+        friction.buildup = value(Effect::LubricantBuildup, 0, 0.0);
+        friction.stiffness = value(Effect::PreslidingCompliance, 0, 1.0);
+        friction.damping = value(Effect::PreslidingCompliance, 1, 0.0);
+
+        let lag = value(Effect::DriveLag, 0, 0.0);
+        let gain = (value(Effect::DriveGainError, 0, 0.0) + 1.0) * (share[2] * nominal.gain);
+        let path = Path {
+            delay: value(Effect::DriveDelay, 0, 0.0) + clock,
+            gain,
+            sag: value(Effect::SupplySag, 0, 0.0),
+            per_sag_time: one / value(Effect::SupplySag, 1, 1.0),
+            deadzone: value(Effect::DriveDeadzone, 0, 0.0),
+            limit: value(Effect::DriveSaturation, 0, f64::INFINITY).min(zero.with(nominal.limit)),
+            // No lag is the limit of a fast one.
+            per_lag: one / lag.max(zero.with(1e-12)),
+            sags: active.has(Effect::SupplySag),
+            lags: active.has(Effect::DriveLag),
+        };
+        let joint = if active.has(Effect::TransmissionCompliance) {
+            Some(Joint {
+                stiffness: value(Effect::TransmissionCompliance, 0, 1.0),
+                damping: value(Effect::TransmissionCompliance, 1, 0.0),
+                mass: value(Effect::TransmissionCompliance, 2, 1.0),
+                gap: zero,
+                is_spring: true,
+            })
+        } else if active.has(Effect::TransmissionBacklash) {
+            let side = value(Effect::TransmissionBacklash, 1, 1.0);
+            let stiffness = mass * CONTACT_STIFFNESS;
+            // Critical for the two masses against each other.
+            let reduced = (mass * side) / (mass + side);
+            Some(Joint {
+                stiffness,
+                damping: (stiffness * reduced).sqrt() * 2.0,
+                mass: side,
+                gap: value(Effect::TransmissionBacklash, 0, 0.0),
+                is_spring: false,
+            })
+        } else {
+            None
+        };
+        let others = zero.with((nominal.segments - 1.0) * nominal.mass * nominal.gravity);
+        let body = active.has(Effect::AnchorSlip).then(|| Body {
+            mass: zero.with((nominal.segments - 1.0) * nominal.mass),
+            weight: others * sine,
+            levels: Levels {
+                holding: value(Effect::AnchorSlip, 0, 0.0) * others * cosine,
+                coulomb: value(Effect::AnchorSlip, 1, 0.0) * others * cosine,
+            },
+        });
+        let (weight, swing) = if nominal.rotary {
+            (zero, grown * nominal.gravity_torque)
+        } else {
+            (mass * nominal.gravity * sine, zero)
+        };
+        Plant {
+            active,
+            mass,
+            weight,
+            swing,
+            rotary: nominal.rotary,
+            friction,
+            path,
+            emf,
+            joint,
+            body,
+            sensor: [
+                value(Effect::SensorScale, 0, 0.0),
+                value(Effect::SensorDrift, 0, 0.0),
+                value(Effect::SensorDelay, 0, 0.0),
+            ],
+        }
+    }
+
+    /// Whether motion between samples is known in closed form.
+    pub fn is_linear(&self) -> bool {
+        let bent = [
+            Effect::QuadraticDrag,
+            Effect::StribeckFriction,
+            Effect::PreslidingCompliance,
+            Effect::PositionDependentFriction,
+            Effect::LubricantBuildup,
+        ];
+        !self.rotary && self.joint.is_none() && !self.active.any(&bent)
+    }
+}

@@ -1,0 +1,54 @@
+//! The fall with a free exponent.
+
+use super::fall::Fall;
+use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use crate::lane::Lane;
+use crate::lane::exp::exp;
+use crate::lane::log::power;
+use crate::physics::params::ParamId;
+
+pub struct BoPavelescu;
+
+impl Law for BoPavelescu {
+    const INFO: LawInfo = LawInfo {
+        name: "bo_pavelescu",
+        formula: r"F = \left[F_C + (F_S - F_C)\,e^{-|v/v_s|^\delta}\right]\mathrm{sgn}\,v + \mu_V v",
+        source: "Bo and Pavelescu 1982, who found exponents of 0.5 to 1",
+        limits: "exponent and speed of the fall are hard to tell apart in data; below 1 infinitely steep at rest",
+        meaning: "falls from static to Coulomb friction with a free exponent",
+        params: &["mu_static", "mu_coulomb", "viscous", "stribeck_speed", "stribeck_exponent"],
+        worked: Worked {
+            // 4 + 4 e^-sqrt(0.5) + 2*0.25.
+            given: &[
+                ("mu_static", 0.8),
+                ("mu_coulomb", 0.4),
+                ("mass", 1.0),
+                ("gravity", 10.0),
+                ("viscous", 2.0),
+                ("stribeck_speed", 0.5),
+                ("stribeck_exponent", 0.5),
+            ],
+            speed: 0.25,
+            force: 6.472_274_765_580_959,
+            ..Worked::NONE
+        },
+    };
+    type Set<L: Lane> = (Fall<L>, L);
+
+    #[inline(always)]
+    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> (Fall<L>, L) {
+        (Fall::stribeck(contact, given), given.get(ParamId::StribeckExponent))
+    }
+}
+
+impl Dry for BoPavelescu {
+    #[inline(always)]
+    fn resistance<L: Lane>(set: &(Fall<L>, L), speed: L, _: &Place<L>) -> L {
+        let u = (speed * set.0.per_speed).max(speed.with(0.0));
+        set.0.with_share(exp(-power(u, set.1)), speed)
+    }
+    #[inline(always)]
+    fn holding<L: Lane>(set: &(Fall<L>, L), _: &Place<L>) -> L {
+        set.0.holding
+    }
+}

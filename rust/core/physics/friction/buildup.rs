@@ -1,0 +1,86 @@
+//! Lubricant that piles up before a segment that moves forward.
+
+use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use crate::lane::Lane;
+use crate::physics::params::ParamId;
+
+pub struct Buildup;
+
+#[derive(Clone, Copy)]
+pub struct Heap<L> {
+    coulomb: L,
+    viscous: L,
+    height: L,
+    root: L,
+    plough: L,
+}
+
+impl<L: Lane> Heap<L> {
+    /// Coulomb level and what the heap yields at, which only a forward segment
+    /// pushes.
+    #[inline(always)]
+    fn level(&self, place: &Place<L>) -> L {
+        let swept = place.swept.max(place.swept.with(0.0));
+        let heap = self.height.mul_add(swept, self.root * swept.sqrt());
+        self.coulomb + forward(heap, place)
+    }
+}
+
+#[inline(always)]
+fn forward<L: Lane>(force: L, place: &Place<L>) -> L {
+    let zero = force.with(0.0);
+    L::select(place.way.lt(zero), zero, force)
+}
+
+impl Law for Buildup {
+    const INFO: LawInfo = LawInfo {
+        name: "buildup",
+        formula: r"F = F_C\,\mathrm{sgn}\,v + \mu_V v + \left(k_b s + c_1 \sqrt{s} + c_3 v^2\right)_{v > 0},\quad s \text{ swept since the last rest or turn}",
+        source: "this project's own model, after the lubricant piled up in the paper's Figures 10 and 11",
+        limits: "the heap is gone at each rest or turn; the root is infinitely steep at its start; the mass of the heap is left out",
+        meaning: "friction that grows with the lubricant pushed along",
+        params: &["mu_coulomb", "viscous", "buildup", "buildup_root", "snowplough"],
+        worked: Worked {
+            // 4.2 + 0.5*2 + 10*0.04 + 3*0.2 + 0.7*4.
+            given: &[
+                ("mu_coulomb", 0.35),
+                ("mass", 1.0),
+                ("gravity", 12.0),
+                ("viscous", 0.5),
+                ("buildup", 10.0),
+                ("buildup_root", 3.0),
+                ("snowplough", 0.7),
+            ],
+            speed: 2.0,
+            at: (0.0, 0.04, 0.0),
+            force: 9.0,
+            ..Worked::NONE
+        },
+    };
+    type Set<L: Lane> = Heap<L>;
+
+    #[inline(always)]
+    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Heap<L> {
+        Heap {
+            coulomb: contact.coulomb,
+            viscous: contact.viscous,
+            height: given.get(ParamId::Buildup),
+            root: given.get(ParamId::BuildupRoot),
+            plough: given.get(ParamId::Snowplough),
+        }
+    }
+}
+
+impl Dry for Buildup {
+    const PLACED: bool = true;
+
+    #[inline(always)]
+    fn resistance<L: Lane>(set: &Heap<L>, speed: L, place: &Place<L>) -> L {
+        let linear = set.viscous.mul_add(speed, set.level(place));
+        (forward(set.plough, place) * speed).mul_add(speed, linear)
+    }
+    #[inline(always)]
+    fn holding<L: Lane>(set: &Heap<L>, place: &Place<L>) -> L {
+        set.level(place)
+    }
+}

@@ -1,0 +1,169 @@
+//! The laws as one table: what each is, and its functions for a single contact.
+
+use super::*;
+use crate::describe::nearest;
+use crate::error::{Error, Result};
+use crate::physics::point::{COLUMNS, columns};
+
+/// Parameters of one contact: those given, defaults for the rest, NaN for what
+/// has neither.
+#[derive(Debug, Clone)]
+pub struct Values([f64; COLUMNS]);
+
+/// Weight, groove and wall: what the normal force is made of, for every law.
+pub const NORMAL: &[ParamId] =
+    &[ParamId::Mass, ParamId::Gravity, ParamId::SlopeDeg, ParamId::CornerDeg, ParamId::WallForce];
+
+impl Values {
+    pub fn of(given: &[(ParamId, f64)]) -> Values {
+        let mut all = [f64::NAN; COLUMNS];
+        for id in ParamId::all() {
+            let value = given.iter().rev().find(|(g, _)| *g == id).map(|(_, v)| *v);
+            if let Some(value) = value.or(id.param().default) {
+                [all[id.main()], all[id.derived()]] = columns(id, value);
+            }
+        }
+        Values(all)
+    }
+
+    /// The same from names, each value checked against its range.
+    pub fn named(given: &[(&str, f64)]) -> Result<Values> {
+        let mut pairs = Vec::with_capacity(given.len());
+        for (name, value) in given {
+            let id = ParamId::parse(name)?;
+            pairs.push((id, id.param().check(*value, None)?));
+        }
+        Ok(Values::of(&pairs))
+    }
+}
+
+impl Given<f64> for Values {
+    fn get(&self, id: ParamId) -> f64 {
+        self.0[id.main()]
+    }
+    fn derived(&self, id: ParamId) -> f64 {
+        self.0[id.derived()]
+    }
+}
+
+impl Place<f64> {
+    /// The origin of the track, nothing swept, no drive.
+    pub fn start(way: f64) -> Self {
+        Place { way, x: 0.0, swept: 0.0, drive: 0.0, t: 0.0 }
+    }
+}
+
+/// A law as users of the registry see it.
+pub struct LawEntry {
+    pub info: LawInfo,
+    pub kind: Kind,
+    /// Number of states of a bristle law.
+    pub states: usize,
+    /// Motion between events is known in closed form (see `Dry::LINEAR`).
+    pub linear: bool,
+    /// Friction depends on where the segment is or how far it swept.
+    pub placed: bool,
+    /// A dry law's force against the motion, at a speed counted along
+    /// `place.way`; of the others the signed force at a signed speed.
+    pub resistance: fn(&Values, f64, &Place<f64>, &[f64; MOST_STATES]) -> f64,
+    /// The friction characteristic: signed force of steady sliding at a signed
+    /// speed other than 0, at the start of the track without a drive.
+    pub steady: fn(&Values, f64) -> f64,
+    /// The largest force in direction `place.way` that does not start motion: 0
+    /// for a smooth law, the steady force of the slowest sliding for bristles.
+    pub holding: fn(&Values, &Place<f64>) -> f64,
+}
+
+impl LawEntry {
+    pub fn parse(name: &str) -> Result<&'static LawEntry> {
+        let names = || LAWS.iter().map(|law| law.info.name);
+        LAWS.iter().find(|law| law.info.name == name).ok_or_else(|| Error::UnknownName {
+            kind: "friction law",
+            given: name.to_owned(),
+            nearest: nearest(name, names()).map(str::to_owned),
+            known: names().map(str::to_owned).collect(),
+        })
+    }
+
+    pub fn uses(&self, id: ParamId) -> bool {
+        NORMAL.contains(&id) || self.info.params.contains(&id.param().name)
+    }
+
+    /// Checks that every parameter of the law has a value.
+    pub fn check(&self, values: &Values) -> Result<()> {
+        match ParamId::all().find(|id| self.uses(*id) && values.get(*id).is_nan()) {
+            Some(id) => Err(Error::MissingParameter {
+                name: id.param().name.to_owned(),
+                quantity: format!("friction law {}", self.info.name),
+            }),
+            None => Ok(()),
+        }
+    }
+
+    const fn dry<D: Dry>() -> LawEntry {
+        LawEntry {
+            info: D::INFO,
+            kind: Kind::Dry,
+            states: 0,
+            linear: D::LINEAR,
+            placed: D::PLACED,
+            resistance: |values, speed, place, _| D::resistance(&set::<D>(values), speed, place),
+            steady: |values, v| {
+                let way = if v < 0.0 { -1.0 } else { 1.0 };
+                way * D::resistance(&set::<D>(values), v.abs(), &Place::start(way))
+            },
+            holding: |values, place| D::holding(&set::<D>(values), place),
+        }
+    }
+
+    const fn smooth<S: Smooth>() -> LawEntry {
+        LawEntry {
+            info: S::INFO,
+            kind: Kind::Smooth,
+            states: 0,
+            linear: false,
+            placed: false,
+            resistance: |values, speed, _, _| S::force(&set::<S>(values), speed),
+            steady: |values, v| S::force(&set::<S>(values), v),
+            holding: |_, _| 0.0,
+        }
+    }
+
+    const fn bristle<B: Bristle>() -> LawEntry {
+        LawEntry {
+            info: B::INFO,
+            kind: Kind::Bristle,
+            states: B::STATES,
+            linear: false,
+            placed: false,
+            resistance: |values, speed, _, states| {
+                let set = set::<B>(values);
+                B::force(&set, speed, states, &B::rates(&set, speed, states))
+            },
+            steady: steady::<B>,
+            holding: |values, place| place.way * steady::<B>(values, place.way * SLOWEST),
+        }
+    }
+}
+
+/// Far below every Stribeck speed, m/s.
+const SLOWEST: f64 = 1e-30;
+
+fn set<T: Law>(values: &Values) -> T::Set<f64> {
+    T::set(&Contact::of(values), values)
+}
+
+fn steady<B: Bristle>(values: &Values, v: f64) -> f64 {
+    let set = set::<B>(values);
+    // Nothing changes in steady sliding: a rate rounded off zero would be
+    // multiplied by the damping.
+    B::force(&set, v, &B::steady(&set, v), &[0.0; MOST_STATES])
+}
+
+macro_rules! entries {
+    ($($kind:ident $law:ident),+ $(,)?) => {
+        /// Every law, in the order users see them.
+        pub static LAWS: &[LawEntry] = &[$(LawEntry::$kind::<$law>()),+];
+    };
+}
+crate::for_each_law!(entries);

@@ -1,0 +1,69 @@
+//! Friction that the drive itself presses onto the ground.
+
+use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use crate::lane::Lane;
+use crate::physics::params::ParamId;
+
+pub struct LoadFriction;
+
+#[derive(Clone, Copy)]
+pub struct Pressed<L> {
+    contact: Contact<L>,
+    load: L,
+}
+
+impl<L: Lane> Pressed<L> {
+    #[inline(always)]
+    fn beside(&self, level: L, place: &Place<L>) -> L {
+        self.load.mul_add(place.drive.abs(), level)
+    }
+}
+
+impl Law for LoadFriction {
+    const INFO: LawInfo = LawInfo {
+        name: "load_friction",
+        formula: r"F = (F_C + \mu_l |F_P|)\,\mathrm{sgn}\,v + \mu_V v,\quad |F| \le F_S + \mu_l |F_P| \text{ at rest}",
+        source: "load-dependent friction of drives, as in robot gear models (Dohring, Lee and Newman 1993)",
+        limits: "jumps with the drive force; from 1 on the drive locks itself",
+        meaning: "levels that rise with the force of the drive",
+        params: &["mu_static", "mu_coulomb", "viscous", "load_friction"],
+        worked: Worked {
+            // 4.2 + 0.1*|-5| + 0.5*2.
+            given: &[
+                ("mu_static", 0.5),
+                ("mu_coulomb", 0.35),
+                ("mass", 1.0),
+                ("gravity", 12.0),
+                ("viscous", 0.5),
+                ("load_friction", 0.1),
+            ],
+            speed: 2.0,
+            at: (0.0, 0.0, -5.0),
+            force: 5.7,
+            ..Worked::NONE
+        },
+    };
+    type Set<L: Lane> = Pressed<L>;
+
+    #[inline(always)]
+    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Pressed<L> {
+        Pressed { contact: *contact, load: given.get(ParamId::LoadFriction) }
+    }
+}
+
+impl Dry for LoadFriction {
+    const LINEAR: bool = true;
+
+    #[inline(always)]
+    fn resistance<L: Lane>(set: &Pressed<L>, speed: L, place: &Place<L>) -> L {
+        set.contact.viscous.mul_add(speed, set.beside(set.contact.coulomb, place))
+    }
+    #[inline(always)]
+    fn holding<L: Lane>(set: &Pressed<L>, place: &Place<L>) -> L {
+        set.beside(set.contact.holding, place)
+    }
+    #[inline(always)]
+    fn linear<L: Lane>(set: &Pressed<L>, place: &Place<L>) -> (L, L) {
+        (set.beside(set.contact.coulomb, place), set.contact.viscous)
+    }
+}

@@ -1,0 +1,367 @@
+//! LAW REGISTRY: friction between a segment and the ground. A new law is one
+//! file here, its `mod` line, and one line in `for_each_law!`.
+//!
+//! There are three kinds. A *dry* law is set-valued at rest: it gives levels,
+//! never a signed force, and the integrator owns the sign and the sticking. A
+//! *smooth* law is a function of speed that passes through zero, so it creeps
+//! where a real contact holds. A *bristle* law has states of its own, whose
+//! deflection is the sticking.
+
+mod bengisu_akay;
+mod bo_pavelescu;
+mod brown_mcphee;
+mod buildup;
+mod coulomb;
+mod coulomb_viscous;
+mod dahl;
+mod directional;
+mod elasto_plastic;
+mod entry;
+mod fall;
+mod gonthier;
+mod hess_soom;
+mod load_friction;
+mod load_viscous;
+mod lugre;
+mod maxwell_slip;
+mod mixed;
+mod modelica;
+mod patch;
+mod power_drag;
+mod quadratic;
+mod ripple;
+mod simscape;
+mod static_coulomb;
+mod static_viscous;
+mod stribeck;
+mod tanh;
+mod threlfall;
+mod track;
+mod tustin;
+
+pub use bengisu_akay::*;
+pub use bo_pavelescu::*;
+pub use brown_mcphee::*;
+pub use buildup::*;
+pub use coulomb::*;
+pub use coulomb_viscous::*;
+pub use dahl::*;
+pub use directional::*;
+pub use elasto_plastic::*;
+pub use entry::*;
+pub use gonthier::*;
+pub use hess_soom::*;
+pub use load_friction::*;
+pub use load_viscous::*;
+pub use lugre::*;
+pub use maxwell_slip::*;
+pub use mixed::*;
+pub use modelica::*;
+pub use patch::*;
+pub use power_drag::*;
+pub use quadratic::*;
+pub use ripple::*;
+pub use simscape::*;
+pub use static_coulomb::*;
+pub use static_viscous::*;
+pub use stribeck::*;
+pub use tanh::*;
+pub use threlfall::*;
+pub use track::*;
+pub use tustin::*;
+
+use super::params::ParamId;
+use crate::lane::Lane;
+
+/// Most states that a bristle law has.
+pub const MOST_STATES: usize = 4;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    Dry,
+    Smooth,
+    Bristle,
+}
+
+impl Kind {
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Dry => "dry",
+            Kind::Smooth => "smooth",
+            Kind::Bristle => "bristle",
+        }
+    }
+}
+
+/// What a law is, for people and for the registry.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LawInfo {
+    pub name: &'static str,
+    /// TeX, in the symbols of the parameters; v is the speed, F_C and F_S are
+    /// the Coulomb and the static level (coefficient times normal force).
+    pub formula: &'static str,
+    /// Who wrote it down, and when.
+    pub source: &'static str,
+    /// Where it holds, what it leaves out, and its trap.
+    pub limits: &'static str,
+    pub meaning: &'static str,
+    /// Names of the parameters that enter beside the normal force.
+    pub params: &'static [&'static str],
+    pub worked: Worked,
+}
+
+/// One number of a law, worked out by hand or in its source.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Worked {
+    /// Parameters that differ from their defaults, by name.
+    pub given: &'static [(&'static str, f64)],
+    pub speed: f64,
+    /// Position, distance swept, drive force.
+    pub at: (f64, f64, f64),
+    /// Bristle states.
+    pub states: [f64; MOST_STATES],
+    /// The force that opposes motion, with the sign of `speed`, N.
+    pub force: f64,
+    /// Relative error up to which `force` is known.
+    pub digits: f64,
+}
+
+impl Worked {
+    /// No parameters, at rest at the origin; a start for `..Worked::NONE`.
+    pub const NONE: Worked = Worked {
+        given: &[],
+        speed: 0.0,
+        at: (0.0, 0.0, 0.0),
+        states: [0.0; MOST_STATES],
+        force: 0.0,
+        digits: 1e-12,
+    };
+}
+
+/// The parameters of one trajectory (or one per lane).
+pub trait Given<L> {
+    /// The value; of an angle its cosine (`slope_deg`) or the value in degrees.
+    fn get(&self, id: ParamId) -> L;
+    /// The number derived from it (see `point::columns`).
+    fn derived(&self, id: ParamId) -> L;
+}
+
+/// What every law starts from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact<L> {
+    /// Normal force, N.
+    pub normal: L,
+    /// Coulomb level F_C, N.
+    pub coulomb: L,
+    /// Static level F_S, N.
+    pub holding: L,
+    /// Viscous coefficient, N s/m.
+    pub viscous: L,
+}
+
+impl<L: Lane> Contact<L> {
+    /// Weight in a groove, and the force that presses the segment to the wall.
+    #[inline(always)]
+    pub fn of(given: &impl Given<L>) -> Self {
+        let weight = given.get(ParamId::Mass) * given.get(ParamId::Gravity);
+        let across = given.get(ParamId::SlopeDeg) * given.derived(ParamId::CornerDeg);
+        let normal = weight.mul_add(across, given.get(ParamId::WallForce));
+        Contact {
+            normal,
+            coulomb: given.get(ParamId::MuCoulomb) * normal,
+            holding: given.get(ParamId::MuStatic) * normal,
+            viscous: given.get(ParamId::Viscous),
+        }
+    }
+}
+
+/// What a dry law may depend on beside the speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place<L> {
+    /// Direction of motion, or of the push at rest: 1 or -1.
+    pub way: L,
+    pub x: L,
+    /// Distance moved forward since the last rest or turn.
+    pub swept: L,
+    /// Force of the drive.
+    pub drive: L,
+    /// Time since the run began.
+    pub t: L,
+}
+
+/// What all laws have.
+pub trait Law: 'static {
+    const INFO: LawInfo;
+    /// Its coefficients, made once per trajectory.
+    type Set<L: Lane>: Copy;
+    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Self::Set<L>;
+}
+
+/// A law that is set-valued at rest.
+pub trait Dry: Law {
+    /// Resistance is `level + viscous * speed` with both constant while neither
+    /// direction nor drive force changes: motion between events is then known
+    /// in closed form.
+    const LINEAR: bool = false;
+    /// Resistance depends on `x` or on `swept`.
+    const PLACED: bool = false;
+
+    /// Force against the motion at `speed` = way * v. Below zero, where a trial
+    /// step may look, it must go on finite.
+    fn resistance<L: Lane>(set: &Self::Set<L>, speed: L, place: &Place<L>) -> L;
+
+    /// The largest force in direction `way` that does not start motion.
+    fn holding<L: Lane>(set: &Self::Set<L>, place: &Place<L>) -> L;
+
+    /// Level and viscous coefficient of a linear law.
+    #[inline(always)]
+    fn linear<L: Lane>(set: &Self::Set<L>, place: &Place<L>) -> (L, L) {
+        let none = place.x.with(f64::NAN);
+        let _ = set;
+        (none, none)
+    }
+}
+
+/// A law that is a function of speed alone, odd and without a jump.
+pub trait Smooth: Law {
+    /// Force against the motion, with the sign of `v`.
+    fn force<L: Lane>(set: &Self::Set<L>, v: L) -> L;
+}
+
+/// Derivatives of a bristle law, for stiff methods. Only the first `STATES`
+/// entries count.
+#[derive(Debug, Clone, Copy)]
+pub struct Partials<L> {
+    pub rate_v: [L; MOST_STATES],
+    /// `rate_z[i][j]` is d(rate of state i)/d(state j).
+    pub rate_z: [[L; MOST_STATES]; MOST_STATES],
+    /// Total derivative of the force by the speed, the rates included.
+    pub force_v: L,
+    /// The same by each state.
+    pub force_z: [L; MOST_STATES],
+}
+
+impl<L: Lane> Partials<L> {
+    /// All zero; `like` only says how many lanes there are.
+    #[inline(always)]
+    pub fn zero(like: L) -> Self {
+        let zero = [like.with(0.0); MOST_STATES];
+        Partials { rate_v: zero, rate_z: [zero; MOST_STATES], force_v: zero[0], force_z: zero }
+    }
+}
+
+/// A law with states of its own.
+pub trait Bristle: Law {
+    const STATES: usize;
+
+    /// Rates of the states, 1/s of their unit.
+    fn rates<L: Lane>(set: &Self::Set<L>, v: L, z: &[L; MOST_STATES]) -> [L; MOST_STATES];
+
+    /// Force against the motion, with the sign of `v` in steady sliding.
+    fn force<L: Lane>(
+        set: &Self::Set<L>,
+        v: L,
+        z: &[L; MOST_STATES],
+        rates: &[L; MOST_STATES],
+    ) -> L;
+
+    fn partials<L: Lane>(set: &Self::Set<L>, v: L, z: &[L; MOST_STATES]) -> Partials<L>;
+
+    /// The law as it is at a place; most are the same everywhere.
+    #[inline(always)]
+    fn placed<L: Lane>(set: &Self::Set<L>, place: &Place<L>) -> Self::Set<L> {
+        let _ = place;
+        *set
+    }
+
+    /// Elastic energy in the states, J.
+    fn stored<L: Lane>(set: &Self::Set<L>, z: &[L; MOST_STATES]) -> L;
+
+    /// States after long sliding at `v` (not 0).
+    fn steady<L: Lane>(set: &Self::Set<L>, v: L) -> [L; MOST_STATES];
+}
+
+/// A smooth law for the stiff method: a bristle law without bristles.
+pub struct Stiff<S>(std::marker::PhantomData<S>);
+
+impl<S: Smooth> Law for Stiff<S> {
+    const INFO: LawInfo = S::INFO;
+    type Set<L: Lane> = S::Set<L>;
+
+    #[inline(always)]
+    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> S::Set<L> {
+        S::set(contact, given)
+    }
+}
+
+impl<S: Smooth> Bristle for Stiff<S> {
+    const STATES: usize = 0;
+
+    #[inline(always)]
+    fn rates<L: Lane>(_: &S::Set<L>, v: L, _: &[L; MOST_STATES]) -> [L; MOST_STATES] {
+        [v.with(0.0); MOST_STATES]
+    }
+
+    #[inline(always)]
+    fn force<L: Lane>(set: &S::Set<L>, v: L, _: &[L; MOST_STATES], _: &[L; MOST_STATES]) -> L {
+        S::force(set, v)
+    }
+
+    #[inline(always)]
+    fn partials<L: Lane>(set: &S::Set<L>, v: L, _: &[L; MOST_STATES]) -> Partials<L> {
+        // A central difference far below the speeds over which laws bend: the
+        // method only needs the steepness.
+        let width = (v.abs() + 1e-6) * 1e-6;
+        let rise = S::force(set, v + width) - S::force(set, v - width);
+        Partials { force_v: rise / (width + width), ..Partials::zero(v) }
+    }
+
+    #[inline(always)]
+    fn stored<L: Lane>(_: &S::Set<L>, z: &[L; MOST_STATES]) -> L {
+        z[0].with(0.0)
+    }
+
+    #[inline(always)]
+    fn steady<L: Lane>(_: &S::Set<L>, v: L) -> [L; MOST_STATES] {
+        [v.with(0.0); MOST_STATES]
+    }
+}
+
+/// Calls a macro with the kind and the type of every law, in the order users
+/// see them.
+#[macro_export]
+macro_rules! for_each_law {
+    ($mac:ident) => {
+        $mac! {
+            dry Coulomb,
+            dry CoulombViscous,
+            dry Quadratic,
+            dry PowerDrag,
+            dry StaticCoulomb,
+            dry StaticViscous,
+            dry Tustin,
+            dry BoPavelescu,
+            dry Stribeck,
+            dry HessSoom,
+            dry Modelica,
+            dry LoadFriction,
+            dry LoadViscous,
+            dry Directional,
+            dry Ripple,
+            dry Patch,
+            dry Track,
+            dry Buildup,
+            dry Mixed,
+            smooth Tanh,
+            smooth Threlfall,
+            smooth BengisuAkay,
+            smooth BrownMcphee,
+            smooth Simscape,
+            bristle Dahl,
+            bristle Lugre,
+            bristle ElastoPlastic,
+            bristle MaxwellSlip,
+            bristle Gonthier,
+        }
+    };
+}

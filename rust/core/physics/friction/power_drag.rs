@@ -1,0 +1,61 @@
+//! A yield level with drag along a power law, as greases have.
+
+use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use crate::lane::Lane;
+use crate::lane::log::power;
+use crate::physics::params::ParamId;
+
+pub struct PowerDrag;
+
+#[derive(Clone, Copy)]
+pub struct Yield<L> {
+    level: L,
+    drag: L,
+    exponent: L,
+}
+
+impl Law for PowerDrag {
+    const INFO: LawInfo = LawInfo {
+        name: "power_drag",
+        formula: r"F = \left[F_C + c_p\,|v/(1\,\mathrm{m/s})|^p\right]\mathrm{sgn}\,v",
+        source: "Ostwald 1925; with a yield level Herschel and Bulkley 1926",
+        limits: "p < 1 thins under shear and rises infinitely steeply from rest",
+        meaning: "constant level and drag along a power of the speed",
+        params: &["mu_coulomb", "power_drag", "power_exponent"],
+        worked: Worked {
+            // 0.35*12 + 2*0.25^1.5.
+            given: &[
+                ("mu_coulomb", 0.35),
+                ("mass", 1.0),
+                ("gravity", 12.0),
+                ("power_drag", 2.0),
+                ("power_exponent", 1.5),
+            ],
+            speed: 0.25,
+            force: 4.45,
+            ..Worked::NONE
+        },
+    };
+    type Set<L: Lane> = Yield<L>;
+
+    #[inline(always)]
+    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Yield<L> {
+        Yield {
+            level: contact.coulomb,
+            drag: given.get(ParamId::PowerDrag),
+            exponent: given.get(ParamId::PowerExponent),
+        }
+    }
+}
+
+impl Dry for PowerDrag {
+    #[inline(always)]
+    fn resistance<L: Lane>(set: &Yield<L>, speed: L, _: &Place<L>) -> L {
+        let u = speed.max(speed.with(0.0));
+        set.drag.mul_add(power(u, set.exponent), set.level)
+    }
+    #[inline(always)]
+    fn holding<L: Lane>(set: &Yield<L>, _: &Place<L>) -> L {
+        set.level
+    }
+}

@@ -1,0 +1,60 @@
+//! Coulomb friction with viscous and quadratic drag.
+
+use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use crate::lane::Lane;
+use crate::physics::params::ParamId;
+
+pub struct Quadratic;
+
+#[derive(Clone, Copy)]
+pub struct Drag<L> {
+    coulomb: L,
+    viscous: L,
+    quadratic: L,
+}
+
+impl Law for Quadratic {
+    const INFO: LawInfo = LawInfo {
+        name: "quadratic",
+        formula: r"F = (F_C + c_2 v^2)\,\mathrm{sgn}\,v + \mu_V v",
+        source: "Newton 1687 (square of the speed), with Coulomb 1785 and Reynolds 1886",
+        limits: "drag of a body that pushes a fluid aside; negligible at crawling speeds in air",
+        meaning: "constant level, a viscous part and drag with the square of the speed",
+        params: &["mu_coulomb", "viscous", "quadratic"],
+        worked: Worked {
+            // 0.35*12 + 0.5*2 + 3*4.
+            given: &[
+                ("mu_coulomb", 0.35),
+                ("mass", 1.0),
+                ("gravity", 12.0),
+                ("viscous", 0.5),
+                ("quadratic", 3.0),
+            ],
+            speed: 2.0,
+            force: 17.2,
+            ..Worked::NONE
+        },
+    };
+    type Set<L: Lane> = Drag<L>;
+
+    #[inline(always)]
+    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Drag<L> {
+        Drag {
+            coulomb: contact.coulomb,
+            viscous: contact.viscous,
+            quadratic: given.get(ParamId::Quadratic),
+        }
+    }
+}
+
+impl Dry for Quadratic {
+    #[inline(always)]
+    fn resistance<L: Lane>(set: &Drag<L>, speed: L, _: &Place<L>) -> L {
+        let linear = set.viscous.mul_add(speed, set.coulomb);
+        (set.quadratic * speed).mul_add(speed, linear)
+    }
+    #[inline(always)]
+    fn holding<L: Lane>(set: &Drag<L>, _: &Place<L>) -> L {
+        set.coulomb
+    }
+}

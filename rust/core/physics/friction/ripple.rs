@@ -1,0 +1,86 @@
+//! Friction that varies periodically along the track.
+
+use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use crate::lane::Lane;
+use crate::lane::trig::sin_turns;
+use crate::physics::params::ParamId;
+
+pub struct Ripple;
+
+#[derive(Clone, Copy)]
+pub struct Wave<L> {
+    contact: Contact<L>,
+    amplitude: L,
+    per_length: L,
+    /// In turns.
+    phase: L,
+}
+
+impl<L: Lane> Wave<L> {
+    #[inline(always)]
+    fn at(&self, level: L, place: &Place<L>) -> L {
+        let turns = place.x.mul_add(self.per_length, self.phase);
+        level * self.amplitude.mul_add(sin_turns(turns), level.with(1.0))
+    }
+}
+
+impl Law for Ripple {
+    const INFO: LawInfo = LawInfo {
+        name: "ripple",
+        formula: r"F = F_C\left[1 + a \sin(2\pi x/L + \varphi_r)\right]\mathrm{sgn}\,v + \mu_V v",
+        source: "position-dependent friction of guideways and gears (Armstrong-Helouvry 1991)",
+        limits: "steps must resolve the period; static friction varies alike",
+        meaning: "levels that vary along the track as a sine",
+        params: &[
+            "mu_static",
+            "mu_coulomb",
+            "viscous",
+            "ripple_amplitude",
+            "ripple_length",
+            "ripple_phase_deg",
+        ],
+        worked: Worked {
+            // 4.2*(1 + 0.5 sin(30 deg)) + 0.5*2 a quarter of the period ahead
+            // of the phase.
+            given: &[
+                ("mu_static", 0.5),
+                ("mu_coulomb", 0.35),
+                ("mass", 1.0),
+                ("gravity", 12.0),
+                ("viscous", 0.5),
+                ("ripple_amplitude", 0.5),
+                ("ripple_length", 0.25),
+                ("ripple_phase_deg", -60.0),
+            ],
+            speed: 2.0,
+            at: (0.0625, 0.0, 0.0),
+            force: 6.25,
+            ..Worked::NONE
+        },
+    };
+    type Set<L: Lane> = Wave<L>;
+
+    #[inline(always)]
+    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Wave<L> {
+        let length = given.get(ParamId::RippleLength);
+        Wave {
+            contact: *contact,
+            amplitude: given.get(ParamId::RippleAmplitude),
+            per_length: length.with(1.0) / length,
+            phase: given.get(ParamId::RipplePhaseDeg) * (1.0 / 360.0),
+        }
+    }
+}
+
+impl Dry for Ripple {
+    const PLACED: bool = true;
+
+    #[inline(always)]
+    fn resistance<L: Lane>(set: &Wave<L>, speed: L, place: &Place<L>) -> L {
+        set.contact.viscous.mul_add(speed, set.at(set.contact.coulomb, place))
+    }
+    #[inline(always)]
+    fn holding<L: Lane>(set: &Wave<L>, place: &Place<L>) -> L {
+        set.at(set.contact.holding, place)
+    }
+}

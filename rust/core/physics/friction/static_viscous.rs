@@ -1,0 +1,46 @@
+//! Static, Coulomb and viscous friction.
+
+use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use crate::lane::Lane;
+
+pub struct StaticViscous;
+
+impl Law for StaticViscous {
+    const INFO: LawInfo = LawInfo {
+        name: "static_viscous",
+        formula: r"F = F_C\,\mathrm{sgn}\,v + \mu_V v,\quad |F| \le F_S \text{ at rest}",
+        source: "Morin 1833, Reynolds 1886",
+        limits: "the fall from static to Coulomb friction takes no distance and no time",
+        meaning: "constant level and a viscous part in motion, a higher level at rest",
+        params: &["mu_static", "mu_coulomb", "viscous"],
+        worked: Worked {
+            given: &[("mu_static", 0.3), ("mu_coulomb", 0.15), ("viscous", 0.5)],
+            speed: 1.0,
+            force: 0.15 * 0.271 * 9.81 + 0.5,
+            ..Worked::NONE
+        },
+    };
+    type Set<L: Lane> = Contact<L>;
+
+    #[inline(always)]
+    fn set<L: Lane>(contact: &Contact<L>, _: &impl Given<L>) -> Contact<L> {
+        *contact
+    }
+}
+
+impl Dry for StaticViscous {
+    const LINEAR: bool = true;
+
+    #[inline(always)]
+    fn resistance<L: Lane>(set: &Contact<L>, speed: L, _: &Place<L>) -> L {
+        set.viscous.mul_add(speed, set.coulomb)
+    }
+    #[inline(always)]
+    fn holding<L: Lane>(set: &Contact<L>, _: &Place<L>) -> L {
+        set.holding
+    }
+    #[inline(always)]
+    fn linear<L: Lane>(set: &Contact<L>, _: &Place<L>) -> (L, L) {
+        (set.coulomb, set.viscous)
+    }
+}

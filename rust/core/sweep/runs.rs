@@ -1,0 +1,154 @@
+//! Simulated quantities of a block of cells: one simulation serves all of them.
+
+use super::columns::{Columns, PADDING};
+use super::gait_outputs::GaitOutput;
+use super::job::Job;
+use super::outputs::Output;
+use super::registry::Way;
+use super::trajectories::{Fate, Stretch};
+use crate::integrate::Watch;
+use crate::integrate::robot::ensemble;
+use crate::lane::Level;
+use crate::physics::Status;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Cells that are simulated together.
+pub const RUN_BLOCK: usize = 256;
+/// Cells of a chunk: trajectories take longer than formulas.
+pub const RUN_CHUNK: usize = 1024;
+/// Robots between two looks at the flag that stops a run.
+const PATIENCE: usize = 32;
+
+/// First cell, cells, and the place of the rival.
+pub type Place = (usize, usize, usize);
+
+/// The last block's results.
+pub struct Runs {
+    watch: Watch,
+    /// Of what the results are, for segments and for robots.
+    known: [Option<Place>; 2],
+    outputs: Vec<(Output, Vec<f64>)>,
+    fates: Vec<f64>,
+    gaits: Vec<(GaitOutput, Vec<f64>)>,
+    statuses: Vec<Status>,
+}
+
+impl Runs {
+    pub fn new(job: &Job) -> Runs {
+        let mut outputs: Vec<(Output, Vec<f64>)> = Vec::new();
+        let mut gaits: Vec<(GaitOutput, Vec<f64>)> = Vec::new();
+        for request in &job.requests {
+            match request.entry.way {
+                Way::Run(output) if outputs.iter().all(|(known, _)| *known != output) => {
+                    outputs.push((output, Vec::new()));
+                }
+                Way::Gait(output) if gaits.iter().all(|(known, _)| *known != output) => {
+                    gaits.push((output, Vec::new()));
+                }
+                _ => {}
+            }
+        }
+        let watch = Output::watch(outputs.iter().map(|(output, _)| *output));
+        let (fates, statuses) = (Vec::new(), Vec::new());
+        Runs { watch, known: [None; 2], outputs, fates, gaits, statuses }
+    }
+
+    /// Values of one simulated quantity on the cells that `columns` point at.
+    pub fn values(
+        &mut self,
+        job: &Job,
+        level: Level,
+        cancel: &AtomicBool,
+        columns: Columns,
+        way: Way,
+        place: Place,
+    ) -> &[f64] {
+        let len = place.1;
+        let robots = matches!(way, Way::Gait(_));
+        if self.known[usize::from(robots)] != Some(place) {
+            if robots {
+                self.walk(job, level, cancel, columns, len);
+            } else {
+                self.simulate(job, level, cancel, columns, len);
+            }
+            self.known[usize::from(robots)] = Some(place);
+        }
+        let found = match way {
+            Way::Closed(_) => None,
+            Way::Run(output) => self.outputs.iter().find(|known| known.0 == output).map(|k| &k.1),
+            Way::Gait(output) => self.gaits.iter().find(|known| known.0 == output).map(|k| &k.1),
+        };
+        found.map_or(&[], |values| &values[..len])
+    }
+
+    fn simulate(
+        &mut self,
+        job: &Job,
+        level: Level,
+        cancel: &AtomicBool,
+        columns: Columns,
+        len: usize,
+    ) {
+        let Some(simulation) = &job.simulation else { return };
+        let len = len.next_multiple_of(PADDING);
+        self.fates.resize(len, 0.0);
+        for (_, values) in &mut self.outputs {
+            values.resize(len, f64::NAN);
+        }
+        (simulation.kernel)(
+            level,
+            Stretch {
+                columns,
+                simulation,
+                watch: self.watch,
+                len,
+                outputs: &mut self.outputs,
+                fates: &mut self.fates,
+                trace: None,
+                cancel,
+            },
+        );
+    }
+
+    fn walk(&mut self, job: &Job, level: Level, cancel: &AtomicBool, columns: Columns, len: usize) {
+        let Some(gait) = job.gait else { return };
+        self.statuses.resize(len, Status::NotFinite);
+        for (_, values) in &mut self.gaits {
+            values.resize(len, f64::NAN);
+        }
+        for first in (0..len).step_by(PATIENCE) {
+            if cancel.load(Ordering::Relaxed) {
+                return;
+            }
+            let count = PATIENCE.min(len - first);
+            let point = |i: usize| columns.row(first + i);
+            ensemble(level, gait, count, &point, &mut |i, tally| {
+                self.statuses[first + i] = tally.status();
+                for (output, values) in &mut self.gaits {
+                    // Beyond what a double holds is no value.
+                    let value = output.of(&tally);
+                    values[first + i] = if value.is_finite() { value } else { f64::NAN };
+                }
+            });
+        }
+    }
+
+    /// Why cell `i` of the last block has no value.
+    pub fn status(&self, i: usize, output: Output) -> Status {
+        match self.fates.get(i) {
+            Some(&fate) if fate == Fate::LOST => Status::Unresolved,
+            Some(&fate) if fate == Fate::DIVERGED => Status::Diverged,
+            Some(&fate) if fate == Fate::LONG => Status::TooManySteps,
+            _ if output == Output::StrokeTime => Status::NotReached,
+            _ => Status::NotFinite,
+        }
+    }
+
+    /// The same for whole robots.
+    pub fn gait_status(&self, i: usize) -> Status {
+        match self.statuses.get(i) {
+            Some(Status::Ok) | None => Status::NotFinite,
+            Some(status) => *status,
+        }
+    }
+}

@@ -1,0 +1,285 @@
+//! Trajectories of a stretch of cells, pack by pack, compiled per law and SIMD
+//! level; and the laws with their kernels, chosen once per sweep.
+
+use super::columns::Columns;
+use super::outputs::Output;
+use super::simulation::Simulation;
+use crate::error::Result;
+use crate::for_each_law;
+use crate::integrate::bristle::Rosenbrock;
+use crate::integrate::exact::Exact;
+use crate::integrate::runge_kutta::RungeKutta;
+use crate::integrate::smooth::{Ahead, Steps};
+use crate::integrate::{Advance, Method, State, Tally, Watch, drive};
+use crate::lane::{Lane, Level, Pack, Task, run};
+use crate::physics::ParamId;
+use crate::physics::friction::*;
+use crate::physics::segment::Segment;
+use std::marker::PhantomData;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A law's trajectories, compiled for every SIMD level.
+pub type Kernel = fn(Level, Stretch);
+
+/// Cells to simulate and where their numbers go.
+pub struct Stretch<'a> {
+    pub columns: Columns<'a>,
+    pub simulation: &'a Simulation,
+    pub watch: Watch,
+    /// Cells, a multiple of the widest pack.
+    pub len: usize,
+    /// What is wanted, with a buffer of `len` each.
+    pub outputs: &'a mut [(Output, Vec<f64>)],
+    /// What became of each trajectory, see `Fate`; `len` cells.
+    pub fates: &'a mut [f64],
+    /// Empty, or where states at the stations go.
+    pub trace: Option<Trace<'a>>,
+    pub cancel: &'a AtomicBool,
+}
+
+/// States at the stations, station by station, `len` cells each.
+pub struct Trace<'a> {
+    /// As shares of the duration.
+    pub stations: &'a [f64],
+    pub x: &'a mut [f64],
+    pub v: &'a mut [f64],
+    /// Drive force on the segment.
+    pub force: &'a mut [f64],
+    /// Direction of sliding, 0 at rest.
+    pub way: &'a mut [f64],
+}
+
+macro_rules! kernels {
+    ($($kind:ident $law:ident),+ $(,)?) => {
+        /// In the order of `LAWS`.
+        const KERNELS: &[Kernel] = &[$(kernels!(@$kind $law)),+];
+    };
+    (@dry $law:ident) => {
+        |level, stretch| run(level, DryRuns::<$law> { stretch, law: PhantomData })
+    };
+    (@smooth $law:ident) => {
+        |level, stretch| {
+            if stretch.simulation.method == Method::RungeKutta {
+                run(level, SmoothRuns::<$law> { stretch, law: PhantomData });
+            } else {
+                run(level, BristleRuns::<Stiff<$law>> { stretch, law: PhantomData });
+            }
+        }
+    };
+    (@bristle $law:ident) => {
+        |level, stretch| run(level, BristleRuns::<$law> { stretch, law: PhantomData })
+    };
+}
+for_each_law!(kernels);
+
+/// A law by name, and its kernel.
+pub fn kernel_of(name: &str) -> Result<(&'static LawEntry, Kernel)> {
+    let law = LawEntry::parse(name)?;
+    let place = LAWS.iter().position(|entry| entry.info.name == law.info.name);
+    Ok((law, KERNELS[place.unwrap_or(0)]))
+}
+
+/// The parameters of the cells from `start` on, a pack of them.
+struct Cells<'a, P: Pack> {
+    token: P::Token,
+    columns: Columns<'a>,
+    start: usize,
+}
+
+impl<P: Pack> Given<P> for Cells<'_, P> {
+    #[inline(always)]
+    fn get(&self, id: ParamId) -> P {
+        self.columns.load(self.token, id.main(), self.start)
+    }
+    #[inline(always)]
+    fn derived(&self, id: ParamId) -> P {
+        self.columns.load(self.token, id.derived(), self.start)
+    }
+}
+
+/// Runs the packs of a stretch, each by `one`.
+#[inline(always)]
+fn each_pack<P: Pack>(
+    token: P::Token,
+    mut stretch: Stretch,
+    mut one: impl FnMut(&Cells<P>, &Segment<P>, &mut Visit<P>) -> Tally<P>,
+) {
+    let simulation = stretch.simulation;
+    let dry = simulation.law.kind == Kind::Dry;
+    let mut start = 0;
+    while start + P::LANES <= stretch.len && !stretch.cancel.load(Ordering::Relaxed) {
+        let cells = Cells { token, columns: stretch.columns, start };
+        let segment = P::splat(token, 0.0).apart(
+            #[inline(always)]
+            || Segment::new(simulation.drive, simulation.table(), &cells),
+        );
+        let mut visit = Visit {
+            trace: stretch.trace.as_mut(),
+            len: stretch.len,
+            start,
+            segment: &segment,
+            dry,
+        };
+        let tally = one(&cells, &segment, &mut visit);
+        // The same for all laws: compiled once.
+        tally.x.apart(
+            #[inline(always)]
+            || keep(&segment, &tally, start, &mut stretch),
+        );
+        start += P::LANES;
+    }
+}
+
+/// Hands the numbers of a pack on.
+#[inline(always)]
+fn keep<P: Pack>(segment: &Segment<P>, tally: &Tally<P>, start: usize, stretch: &mut Stretch) {
+    let fate = Fate::of(tally);
+    fate.store(&mut stretch.fates[start..]);
+    let found = fate.le(fate.with(Fate::FOUND));
+    for (output, to) in stretch.outputs.iter_mut() {
+        let value = output.of(segment, tally).only_if(found);
+        // Beyond what a double holds is no value either.
+        value.only_if(value.is_finite()).store(&mut to[start..]);
+    }
+}
+
+/// What became of a trajectory.
+pub struct Fate;
+
+impl Fate {
+    pub const FOUND: f64 = 0.0;
+    pub const LOST: f64 = 1.0;
+    pub const DIVERGED: f64 = 2.0;
+    pub const LONG: f64 = 3.0;
+
+    #[inline(always)]
+    fn of<L: Lane>(tally: &Tally<L>) -> L {
+        let size = tally.x;
+        let finite = L::and(tally.x.is_finite(), tally.v.is_finite());
+        let code = L::select(finite, size.with(Fate::FOUND), size.with(Fate::DIVERGED));
+        let code = L::select(tally.lost.le(size.with(0.0)), code, size.with(Fate::LOST));
+        L::select(tally.long.le(size.with(0.0)), code, size.with(Fate::LONG))
+    }
+}
+
+/// Stores states at stations, where that is wanted.
+struct Visit<'a, 'b, 'c, P> {
+    trace: Option<&'b mut Trace<'a>>,
+    len: usize,
+    start: usize,
+    segment: &'b Segment<'c, P>,
+    dry: bool,
+}
+
+impl<P: Pack> Visit<'_, '_, '_, P> {
+    #[inline(always)]
+    fn drive(&mut self, method: impl Advance<P>, watch: Watch) -> Tally<P> {
+        let (segment, len, start, dry) = (self.segment, self.len, self.start, self.dry);
+        let stations = self.trace.as_ref().map_or(&[][..], |trace| trace.stations);
+        let trace = &mut self.trace;
+        drive(
+            segment,
+            method,
+            stations,
+            #[inline(always)]
+            |i: usize, state: &State<P>| {
+                let Some(Trace { x, v, force, way, .. }) = trace.as_deref_mut() else { return };
+                let at = i * len + start;
+                state.x.store(&mut x[at..]);
+                state.v.store(&mut v[at..]);
+                segment.force(state.t, &state.clock, state.x, state.v).store(&mut force[at..]);
+                // Only dry friction holds: the others slide whenever they move.
+                let sliding = if dry { state.way } else { state.v.sign() };
+                sliding.store(&mut way[at..]);
+            },
+            watch,
+        )
+    }
+}
+
+struct DryRuns<'a, Q> {
+    stretch: Stretch<'a>,
+    law: PhantomData<Q>,
+}
+
+impl<Q: Dry> Task for DryRuns<'_, Q> {
+    type Output = ();
+    const SCALAR_BASELINE: bool = true;
+
+    #[inline(always)]
+    fn run<P: Pack>(self, token: P::Token) {
+        let Stretch { simulation, watch, cancel, .. } = self.stretch;
+        let go_on = || !cancel.load(Ordering::Relaxed);
+        let exact = const { Q::LINEAR } && simulation.method == Method::Exact;
+        each_pack::<P>(
+            token,
+            self.stretch,
+            #[inline(always)]
+            |cells, segment, visit| {
+                let set = Q::set(&segment.contact, cells);
+                if exact {
+                    let method = Exact::<Q, P, _> { segment, set, go_on };
+                    return visit.drive(method, watch);
+                }
+                let locate = simulation.locate;
+                visit.drive(RungeKutta::<Q, P, _> { segment, set, locate, go_on }, watch)
+            },
+        );
+    }
+}
+
+struct SmoothRuns<'a, Q> {
+    stretch: Stretch<'a>,
+    law: PhantomData<Q>,
+}
+
+impl<Q: Smooth> Task for SmoothRuns<'_, Q> {
+    type Output = ();
+    const SCALAR_BASELINE: bool = true;
+    const CHAINED: bool = true;
+
+    #[inline(always)]
+    fn run<P: Pack>(self, token: P::Token) {
+        let Stretch { simulation, watch, cancel, ref trace, .. } = self.stretch;
+        let go_on = || !cancel.load(Ordering::Relaxed);
+        // Stations cut steps, which are then no longer those worked out ahead.
+        let ahead = if trace.is_some() { &[][..] } else { &simulation.ahead };
+        each_pack::<P>(
+            token,
+            self.stretch,
+            #[inline(always)]
+            |cells, segment, visit| {
+                let set = Q::set(&segment.contact, cells);
+                let (ahead, sprung) = (Ahead(ahead), simulation.sprung);
+                visit.drive(Steps::<Q, P, _> { segment, set, sprung, ahead, go_on }, watch)
+            },
+        );
+    }
+}
+
+struct BristleRuns<'a, Q> {
+    stretch: Stretch<'a>,
+    law: PhantomData<Q>,
+}
+
+impl<Q: Bristle> Task for BristleRuns<'_, Q> {
+    type Output = ();
+    const SCALAR_BASELINE: bool = true;
+
+    #[inline(always)]
+    fn run<P: Pack>(self, token: P::Token) {
+        let Stretch { simulation, watch, cancel, .. } = self.stretch;
+        let go_on = || !cancel.load(Ordering::Relaxed);
+        let adaptive = simulation.method == Method::Rosenbrock;
+        each_pack::<P>(
+            token,
+            self.stretch,
+            #[inline(always)]
+            |cells, segment, visit| {
+                let set = Q::set(&segment.contact, cells);
+                let method = Rosenbrock::<Q, P, _>::new(segment, set, adaptive, go_on);
+                visit.drive(method, watch)
+            },
+        );
+    }
+}

@@ -1,0 +1,89 @@
+//! The same bits whoever is replayed beside whom.
+
+use super::*;
+
+#[test]
+fn lanes_do_not_look_at_their_neighbours() {
+    let run = run(400, 2e-3);
+    for level in Level::available().into_iter().filter(|l| *l != Level::Baseline) {
+        for effect in Effect::ALL {
+            let active = Active::default().with(*effect);
+            let make = |i: usize| {
+                let mut values = on(*effect);
+                for value in &mut values {
+                    *value *= 1.0 + 0.02 * i as f64;
+                }
+                column(active, values, 400)
+            };
+            let many: Vec<Column> = (0..19).map(make).collect();
+            let together = all(&many, &run, level);
+            for (i, column) in many.iter().enumerate().step_by(6) {
+                let alone = &all(std::slice::from_ref(column), &run, level)[0];
+                let same = *alone == together[i];
+                assert!(same, "{} {i} {}", effect.info().name, level.name());
+            }
+        }
+    }
+}
+
+/// A column per effect and size, of two runs, in windows of several lengths.
+fn mixed() -> Vec<Column> {
+    let mut columns = Vec::new();
+    for (i, effect) in Effect::ALL.iter().enumerate() {
+        for k in 0..7 {
+            let mut values = on(*effect);
+            values.iter_mut().for_each(|value| *value *= 1.0 + 0.03 * f64::from(k));
+            let mut column = column(Active::default().with(*effect), values, 300);
+            column.run = (i + k as usize) % 2;
+            column.window = [(0, 300), (40, 300), (40, 200)][k as usize % 3];
+            column.start = (1e-3 * f64::from(k), 0.01);
+            columns.push(column);
+        }
+    }
+    columns
+}
+
+#[test]
+fn threads_and_the_order_of_columns_do_not_change_bits() {
+    let runs = [run(300, 2e-3), Run { slope_deg: -2.0, ..run(300, 1e-3) }];
+    let columns = mixed();
+    let level = Level::current().unwrap();
+    let all = |columns: &[Column], threads: usize| {
+        replay(&NOMINAL, &runs, columns, (level, threads), &Control::default()).unwrap()
+    };
+    let expected = all(&columns, 1);
+    for threads in [2, 3] {
+        assert!(all(&columns, threads) == expected, "{threads} threads");
+    }
+    // A stride that is coprime with the number of columns visits each.
+    let order: Vec<usize> = (0..columns.len()).map(|i| i * 59 % columns.len()).collect();
+    let shuffled: Vec<Column> = order.iter().map(|i| columns[*i].clone()).collect();
+    for (i, found) in order.iter().zip(all(&shuffled, 2)) {
+        assert!(found == expected[*i], "column {i}");
+    }
+    for readings in &expected {
+        assert!(readings.x.iter().chain(&readings.v).all(|value| value.is_finite()));
+    }
+}
+
+#[test]
+fn levels_with_fused_multiply_add_agree() {
+    let runs = [run(300, 2e-3), run(300, 1e-3)];
+    let fused = Level::available().into_iter();
+    let fused: Vec<Level> =
+        fused.filter(|l| cfg!(target_arch = "aarch64") || *l != Level::Baseline).collect();
+    let at = |level| replay(&NOMINAL, &runs, &mixed(), (level, 2), &Control::default()).unwrap();
+    for level in fused.iter().skip(1) {
+        assert!(at(*level) == at(fused[0]), "{level:?}");
+    }
+}
+
+#[test]
+fn a_cancelled_replay_stops() {
+    let control = Control::default();
+    control.cancel.store(true, std::sync::atomic::Ordering::Relaxed);
+    let columns = [column(Active::default(), [0.0; EFFECT_PARAMS], 300)];
+    let level = Level::current().unwrap();
+    let found = replay(&NOMINAL, &[run(300, 2e-3)], &columns, (level, 1), &control);
+    assert_eq!(found, Err(locosweep::Error::Cancelled { done: 0, total: 1 }));
+}

@@ -1,0 +1,68 @@
+//! Steps between samples are short enough: the same drive on a finer grid of
+//! samples, which shortens them, moves nothing by a micrometre.
+
+use super::*;
+
+/// The same drive with every sample repeated `by` times.
+fn finer(run: &Run, by: usize) -> Run {
+    let count = run.times.len();
+    let dt = run.times[1] - run.times[0];
+    let times = (0..(count - 1) * by + 1).map(|i| {
+        let (sample, part) = (i / by, i % by);
+        if part == 0 { run.times[sample] } else { run.times[sample] + dt * part as f64 / by as f64 }
+    });
+    let drive = (0..(count - 1) * by + 1).map(|i| run.drive[i / by]);
+    Run { times: times.collect(), drive: drive.collect(), slope_deg: run.slope_deg }
+}
+
+fn gap(effect: Effect, run: &Run, by: usize) -> f64 {
+    let level = Level::current().unwrap();
+    let fine = finer(run, by);
+    let active = Active::default().with(effect);
+    let coarse = &all(&[column(active, on(effect), run.times.len())], run, level)[0];
+    let fine = &all(&[column(active, on(effect), fine.times.len())], &fine, level)[0];
+    let picked: Vec<f64> = fine.x.iter().step_by(by).copied().collect();
+    let rear: Vec<f64> = fine.x_rear.iter().step_by(by).copied().collect();
+    assert_eq!(picked.len(), coarse.x.len());
+    largest(&coarse.x, &picked).max(largest(&coarse.x_rear, &rear))
+}
+
+/// Effects with which motion from sample to sample has a closed form.
+const EXACT: [Effect; 12] = [
+    Effect::ViscousFriction,
+    Effect::DirectionDependentFriction,
+    Effect::LoadDependentFriction,
+    Effect::DriveSaturation,
+    Effect::DriveDelay,
+    Effect::DriveDeadzone,
+    Effect::DriveGainError,
+    Effect::BackEmf,
+    Effect::SlopeError,
+    Effect::PayloadMass,
+    Effect::CoulombError,
+    Effect::SensorScale,
+];
+
+#[test]
+fn linear_effects_are_exact() {
+    let run = run(500, 4e-3);
+    for effect in EXACT {
+        let gap = gap(effect, &run, 8);
+        assert!(gap < 1e-12, "{}: {gap:e}", effect.info().name);
+    }
+}
+
+#[test]
+fn other_effects_are_good_to_a_micrometre() {
+    let run = run(500, 2e-3);
+    let mut report = String::new();
+    for effect in Effect::ALL {
+        // The body takes the head's force as the mean of two samples, and the
+        // delayed sensor lies on a cubic between them.
+        let gap = gap(*effect, &run, 8);
+        if gap >= 1e-6 {
+            report += &format!("\n{}: {gap:.1e} m", effect.info().name);
+        }
+    }
+    assert!(report.is_empty(), "{report}");
+}
