@@ -5,7 +5,6 @@ use locosweep::physics::ParamId;
 use locosweep::physics::friction::*;
 
 type States = [f64; MOST_STATES];
-
 const NONE: States = [0.0; MOST_STATES];
 
 /// Mass and gravity for a normal force.
@@ -441,11 +440,10 @@ fn ripple_and_patch_along_the_track() {
         ("patch_length", 0.5),
         ("patch_ratio", 3.0),
     ];
-    let values = contact(2.0, &given);
     for (x, force) in [(0.0, 2.0), (0.125, 4.0), (0.375, 0.0), (1e6 + 0.125, 4.0)] {
-        assert_eq!(along("ripple", &values, x), force);
+        assert_eq!(along("ripple", &contact(2.0, &given), x), force);
     }
     for (x, force) in [(0.2, 2.0), (0.25, 6.0), (0.74, 6.0), (0.75, 2.0), (-0.3, 2.0)] {
-        assert_eq!(along("patch", &values, x), force);
+        assert_eq!(along("patch", &contact(2.0, &given), x), force);
     }
 }

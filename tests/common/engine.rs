@@ -10,8 +10,10 @@ pub fn options(threads: usize, chunk: usize) -> Options {
     Options { threads, chunk, level: Level::current().unwrap(), fresh: false }
 }
 
-/// Values and status codes of every request.
-pub fn results(job: &Job, options: Options) -> (Vec<Vec<f64>>, Vec<Vec<u8>>) {
+/// Values and status codes, request by request.
+pub type Results = (Vec<Vec<f64>>, Vec<Vec<u8>>);
+
+pub fn results(job: &Job, options: Options) -> Results {
     let mut values = vec![vec![f64::MAX; job.cells()]; job.requests.len()];
     let mut codes = vec![vec![u8::MAX; job.cells()]; job.requests.len()];
     let mut buffers: Vec<_> = values.iter_mut().map(|v| Buffer::F64(v)).enumerate().collect();

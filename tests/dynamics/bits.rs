@@ -20,7 +20,7 @@ fn cell(case: &Case, i: usize) -> Case {
 }
 
 #[track_caller]
-fn same_results(a: &(Vec<Vec<f64>>, Vec<Vec<u8>>), b: &(Vec<Vec<f64>>, Vec<Vec<u8>>), what: &str) {
+fn same_results(a: &Results, b: &Results, what: &str) {
     for (k, name) in outputs().iter().enumerate() {
         same(&a.0[k], &b.0[k], &format!("{what} {name}"));
         assert_eq!(a.1[k], b.1[k], "{what} {name}");
@@ -32,7 +32,7 @@ fn a_cell_alone_is_a_cell_in_company() {
     for case in everything() {
         let case = fifty(case);
         let job = case.all();
-        let mut first: Option<(Vec<Vec<f64>>, Vec<Vec<u8>>)> = None;
+        let mut first: Option<Results> = None;
         for level in Level::available() {
             let at = |threads, chunk| Options { level, ..options(threads, chunk) };
             let together = results(&job, at(1, 64));
@@ -97,13 +97,13 @@ fn any_order_of_axes_gives_the_same_bits() {
             let turned = build(order);
             let got = results(&turned.all(), options(2, 64)).0;
             let sizes = axes.each_ref().map(|(_, values)| values.len());
-            for place in 0..expected[0].len() {
-                let index =
-                    [place / (sizes[1] * sizes[2]), place / sizes[2] % sizes[1], place % sizes[2]];
-                let there = order.iter().fold(0, |n, i| n * sizes[*i] + index[*i]);
-                for (k, name) in outputs().iter().enumerate() {
-                    let what = format!("{law} {name} in order {order:?}");
-                    same(&[got[k][there]], &[expected[k][place]], &what);
+            for (k, name) in outputs().iter().enumerate() {
+                let what = format!("{law} {name} in order {order:?}");
+                for (place, value) in expected[k].iter().enumerate() {
+                    let (row, rest) = (place / sizes[2], place % sizes[2]);
+                    let index = [row / sizes[1], row % sizes[1], rest];
+                    let there = order.iter().fold(0, |n, i| n * sizes[*i] + index[*i]);
+                    same(&[got[k][there]], &[*value], &what);
                 }
             }
         }

@@ -23,7 +23,7 @@ fn allowed(random: &mut Random, id: ParamId) -> f64 {
 }
 
 /// Runs a job for a while at most; `None` if it takes longer.
-fn patiently(job: &Job, names: usize) -> Option<(Vec<Vec<f64>>, Vec<Vec<u8>>)> {
+fn patiently(job: &Job, names: usize) -> Option<Results> {
     let control = Control::default();
     let mut values = vec![vec![f64::MAX; job.cells()]; names];
     let mut codes = vec![vec![u8::MAX; job.cells()]; names];

@@ -151,7 +151,7 @@ fn usual_value(id: ParamId) -> f64 {
         MuCoulomb => 0.15,
         Segments => 3.0,
         SlopeDeg => 2.0,
-        Stroke => 2e-3,
+        Stroke => 1e-3,
         Viscous => 0.2,
         DriveLimit => 1.6,
         SpeedLimit => 0.2,

@@ -72,7 +72,7 @@ fn any_cut_and_level_gives_the_same_bits() {
     }
 }
 
-fn bits_of((values, codes): &(Vec<Vec<f64>>, Vec<Vec<u8>>)) -> (Vec<Vec<u64>>, Vec<Vec<u8>>) {
+fn bits_of((values, codes): &Results) -> (Vec<Vec<u64>>, Vec<Vec<u8>>) {
     (values.iter().map(|v| bits(v)).collect(), codes.clone())
 }
 

@@ -54,8 +54,8 @@ impl<'a, 'b, Q: Dry, L: Lane> Joined<'a, 'b, Q, L> {
         let first = segment.commanded(zero, &start.clock);
         let loaded = if joint.is_spring { first / joint.stiffness } else { zero };
         let (rate, drag) = (joint.stiffness / reduced, joint.damping / reduced);
-        // A quarter of what one radian of the oscillation takes.
-        let step = segment.step.min(zero.with(0.25) / rate.sqrt().max(drag * 0.5));
+        // An eighth of what one radian of the oscillation takes.
+        let step = segment.step.min(zero.with(0.125) / rate.sqrt().max(drag * 0.5));
         Joined { segment, set, joint, side: (start.x + loaded, start.v), step }
     }
 

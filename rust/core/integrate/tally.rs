@@ -96,9 +96,6 @@ impl<L: Lane> Tally<L> {
         self.moved = self.moved + (work.abs() + heat.abs());
     }
 
-    /// Share of steps that may be too long for the law's steepness.
-    const ROUGH: f64 = 0.01;
-
     /// Closes the ledger; `elastic` is what the bristles hold of the work done
     /// against friction.
     #[inline(always)]
@@ -111,7 +108,7 @@ impl<L: Lane> Tally<L> {
         // The slope does work as well.
         self.moved = self.moved + lift.abs();
         self.heat = self.heat - elastic;
-        let rough = (self.steps * Self::ROUGH).lt(self.rough);
+        let rough = self.rough.with(0.0).lt(self.rough);
         self.lost = L::select(rough, self.lost + 1.0, self.lost);
         self
     }

@@ -300,7 +300,7 @@ impl<'a, L: Lane> Drive<'a, L> {
     pub fn leg_end(&self, t: L, end: L) -> L {
         match self.path {
             Some(path) if path.lags => {
-                let leg = (t.with(1.0 / 16.0) / path.per_lag).max(t.with(1e-4));
+                let leg = (t.with(1.0 / 64.0) / path.per_lag).max(t.with(5e-5));
                 let next = t + leg;
                 // What would be left of less than a rounding error is taken along.
                 L::select((t + leg * (1.0 + 1e-9)).lt(end), next, end)

@@ -43,15 +43,15 @@ const STROKE: &[&str] = run!["stroke"];
 
 outputs! {
     FinalPosition "final_position" r"x(T)" ["m"] r"x(T)"
-        "position at the end of the run" "";
+        "position at the end of the run" "one segment on an anchored body";
     FinalSpeed "final_speed" r"v(T)" ["m/s"] r"v(T)"
-        "speed at the end of the run" "";
+        "speed at the end of the run" "one segment on an anchored body";
     PeakPosition "peak_position" r"x_\mathrm{max}" ["m"] r"\max_t x(t)"
-        "largest position during the run" "";
+        "largest position during the run" "one segment on an anchored body";
     PeakMotion "peak_motion" r"|v|_\mathrm{max}" ["m/s"] r"\max_t |v(t)|"
-        "largest speed in either direction during the run" "";
+        "largest speed in either direction during the run" "one segment on an anchored body";
     AverageVelocity "average_velocity" r"\bar v" ["m/s"] r"(x(T) - x_0)/T"
-        "displacement over the time of the run" "";
+        "displacement over the time of the run" "one segment on an anchored body";
     StrokeTime "stroke_time" r"t_\delta" ["s"] r"\min\{t: x(t) \ge x_0 + \delta\}"
         "time until the stroke is complete" "no value where the run ends before";
     StuckTime "stuck_time" r"t_s" ["s"] r"\int [v = 0]\,dt"
@@ -59,12 +59,12 @@ outputs! {
     StickPhases "stick_phases" r"n_s" ["1"] r"\#\{v \to 0, \text{ held}\}"
         "how often motion stopped and friction held" "dry laws only: the others never rest";
     WorkIn "work_in" r"W" ["J"] r"\int F v\,dt"
-        "work of the drive, its spring included" "";
+        "work of the drive, its spring included" "one segment on an anchored body";
     Dissipated "dissipated" r"Q" ["J"] r"\int R v\,dt - E_\mathrm{el}"
-        "energy that friction turned into heat" "";
+        "energy that friction turned into heat" "one segment on an anchored body";
     Stored "stored" r"\Delta E" ["J"]
         r"\tfrac12 m(v^2 - v_0^2) + m g \sin\alpha\,(x - x_0) + E_\mathrm{el}"
-        "kinetic, potential and elastic energy gained" "";
+        "kinetic, potential and elastic energy gained" "one segment on an anchored body";
     EnergyResidual "energy_residual" r"\varepsilon_E" ["1"]
         r"(W - Q - \Delta E)/\left(\int|dW| + \int|dQ|\right)"
         "what the energy ledger leaves open, over all work done"

@@ -16,8 +16,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub const RUN_BLOCK: usize = 256;
 /// Cells of a chunk: trajectories take longer than formulas.
 pub const RUN_CHUNK: usize = 1024;
-/// Robots between two looks at the flag that stops a run.
-const PATIENCE: usize = 32;
+/// Robots between two looks at the flag that stops a run: one pack.
+const PATIENCE: usize = 16;
 
 /// First cell, cells, and the place of the rival.
 pub type Place = (usize, usize, usize);
