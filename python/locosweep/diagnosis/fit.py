@@ -1,0 +1,262 @@
+"""Least-squares fits of many models at once, each by Levenberg and Marquardt."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from locosweep.diagnosis.problem import Point
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from locosweep.diagnosis.problem import Problem
+    from locosweep.diagnosis.starts import Free
+
+__all__ = ["Fit", "Model", "Nuisances", "fit_all", "start_fits"]
+
+_TRIALS = (0.05, 1.0, 30.0)
+"""Factors on the damping that each step tries side by side."""
+
+
+@dataclass(frozen=True)
+class Nuisances:
+    """What every model, the nominal one included, may shift.
+
+    `moving` lists runs whose start speed is free; `spread` gives the standard
+    deviations of mass, Coulomb level, gain (relative) and clock (s), 0 where exact.
+    """
+
+    moving: tuple[int, ...] = ()
+    spread: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    speed: float = 1.0
+    """What counts as a large start speed, m/s."""
+
+    @property
+    def shares(self) -> tuple[int, ...]:
+        return tuple(i for i, s in enumerate(self.spread) if s > 0.0)
+
+
+@dataclass(frozen=True)
+class Model:
+    """A set of effects with its free parameters."""
+
+    names: tuple[str, ...]
+    free: tuple[Free, ...]
+
+
+@dataclass
+class Fit:
+    """A model with values: parameters first, then shares, then start speeds."""
+
+    model: Model
+    nuisances: Nuisances
+    theta: NDArray[np.float64]
+    chi2: float = np.inf
+    covariance: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
+    residual: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    damping: float = 1e-2
+    done: bool = False
+    steps: int = 0
+
+    @property
+    def parameters(self) -> NDArray[np.float64]:
+        """Values of the effects' parameters, in their units."""
+        k = len(self.model.free)
+        return np.array(
+            [np.exp(u) if f.log else u for u, f in zip(self.theta[:k], self.model.free, strict=True)]
+        )
+
+    @property
+    def stds(self) -> NDArray[np.float64]:
+        """Standard deviations of the parameters, in their units."""
+        k = len(self.model.free)
+        spread = np.sqrt(np.maximum(np.diag(self.covariance)[:k], 0.0))
+        logs = np.array([f.log for f in self.model.free], dtype=bool)
+        return np.where(logs, spread * self.parameters, spread) if k else spread
+
+    def named(self) -> dict[str, dict[str, float]]:
+        """Return the parameters by effect and name."""
+        found: dict[str, dict[str, float]] = {name: {} for name in self.model.names}
+        for f, value in zip(self.model.free, self.parameters, strict=True):
+            found[f.effect][f.name] = float(value)
+        return found
+
+
+def _bounds(fit: Fit) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Low, high and size of every entry of theta."""
+    low, high, size = [], [], []
+    for f in fit.model.free:
+        low.append(np.log(f.low) if f.log else f.low)
+        high.append(np.log(f.high) if f.log else f.high)
+        size.append(f.size)
+    for i in fit.nuisances.shares:
+        s = fit.nuisances.spread[i]
+        low.append(-8 * s)
+        high.append(8 * s)
+        size.append(s)
+    for _ in fit.nuisances.moving:
+        low.append(-np.inf)
+        high.append(np.inf)
+        size.append(fit.nuisances.speed)
+    return np.array(low), np.array(high), np.array(size)
+
+
+def _point(problem: Problem, fit: Fit, theta: NDArray[np.float64]) -> Point:
+    base = problem.plain()
+    k = len(fit.model.free)
+    for f, u in zip(fit.model.free, theta[:k], strict=True):
+        base.values[problem.place(f.effect, f.name)] = np.exp(u) if f.log else u
+    for i, u in zip(fit.nuisances.shares, theta[k:], strict=False):
+        base.shares[i] = u if i == 3 else 1.0 + u
+    for r, u in zip(fit.nuisances.moving, theta[k + len(fit.nuisances.shares) :], strict=True):
+        base.speeds[r] = problem.begin[r, 1] + u
+    return replace(base, names=fit.model.names)
+
+
+def point_of(problem: Problem, fit: Fit) -> Point:
+    """Return the model that a fit describes."""
+    return _point(problem, fit, fit.theta)
+
+
+def _prior(fit: Fit, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Residuals of the uncertain shares."""
+    k = len(fit.model.free)
+    spread = np.array([fit.nuisances.spread[i] for i in fit.nuisances.shares])
+    return theta[k : k + spread.size] / spread if spread.size else np.zeros(0)
+
+
+def start_fits(
+    problem: Problem, nuisances: Nuisances, model: Model, rows: NDArray[np.float64]
+) -> list[Fit]:
+    """Return unfitted fits of a model, one a row of parameter values."""
+    fits = []
+    for row in np.atleast_2d(rows):
+        logs = np.array([f.log for f in model.free], dtype=bool)
+        theta = np.where(logs, np.log(np.where(logs, np.maximum(row, 1e-300), 1.0)), row)
+        rest = np.zeros(len(nuisances.shares) + len(nuisances.moving))
+        fits.append(Fit(model, nuisances, np.concatenate([theta, rest])))
+    return fits
+
+
+def evaluate(problem: Problem, fits: Sequence[Fit], runs: Sequence[int] | None = None) -> None:
+    """Set chi2 and residual of fits at their values."""
+    if not fits:
+        return
+    found = problem.residuals([_point(problem, fit, fit.theta) for fit in fits], runs)
+    for fit, e in zip(fits, found, strict=True):
+        fit.residual = np.concatenate([e, _prior(fit, fit.theta)])
+        fit.chi2 = float(fit.residual @ fit.residual)
+        if not np.isfinite(fit.chi2):
+            fit.chi2 = np.inf
+
+
+def fit_all(
+    problem: Problem,
+    fits: Sequence[Fit],
+    *,
+    runs: Sequence[int] | None = None,
+    steps: int = 12,
+    tolerance: float = 0.02,
+) -> None:
+    """Improve fits in place until their chi2 falls by less than `tolerance`."""
+    evaluate(problem, [fit for fit in fits if not fit.residual.size], runs)
+    for fit in fits:
+        fit.done = fit.theta.size == 0 or not np.isfinite(fit.chi2)
+    for _ in range(steps):
+        todo = [fit for fit in fits if not fit.done]
+        if not todo:
+            return
+        jacobians = _jacobians(problem, todo, runs)
+        trials: list[tuple[Fit, float, NDArray[np.float64]]] = []
+        for fit, jacobian in zip(todo, jacobians, strict=True):
+            trials.extend(_proposals(fit, jacobian))
+        points = [_point(problem, fit, theta) for fit, _, theta in trials]
+        found = problem.residuals(points, runs)
+        best: dict[int, tuple[float, float, NDArray[np.float64], NDArray[np.float64]]] = {}
+        for (fit, damping, theta), e in zip(trials, found, strict=True):
+            full = np.concatenate([e, _prior(fit, theta)])
+            chi2 = float(full @ full)
+            if np.isfinite(chi2) and chi2 < best.get(id(fit), (np.inf,))[0]:
+                best[id(fit)] = (chi2, damping, theta, full)
+        for fit in todo:
+            fit.steps += 1
+            if id(fit) not in best:
+                fit.done = True
+                continue
+            chi2, damping, theta, full = best[id(fit)]
+            if chi2 < fit.chi2:
+                fit.done = fit.chi2 - chi2 < tolerance + 1e-7 * chi2
+                fit.chi2, fit.theta, fit.residual = chi2, theta, full
+                fit.damping = max(damping, 1e-9)
+            else:
+                fit.damping = fit.damping * 300.0
+                fit.done = fit.damping > 1e7
+
+
+def _steps(fit: Fit, size: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Finite differences: a fraction of a standard deviation where that is known."""
+    known = np.diag(fit.covariance) if fit.covariance.size else np.full(size.size, np.nan)
+    spread = np.sqrt(np.where(known > 0.0, known, np.nan))
+    step = np.where(np.isfinite(spread), 0.3 * spread, 1e-3 * size)
+    return np.clip(step, 1e-7 * size, 3e-3 * size)
+
+
+def _jacobians(
+    problem: Problem, fits: Sequence[Fit], runs: Sequence[int] | None
+) -> list[NDArray[np.float64]]:
+    """Derivatives of the residuals, a row a parameter, by one-sided differences."""
+    points, places = [], []
+    for i, fit in enumerate(fits):
+        low, high, size = _bounds(fit)
+        step = _steps(fit, size)
+        step = np.where(fit.theta + step > high, -step, step)
+        for j in range(fit.theta.size):
+            theta = fit.theta.copy()
+            theta[j] += step[j]
+            points.append(_point(problem, fit, theta))
+            places.append((i, step[j], theta))
+    found = problem.residuals(points, runs)
+    rows: list[list[NDArray[np.float64]]] = [[] for _ in fits]
+    for (i, step, theta), e in zip(places, found, strict=True):
+        full = np.concatenate([e, _prior(fits[i], theta)])
+        rows[i].append((full - fits[i].residual) / step)
+    return [np.array(r) for r in rows]
+
+
+def _proposals(fit: Fit, jacobian: NDArray[np.float64]) -> list[tuple[Fit, float, NDArray[np.float64]]]:
+    low, high, size = _bounds(fit)
+    jacobian = np.nan_to_num(jacobian, nan=0.0, posinf=0.0, neginf=0.0)
+    normal = jacobian @ jacobian.T
+    gradient = jacobian @ fit.residual
+    scale = np.diag(normal).copy()
+    # A parameter that moves nothing by as much as it may is left where it is.
+    floor = 1e-6 / size**2
+    scale = np.maximum(scale, floor)
+    held = ((fit.theta <= low) & (gradient > 0.0)) | ((fit.theta >= high) & (gradient < 0.0))
+    fit.covariance = _inverse(normal, floor)
+    found = []
+    for factor in _TRIALS:
+        damping = fit.damping * factor
+        matrix = normal + np.diag(damping * scale + floor)
+        free = ~held
+        move = np.zeros(fit.theta.size)
+        if free.any():
+            move[free] = -np.linalg.lstsq(matrix[np.ix_(free, free)], gradient[free], rcond=None)[0]
+        # No step beyond what counts as large, a few times over.
+        reach = np.max(np.abs(move) / (3.0 * size), initial=1.0)
+        found.append((fit, damping, np.clip(fit.theta + move / reach, low, high)))
+    return found
+
+
+def _inverse(normal: NDArray[np.float64], floor: NDArray[np.float64]) -> NDArray[np.float64]:
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(normal), floor))
+    unit = normal * scale[:, None] * scale[None, :] + np.eye(scale.size) * 1e-12
+    try:
+        return np.linalg.inv(unit) * scale[:, None] * scale[None, :]
+    except np.linalg.LinAlgError:
+        return np.diag(scale**2)
