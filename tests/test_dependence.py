@@ -29,6 +29,7 @@ PYTHON_ORDER = [
     {"engine"},
     {"trajectories", "replay", "gait"},
     {"plot"},
+    {"diagnosis"},
     {"reproduce", "spec"},
     {"cli"},
 ]
