@@ -55,6 +55,12 @@ class Problem:
     """Runs that take no part in fits."""
     tail: float = 1.0
     """Share of every run that fits see; below 1 only where there is one run."""
+    known: dict[str, Noise] | None = None
+    """Noise of channels, where it is not to be read off the runs."""
+    heavier: dict[int, float] = field(default_factory=dict)
+    """Factor on the known mass, of runs with a payload."""
+    turned: frozenset[int] = frozenset()
+    """Runs of a robot that was turned round: an error of the slope has the other sign."""
     noise: dict[str, Noise] = field(init=False)
     nominal: dict[str, float] = field(init=False)
     channels: tuple[str, ...] = field(init=False)
@@ -72,7 +78,10 @@ class Problem:
         self.channels = tuple(
             c for c in FITTED if any(c in run.channels for run in self.runs)
         )
-        self.noise = {c: noise_of(c, self.runs, sensor) for c in self.channels}
+        self.noise = {
+            c: self.known[c] if self.known and c in self.known else noise_of(c, self.runs, sensor)
+            for c in self.channels
+        }
         data = [
             (
                 run.since_start,
@@ -163,6 +172,12 @@ class Problem:
         values = np.repeat([p.values for p in points], len(chosen), axis=0)
         shares = np.repeat([p.shares for p in points], len(chosen), axis=0)
         starts = np.array([(self.begin[r, 0], p.speeds[r]) for p in points for r in chosen])
+        if self.heavier or self.turned:
+            number = np.tile(np.array(list(chosen)), len(points))
+            for r, factor in self.heavier.items():
+                shares[number == r, 0] *= factor
+            slope = self.place("slope_error", "d_alpha_deg")
+            values[np.isin(number, list(self.turned)), slope] *= -1.0
         x, v, rear, force = self.job.run(columns, values, shares, starts, self.threads)
         rows = len(points)
         found = {"x": x, "v": v, "x_rear": rear, "force": force}

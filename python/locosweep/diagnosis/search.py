@@ -38,8 +38,11 @@ class Search:
     scale: Scale
     names: tuple[str, ...]
     report: Callable[[str], None]
+    judges: bool = True
+    """Whether the runs that fits do not see take part in the choice."""
 
     def __post_init__(self) -> None:
+        self.unseen: dict[int, tuple[Fit, float]] = {}
         self.fits: dict[frozenset[str], Fit] = {}
         empty = start_fits(self.problem, self.nuisances, Model((), ()), np.zeros((1, 0)))
         evaluate(self.problem, empty)

@@ -1,0 +1,271 @@
+"""The choice: which set of effects, what else fits as well, how sure that is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from locosweep.diagnosis.fit import Fit, point_of
+from locosweep.diagnosis.flexible import VARIABLES, flexible, motion_of
+from locosweep.diagnosis.lack import lack_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from locosweep.diagnosis.lack import Lack
+    from locosweep.diagnosis.problem import Problem
+    from locosweep.diagnosis.search import Search
+
+__all__ = ["Choice", "choose"]
+
+GAIN = 20.0
+"""What an effect has to gain in chi2 beside the price of its parameters.
+
+With 25 candidates of one to three parameters, noise alone gains as much in fewer
+than one of two hundred sets of runs.
+"""
+TIE = 12.0
+"""Difference in chi2 below which two explanations tie: effects that lie 2 deviations
+apart differ by less in 99 of 100 sets of runs."""
+TEMPER = 2.0
+"""Differences in chi2 count for this much less than noise alone would have it."""
+
+
+@dataclass
+class Choice:
+    """What the fits say.
+
+    `fit` is the chosen one; `classes` holds for each of its effects all that tie
+    with it; `sets` other complete explanations of the same size.
+    """
+
+    status: str
+    fit: Fit
+    lack: Lack
+    classes: list[list[str]] = field(default_factory=list)
+    sets: list[list[str]] = field(default_factory=list)
+    law_mismatch: bool = False
+    probability: float = 1.0
+    ranked: list[tuple[Fit, float]] = field(default_factory=list)
+    shape: list[tuple[str, float]] = field(default_factory=list)
+
+
+def total(search: Search, fit: Fit) -> float:
+    """Score of a fit, with its prediction of what it has not seen where that counts."""
+    key = id(fit)
+    if key not in search.unseen:
+        e = search.problem.unseen([point_of(search.problem, fit)])[0]
+        search.unseen[key] = (fit, float(e @ e) if search.judges else 0.0)
+    return search.score(fit) + search.unseen[key][1]
+
+
+def choose(search: Search, most: int) -> Choice:
+    """Search for the smallest set of effects that leaves only noise.
+
+    Parameters
+    ----------
+    search : Search
+        Fits of one set of runs.
+    most : int
+        Effects at once, at most.
+    """
+    problem = search.problem
+    none = search.none
+    search.report("single effects")
+    singles = sorted(search.singles(), key=lambda fit: total(search, fit))
+    rest = lack_of(problem, none.residual)
+    best = singles[0] if singles else none
+    if total(search, none) - total(search, best) < GAIN:
+        status = "unexplained" if rest.is_there else "none"
+        return _with_ranks(search, Choice(status, none, rest), [none, *singles])
+    level = singles
+    mismatch = False
+    found = best
+    for count in range(2, most + 2):
+        rest = lack_of(problem, found.residual)
+        if rest.is_there and (carried := _carried(search, level)):
+            found, mismatch = carried, True
+            break
+        if count > most:
+            break
+        search.report(f"{count} effects at once")
+        seeds = _seeds(search, level, rest.is_there)
+        deeper = sorted(search.deepen(seeds, len(seeds)), key=lambda fit: total(search, fit))
+        if not deeper or total(search, found) - total(search, deeper[0]) < GAIN:
+            break
+        level, found = deeper, deeper[0]
+    rest = lack_of(problem, found.residual)
+    if rest.is_there and not mismatch:
+        choice = Choice("unexplained", found, rest)
+        choice.shape = _shape(search, found)
+        return _with_ranks(search, choice, [none, *singles, *level])
+    search.report("rivals")
+    rivals = _rivals(search, found)
+    classes, sets = _classes(search, found, rivals, mismatch)
+    status = "explained" if all(len(c) == 1 for c in classes) and not sets else "ambiguous"
+    choice = Choice(status, found, rest, classes, sets, mismatch)
+    return _with_ranks(search, choice, [none, *singles, *level, *rivals])
+
+
+def _seeds(search: Search, level: Sequence[Fit], lacks: bool) -> list[Fit]:
+    """Fits to which a further effect is added: one where little is left, else several."""
+    if not lacks:
+        return list(level[:1])
+    seeds: list[Fit] = []
+    for fit in level:
+        # Twins of a seed give the same further fits.
+        if all(abs(fit.chi2 - s.chi2) > 1e-3 * s.chi2 + TIE for s in seeds):
+            seeds.append(fit)
+        if len(seeds) == 4:
+            break
+    return seeds
+
+
+def _carried(search: Search, level: Sequence[Fit]) -> Fit | None:
+    """The best fit whose rest its own effects' variables carry down to noise."""
+    for fit in level[:3]:
+        variables = [VARIABLES[n] for n in fit.model.names if n in VARIABLES]
+        if not variables:
+            continue
+        left, terms = flexible(search.problem, fit, variables)
+        if terms and not lack_of(search.problem, left).is_there:
+            return fit
+    return None
+
+
+def _shape(search: Search, fit: Fit) -> list[tuple[str, float]]:
+    """How much of what is left a smooth term in each variable would carry."""
+    motion = motion_of(search.problem, fit)
+    found = []
+    for variable in dict.fromkeys(VARIABLES.values()):
+        left, terms = flexible(search.problem, fit, [variable], motion)
+        if terms:
+            found.append((variable, 1.0 - float(left @ left) / max(fit.chi2, 1e-300)))
+    return sorted(found, key=lambda pair: -pair[1])
+
+
+def _rivals(search: Search, found: Fit) -> list[Fit]:
+    """Refit with every other effect in place of each one of the set."""
+    rivals: dict[frozenset[str], Fit] = {}
+    for name in found.model.names:
+        others = tuple(n for n in found.model.names if n != name)
+        base = search.fits.get(frozenset(others))
+        if others and base is None:
+            base = _without(search, found, name)
+        if others:
+            swaps = search.extend(base, [n for n in search.names if n != name])
+        else:
+            swaps = [search.fits[frozenset({n})] for n in search.names]
+        for fit in swaps:
+            rivals[frozenset(fit.model.names)] = fit
+    rivals.pop(frozenset(found.model.names), None)
+    return sorted(rivals.values(), key=lambda fit: total(search, fit))
+
+
+def _without(search: Search, found: Fit, name: str) -> Fit:
+    """A set with one effect less, at the values it has."""
+    names = tuple(n for n in found.model.names if n != name)
+    keep = [i for i, f in enumerate(found.model.free) if f.effect != name]
+    tail = list(range(len(found.model.free), found.theta.size))
+    return Fit(search.model(names), found.nuisances, found.theta[keep + tail])
+
+
+def is_limit(fit: Fit, name: str) -> bool:
+    """Whether an effect's shape has gone to an end of its range: then it is another
+    effect's limit, not a rival of its own.
+    """
+    for i, f in enumerate(fit.model.free):
+        if f.effect != name or not f.log:
+            continue
+        low, high = np.log(f.low), np.log(f.high)
+        edge = 0.02 * (high - low)
+        if fit.theta[i] < low + edge or fit.theta[i] > high - edge:
+            return True
+    return False
+
+
+def _classes(
+    search: Search, found: Fit, rivals: Sequence[Fit], mismatch: bool
+) -> tuple[list[list[str]], list[list[str]]]:
+    names = found.model.names
+    reference = total(search, found)
+    # A law that does not fit is chosen by what it leaves: noise is not the measure.
+    tie = max(TIE, 0.1 * found.chi2) if mismatch else TIE
+    classes = [[name] for name in names]
+    sets: list[list[str]] = []
+    for rival in rivals:
+        if total(search, rival) - reference > tie:
+            continue
+        new = [n for n in rival.model.names if n not in names]
+        gone = [n for n in names if n not in rival.model.names]
+        if len(new) != 1 or len(gone) != 1 or is_limit(rival, new[0]):
+            continue
+        place = names.index(gone[0])
+        mine = sum(f.effect == gone[0] for f in found.model.free)
+        theirs = sum(f.effect == new[0] for f in rival.model.free)
+        if theirs > mine and _contains(search, rival, new[0], mine):
+            continue
+        if new[0] not in classes[place]:
+            classes[place].append(new[0])
+    for key, fit in search.fits.items():
+        if len(key) != len(names) or key == frozenset(names):
+            continue
+        if len(key & set(names)) >= len(names) - 1 and len(names) > 1:
+            continue
+        if len(names) > 1 and total(search, fit) - reference <= tie:
+            sets.append(sorted(key))
+    return classes, sets
+
+
+def _contains(search: Search, rival: Fit, name: str, few: int) -> bool:
+    """Whether the rival has freedom that the data do not use.
+
+    A wider law that ties is the narrower one's limit when its parameters can all be
+    seen; where part of it cannot be seen at all it is a rival.
+    """
+    rows = [i for i, f in enumerate(rival.model.free) if f.effect == name]
+    spread = np.sqrt(np.diag(rival.covariance)) if rival.covariance.size else np.zeros(0)
+    if not spread.size:
+        return True
+    seen = sum(spread[i] < rival.model.free[i].size for i in rows)
+    return seen > few
+
+
+def _with_ranks(search: Search, choice: Choice, fits: Sequence[Fit]) -> Choice:
+    """Order the fits, and weigh them against each other."""
+    unique = {frozenset(f.model.names): f for f in fits}
+    unique[frozenset(choice.fit.model.names)] = choice.fit
+    ranked = sorted(unique.values(), key=lambda fit: total(search, fit))
+    scores = np.array([total(search, fit) for fit in ranked])
+    # Sets that leave more than noise are no explanations, however they rank.
+    weights = np.exp(-0.5 * (scores - scores.min()) / TEMPER)
+    weights /= weights.sum()
+    choice.ranked = list(zip(ranked, weights.tolist(), strict=True))
+    choice.probability = _probability(search, choice)
+    return choice
+
+
+def _probability(search: Search, choice: Choice) -> float:
+    none = total(search, search.none)
+    if choice.status == "none":
+        best = min((total(search, f) for f, _ in choice.ranked if f.model.names), default=none)
+        missed = 0.5 * np.exp(-0.5 * max(GAIN - (none - best), 0.0) / 4.0)
+        return float(np.clip(1.0 - missed - 0.02, 0.5, 0.98))
+    if choice.status == "unexplained":
+        sure = choice.lack.deviations
+        return float(np.clip(1.0 - 0.4 * np.exp(-(sure - 5.0) / 4.0) - 0.05, 0.5, 0.95))
+    inside = 0.0
+    allowed = [set(c) for c in choice.classes]
+    sets = [set(s) for s in choice.sets]
+    for fit, weight in choice.ranked:
+        names = set(fit.model.names)
+        fits_class = len(names) == len(allowed) and all(names & c for c in allowed)
+        # Wider laws and supersets of the chosen one are not against it.
+        if fits_class or names in sets or names >= set(choice.fit.model.names):
+            inside += weight
+    gain = none - total(search, choice.fit)
+    found = 1.0 - 0.5 * np.exp(-0.5 * max(gain - GAIN, 0.0) / 4.0)
+    trust = 0.9 if choice.law_mismatch else 0.98
+    return float(np.clip(inside * found * trust, 0.01, 0.98))

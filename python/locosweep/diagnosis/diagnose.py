@@ -1,0 +1,325 @@
+"""The diagnosis: runs and a nominal model in, where, which and how much out."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import polars as pl
+
+from locosweep import _core
+from locosweep.diagnosis import sentences, where
+from locosweep.diagnosis.choose import choose
+from locosweep.diagnosis.experiment import next_experiment
+from locosweep.diagnosis.fit import Nuisances, point_of
+from locosweep.diagnosis.gate import check_runs, hold_out, moving_starts
+from locosweep.diagnosis.problem import FITTED, Problem
+from locosweep.diagnosis.result import Diagnosis, Trace
+from locosweep.diagnosis.search import Search
+from locosweep.diagnosis.shrink import gap_of
+from locosweep.diagnosis.starts import candidates, scale_of
+from locosweep.diagnosis.visible import not_visible
+from locosweep.engine import whole
+from locosweep.errors import InputError
+from locosweep.files import Robot, load_robot
+from locosweep.measured import Run, load_runs, runs_from_frame
+from locosweep.replay import effect
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable, Mapping, Sequence
+
+    from locosweep.diagnosis.choose import Choice
+    from locosweep.diagnosis.fit import Fit
+
+__all__ = ["diagnose"]
+
+_CANDIDATES = 8
+"""Candidates that the report shows."""
+
+
+def diagnose(
+    runs: str | os.PathLike[str] | pl.DataFrame | Mapping[str, Any],
+    nominal: str | os.PathLike[str] | Robot,
+    *,
+    holdout: Sequence[str] | None = None,
+    max_effects: int = 3,
+    seed: int = 0,
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    threads: int | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Diagnosis:
+    """Say where measured runs leave their nominal model, and which effect makes them.
+
+    Parameters
+    ----------
+    runs : path-like, polars.DataFrame or mapping of str to array
+        Measured runs, long form: columns t, drive and x, and if measured run, v,
+        x_rear, force, power, slope_deg (SI units).
+    nominal : path-like or Robot
+        The nominal model (`load_robot`).
+    holdout : sequence of str, optional
+        Runs kept from fits and choice; chosen by the program if not given.
+    max_effects : int
+        Effects at once, at most: 1 to 3.
+    seed : int
+        Of the resampling that intervals come from.
+    columns, units : mapping of str to str, optional
+        As in `locosweep.measured.load_runs`; only where `runs` is a file.
+    threads : int, optional
+        As in `sweep`. The report does not depend on it.
+    progress : callable, optional
+        Is told what is being done.
+
+    Returns
+    -------
+    Diagnosis
+        The report and all that its pictures need.
+
+    Raises
+    ------
+    InputError, DataFileError
+        What was wrong with an argument or a file, in one line.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import locosweep as ls
+    >>> from locosweep.files import Robot
+    >>> robot = Robot({"mass": 0.2, "mu_coulomb": 0.3, "gravity": 9.81, "segments": 4.0})
+    >>> t = np.linspace(0.0, 2.0, 201)
+    >>> drive = np.where(t > 0.1, 0.8 + 0.2 * np.sin(6.0 * t), 0.0)
+    >>> noise = np.random.default_rng(0).normal(0.0, 1e-5, t.size)
+    >>> runs = {"t": t, "drive": drive, "x": noise}
+    >>> ls.diagnose(runs, robot).status in ("explained", "ambiguous", "unexplained")
+    True
+    """
+    if not 1 <= max_effects <= 3:
+        raise InputError(f"max_effects is {max_effects}: allowed is 1 to 3")
+    say = progress or (lambda _: None)
+    workers = _core.threads_to_use(whole("threads", threads))
+    robot = nominal if isinstance(nominal, Robot) else load_robot(nominal)
+    if robot.effects:
+        names = ", ".join(robot.effects)
+        raise InputError(f"the nominal model has effects ({names}): allowed is a model without")
+    say("reading")
+    records, notices, digest = _read(runs, columns or {}, units or {})
+    warnings = [*notices, *check_runs(records, robot)]
+    held, tail, by_user = hold_out(records, holdout, warnings)
+    problem = Problem(robot, records, workers, held=held, tail=tail)
+    scale = scale_of(robot, records)
+    names, left_out = candidates(robot, records, scale)
+    nuisances = Nuisances(moving_starts(problem), _spread(robot), scale.speed)
+    search = Search(problem, nuisances, scale, tuple(names), say, judges=not by_user)
+    choice = choose(search, max_effects)
+    say("where the gap lies")
+    return _report(search, choice, (robot, nominal), (digest, seed), warnings, left_out)
+
+
+def _read(
+    runs: Any, columns: Mapping[str, str], units: Mapping[str, str]
+) -> tuple[list[Run], list[str], str]:
+    if isinstance(runs, pl.DataFrame):
+        frame = runs
+    elif hasattr(runs, "items"):
+        try:
+            frame = pl.DataFrame({str(k): np.asarray(v) for k, v in runs.items()})
+        except Exception as error:
+            raise InputError(f"runs: not columns of one length: {error}") from None
+    else:
+        records, notices = load_runs(runs, columns, units)
+        return records, notices, hashlib.sha256(Path(runs).read_bytes()).hexdigest()
+    if columns or units:
+        raise InputError("columns and units: allowed only where runs is a file")
+    digest = hashlib.sha256(frame.write_csv().encode()).hexdigest()
+    return runs_from_frame(frame), [], digest
+
+
+def _spread(robot: Robot) -> tuple[float, float, float, float]:
+    """Standard deviations that the nominal file allows; 0 where its value is exact."""
+    keys = ("mass", "mu_coulomb", "gain", "clock")
+    found = [float(robot.other.get(f"uncertainty.{key}", 0.0)) for key in keys]
+    return found[0], found[1], found[2], found[3]
+
+
+def _report(
+    search: Search,
+    choice: Choice,
+    model: tuple[Robot, Any],
+    provenance: tuple[str, int],
+    warnings: list[str],
+    left_out: Mapping[str, str],
+) -> Diagnosis:
+    problem = search.problem
+    robot, given = model
+    named = choice.status in ("explained", "ambiguous")
+    fit = choice.fit if named else search.none
+    base, point = search.none, point_of(problem, fit)
+    nominal_point = point_of(problem, base)
+    chosen = fit.named() if named else {}
+    augmented = replace(robot, effects=chosen)
+    digest, seed = provenance
+    gap, tables = gap_of(problem, nominal_point, point, seed, warnings)
+    everything = list(range(len(problem.runs)))
+    before = problem.replay([nominal_point], everything)
+    after = problem.replay([point], everything)
+    channel = gap["channel"] or "x"
+    squares = _squares(problem, before, channel)
+    regimes = [where.regimes_of(problem, r) for r in everything]
+    effects_of = list(fit.model.names) if named else []
+    effects_of = _by_weight(search, fit) if len(effects_of) > 1 else effects_of
+    order = [choice.fit.model.names.index(name) for name in effects_of]
+    site = effect(effects_of[0]).site if effects_of else None
+    classes = [choice.classes[i] for i in order] if named else []
+    verdict = {
+        "status": choice.status,
+        "effects": effects_of,
+        "probability": choice.probability,
+        "equivalent": classes,
+        "alternatives": choice.sets,
+        "law_mismatch": choice.law_mismatch,
+        "summary": "",
+    }
+    report: dict[str, Any] = {
+        "schema": "locosweep.diagnosis/1",
+        "verdict": verdict,
+        "gap": gap,
+        "where": {
+            "channels": tables["channels"],
+            "runs": tables["runs"],
+            "windows": where.windows(problem, squares),
+            "origin": where.origin(problem, nominal_point),
+            "regimes": where.regime_shares(squares, regimes),
+            "site": site,
+        },
+        "candidates": _candidates(search, choice, gap, seed),
+        "not_visible": not_visible(search, left_out),
+        "next_experiment": _next(search, choice, classes),
+        "warnings": warnings,
+        "provenance": {
+            "locosweep": _core.version(),
+            "runs_sha256": digest,
+            "nominal_sha256": _digest_of(given, robot),
+            "seed": seed,
+            "largest_rest": {
+                "channel": choice.lack.channel,
+                "samples": choice.lack.block,
+                "deviations": choice.lack.deviations,
+            },
+            "start_speed_free": [problem.runs[r].label for r in search.nuisances.moving],
+        },
+    }
+    if choice.shape:
+        report["gap"]["left"] = [{"variable": v, "share": s} for v, s in choice.shape[:5]]
+    verdict["summary"] = sentences.summary(report)
+    traces = _traces(problem, before, after, regimes)
+    details = {
+        "noise": {c: n.sd for c, n in problem.noise.items()},
+        "force_view": where.force_view(problem, nominal_point, problem.nominal["mass"]),
+    }
+    if not isinstance(given, Robot):
+        details["nominal_text"] = Path(given).read_text(encoding="utf-8")
+    return Diagnosis(report, traces, robot, augmented, details)
+
+
+def _squares(problem: Problem, read: dict[str, Any], channel: str) -> list[Any]:
+    """Squared residuals of the model, run by run; 0 where nothing was measured."""
+    e = problem.measured[channel] - read[channel][0]
+    if channel == "x_rear":
+        e = e - np.repeat(problem.rest[channel], problem.lengths)
+    return np.split(np.nan_to_num(e) ** 2, problem.starts_at[1:-1])
+
+
+def _by_weight(search: Search, fit: Fit) -> list[str]:
+    """Effects of a set by what the fit loses without each, first what it loses most."""
+    from locosweep.diagnosis.fit import evaluate
+
+    losses = []
+    for name in fit.model.names:
+        keep = [i for i, f in enumerate(fit.model.free) if f.effect != name]
+        tail = list(range(len(fit.model.free), fit.theta.size))
+        rest = search.model([n for n in fit.model.names if n != name])
+        without = type(fit)(rest, fit.nuisances, fit.theta[keep + tail])
+        evaluate(search.problem, [without])
+        losses.append(without.chi2)
+    order = np.argsort(-np.array(losses), kind="stable")
+    return [fit.model.names[i] for i in order]
+
+
+def _candidates(search: Search, choice: Choice, gap: dict[str, Any], seed: int) -> list[dict[str, Any]]:
+    rows = []
+    shown = list(choice.ranked[:_CANDIDATES])
+    chosen = frozenset(choice.fit.model.names)
+    if not any(frozenset(f.model.names) == chosen for f, _ in shown):
+        shown += [pair for pair in choice.ranked if frozenset(pair[0].model.names) == chosen]
+    points = [point_of(search.problem, f) for f, _ in shown]
+    nominal = point_of(search.problem, search.none)
+    for (fit, weight), point in zip(shown, points, strict=True):
+        own, _ = gap_of(search.problem, nominal, point, seed, [], channel=gap["channel"])
+        parameters: dict[str, dict[str, Any]] = {name: {} for name in fit.model.names}
+        for f, value, std in zip(fit.model.free, fit.parameters, fit.stds, strict=True):
+            size = np.inf if f.log else f.size
+            parameters[f.effect][f.name] = {
+                "value": float(value),
+                "std": float(std) if std < 1e3 * max(size, abs(value)) else None,
+                "unit": f.unit,
+            }
+        rows.append(
+            {
+                "effects": list(fit.model.names),
+                "probability": float(weight),
+                "gap_after": own["after"],
+                "shrink": own["shrink"],
+                "shrink_ci": own["shrink_ci"],
+                "parameters": parameters,
+            }
+        )
+    return rows
+
+
+def _next(search: Search, choice: Choice, classes: list[list[str]]) -> dict[str, Any]:
+    if choice.status != "ambiguous":
+        return {"separates": [], "suggestion": None}
+    rivals = []
+    for place, name in enumerate(choice.fit.model.names):
+        for other in choice.classes[place]:
+            key = frozenset(other if n == name else n for n in choice.fit.model.names)
+            if other != name and key in search.fits:
+                rivals.append(search.fits[key])
+    rivals += [search.fits[frozenset(s)] for s in choice.sets if frozenset(s) in search.fits]
+    if not rivals:
+        return {"separates": [], "suggestion": None}
+    search.report("next experiment")
+    return next_experiment(search, choice.fit, rivals)
+
+
+def _traces(
+    problem: Problem, before: dict[str, Any], after: dict[str, Any], regimes: list[Any]
+) -> tuple[Trace, ...]:
+    traces = []
+    for r, run in enumerate(problem.runs):
+        a, b = problem.starts_at[r], problem.starts_at[r + 1]
+        traces.append(
+            Trace(
+                run.label,
+                run.t,
+                run.drive,
+                problem.nominal["slope_deg"] if run.slope_deg is None else run.slope_deg,
+                dict(run.channels),
+                {c: before[c][0, a:b] for c in FITTED},
+                {c: after[c][0, a:b] for c in FITTED},
+                regimes[r],
+                r in problem.held,
+            )
+        )
+    return tuple(traces)
+
+
+def _digest_of(given: Any, robot: Robot) -> str:
+    if isinstance(given, Robot):
+        return hashlib.sha256(repr(robot).encode()).hexdigest()
+    return hashlib.sha256(Path(given).read_bytes()).hexdigest()

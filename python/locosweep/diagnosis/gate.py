@@ -1,0 +1,125 @@
+"""The data gate: what runs cannot carry, which are kept from fits, how they start."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from locosweep.diagnosis.where import measured_motion
+from locosweep.errors import DataFileError, InputError
+from locosweep.replay import nominal_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from locosweep.diagnosis.problem import Problem
+    from locosweep.files import Robot
+    from locosweep.measured import Run
+
+__all__ = ["check_runs", "hold_out", "moving_starts"]
+
+_TAIL = 0.7
+"""Share of a single run that fits see."""
+_FEW = 4
+"""Runs below which answers are wider."""
+
+
+def check_runs(runs: Sequence[Run], robot: Robot) -> list[str]:
+    """Return warnings; DataFileError where nothing at all can be said."""
+    nominal = nominal_of(robot)
+    warnings = []
+    if not any(np.isfinite(run.channels["x"]).sum() >= 20 for run in runs):
+        raise DataFileError("runs: column x has fewer than 20 values in every run")
+    if len(runs) == 1:
+        warnings.append("one run only: its last part is the check, and nothing repeats")
+    elif len(runs) < _FEW:
+        warnings.append(f"{len(runs)} runs only: answers are wider than with {_FEW} or more")
+    drives = [run.drive for run in runs]
+    if all(np.ptp(drive) == 0.0 for drive in drives):
+        warnings.append("the drive is constant in every run: effects of the drive hardly show")
+    elif len(runs) > 1 and len({drive.tobytes() for drive in drives}) == 1:
+        warnings.append("every run has the same drive: fewer effects can be told apart")
+    weight = nominal["mass"] * nominal["gravity"]
+    moved = [float(np.ptp(x[np.isfinite(x)])) for run in runs if (x := run.channels["x"]).any()]
+    span = max(moved, default=0.0)
+    noise = float(robot.other.get("sensor.position_noise", 0.0))
+    noise = max(noise, float(robot.other.get("sensor.position_resolution", 0.0)))
+    if span <= 8.0 * noise or span == 0.0:
+        warnings.append("the head never moves beyond the noise in these runs: little can be seen")
+    top = max(float(np.abs(drive).max()) for drive in drives) * nominal["gain"]
+    time = max(float(run.since_start[-1]) for run in runs)
+    free = 0.5 * (top + weight) / nominal["mass"] * time**2
+    if "gravity_torque" not in nominal and span > 3.0 * free + 100.0 * noise:
+        warnings.append(
+            f"x spans {span:.3g} m, more than the drive could move the head without friction "
+            f"({free:.3g} m): is x in another unit than m (--unit x=mm)?"
+        )
+    for run in runs:
+        steps = np.diff(run.t)
+        if steps.max() > 10.0 * np.median(steps):
+            warnings.append(
+                f"run {run.label}: a gap of {steps.max():.3g} s between samples, "
+                "the drive is held over it"
+            )
+        x = run.channels["x"]
+        gone = float((~np.isfinite(x)).mean())
+        if gone > 0.2:
+            warnings.append(f"run {run.label}: {gone:.0%} of x is missing")
+    return warnings
+
+
+def hold_out(
+    runs: Sequence[Run], asked: Sequence[str] | None, warnings: list[str]
+) -> tuple[tuple[int, ...], float, bool]:
+    """Return the runs kept from fits, the share of a run that fits see, and who chose."""
+    labels = [run.label for run in runs]
+    if asked:
+        for label in asked:
+            if label not in labels:
+                raise InputError(f"holdout: no run {label}: there are {', '.join(labels)}")
+        held = tuple(i for i, label in enumerate(labels) if label in asked)
+        if len(held) == len(runs):
+            raise InputError("holdout: all runs are kept from the fit: leave at least one")
+        return held, 1.0, True
+    if len(runs) == 1:
+        return (), _TAIL, False
+    # The runs in the middle by their drive: neither the richest nor the poorest,
+    # and no slope that only they have.
+    size = np.array([float(np.sqrt(np.mean(run.drive**2))) for run in runs])
+    slopes = [run.slope_deg for run in runs]
+    order = sorted(
+        range(len(runs)),
+        key=lambda i: (slopes.count(slopes[i]) == 1, abs(size[i] - np.median(size)), i),
+    )
+    count = max(1, len(runs) // 4)
+    return tuple(sorted(order[:count])), 1.0, False
+
+
+def moving_starts(problem: Problem) -> tuple[int, ...]:
+    """Runs that begin in motion; the speed of the others is set to 0.
+
+    A speed that is measured carries noise: within it the head is taken to rest.
+    """
+    moving = []
+    for r, run in enumerate(problem.runs):
+        few = int(np.clip(run.t.size // 40, 8, 60))
+        t, x = run.since_start[:few], run.channels["x"][:few]
+        ok = np.isfinite(x)
+        problem.begin[r, 1] = 0.0
+        if ok.sum() < 6:
+            continue
+        # A parabola: the head may also start from rest at once.
+        base = np.vander(t[ok], 3)
+        fit, *_ = np.linalg.lstsq(base, x[ok], rcond=None)
+        spread = np.sqrt(np.linalg.inv(base.T @ base)[1, 1]) * problem.noise["x"].sd
+        speed, sure = float(fit[1]), abs(fit[1]) > 5.0 * spread
+        if "v" in run.channels and np.isfinite(run.channels["v"][0]):
+            first = float(run.channels["v"][0])
+            sure = abs(first) > 5.0 * problem.noise["v"].sd
+            speed = first if sure else 0.0
+        _, v, deviation = measured_motion(problem, r)
+        if sure and abs(speed) > max(3.0 * deviation, 0.02 * float(np.abs(v).max())):
+            problem.begin[r, 1] = speed
+            moving.append(r)
+    return tuple(moving)

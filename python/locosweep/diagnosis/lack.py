@@ -1,0 +1,105 @@
+"""Lack of fit: whether residuals still hold together over more samples than noise does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from locosweep.diagnosis.problem import Problem
+
+__all__ = ["Lack", "blocks_of", "lack_of", "white"]
+
+BLOCKS = (1, 4, 16, 64, 256)
+"""Samples whose mean is looked at."""
+LIMIT = 5.0
+"""Deviations beyond which means of blocks are not noise.
+
+Five scales, three channels and the tails of chi2 make 5 one in some 3000 runs
+of white noise; what is left of an alien cause of size 10 stands at 5 or more.
+"""
+
+
+@dataclass(frozen=True)
+class Lack:
+    """Worst excess of block means over noise.
+
+    `deviations` says how sure it is, `excess` how large the rest is: its root mean
+    square in units of the noise.
+    """
+
+    channel: str
+    block: int
+    deviations: float
+    excess: float
+
+    @property
+    def is_there(self) -> bool:
+        return self.deviations > LIMIT
+
+
+def blocks_of(problem: Problem, residual: NDArray[np.float64], runs: Sequence[int] | None = None):
+    """Yield channel, run and its whitened residuals, samples without weight left out."""
+    chosen = problem.fitted if runs is None else list(runs)
+    at = 0
+    for c in problem.channels:
+        for r in chosen:
+            n = int(problem.lengths[r])
+            a = int(problem.starts_at[r])
+            counts = problem.weights[c][a : a + n] > 0.0
+            part = residual[at : at + n]
+            counts = counts & problem.seen[a : a + n] if runs is None else counts
+            yield c, r, part[counts]
+            at += n
+
+
+def white(values: NDArray[np.float64]) -> float:
+    """Variance of what differs from sample to sample, robustly."""
+    if values.size < 16:
+        return 1.0
+    third = np.abs(np.diff(values, 3))
+    return float((np.median(third) / 0.6745) ** 2 / 20.0)
+
+
+def lack_of(
+    problem: Problem, residual: NDArray[np.float64], runs: Sequence[int] | None = None
+) -> Lack:
+    """Look at residuals of a fit for what noise would not leave."""
+    parts: dict[str, list[NDArray[np.float64]]] = {}
+    for c, _, values in blocks_of(problem, residual, runs):
+        parts.setdefault(c, []).append(values)
+    worst = Lack("x", 1, -np.inf, 0.0)
+    for c, runs_of in parts.items():
+        total = np.concatenate(runs_of) if runs_of else np.zeros(0)
+        if total.size < 32:
+            continue
+        base = max(white(total), 0.5)
+        mean = float(total @ total) / total.size
+        excess = float(np.sqrt(max(mean - base, 0.0)))
+        for n in BLOCKS:
+            sums = [_sums(values, n) for values in runs_of if values.size >= n]
+            if not sums:
+                continue
+            squares = np.concatenate(sums) ** 2 / base
+            count = squares.size
+            if count < 4:
+                continue
+            # Wilson and Hilferty make chi2 normal far into its tail.
+            z = ((squares.sum() / count) ** (1 / 3) - (1 - 2 / (9 * count))) / np.sqrt(
+                2 / (9 * count)
+            )
+            if z > worst.deviations:
+                worst = Lack(c, n, float(z), excess)
+    return worst
+
+
+def _sums(values: NDArray[np.float64], n: int) -> NDArray[np.float64]:
+    used = values[: values.size // n * n].reshape(-1, n)
+    sums: NDArray[np.float64] = used.sum(axis=1) / np.sqrt(n)
+    return sums

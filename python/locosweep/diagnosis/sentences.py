@@ -1,0 +1,38 @@
+"""The verdict as a sentence."""
+
+from __future__ import annotations
+
+from typing import Any
+
+__all__ = ["summary"]
+
+
+def _said(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def summary(report: dict[str, Any]) -> str:
+    """Return the verdict of a report as one sentence for a person."""
+    verdict, gap = report["verdict"], report["gap"]
+    sure = f"{verdict['probability']:.0%}"
+    if verdict["status"] == "none":
+        return f"The nominal model accounts for these runs: no gap beyond the noise ({sure} sure)."
+    before = gap["before"] / gap["noise_floor"] if gap["noise_floor"] else float("nan")
+    size = f"the gap in {gap['channel']} is {before:.3g} times the noise"
+    if verdict["status"] == "unexplained":
+        best = next((c for c in report["candidates"] if c["effects"]), None)
+        near = ""
+        if best and best["shrink"] is not None:
+            near = f"; nearest comes {' with '.join(map(_said, best['effects']))}, which leaves more than noise"
+        return f"A gap is there that no known effect accounts for: {size}{near} ({sure} sure)."
+    causes = [" or ".join(_said(n) for n in names) for names in verdict["equivalent"]]
+    cause = " and ".join(f"({c})" if " or " in c and len(causes) > 1 else c for c in causes)
+    text = f"The gap comes from {cause}"
+    if verdict["law_mismatch"]:
+        text += ", by another law than the usual formula"
+    if gap["shrink"] is not None:
+        text += f": with it the error in {gap['channel']} falls by {gap['shrink']:.1%}"
+        text += f" to {gap['after']:.2g} {gap['unit']} (noise {gap['noise_floor']:.2g})"
+    if verdict["status"] == "ambiguous":
+        text += "; these runs cannot tell which"
+    return f"{text} ({sure} sure)."

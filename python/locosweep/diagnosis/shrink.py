@@ -1,0 +1,140 @@
+"""How far the gap shrinks on what fits have not seen, with its interval."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from locosweep.diagnosis.where import horizons
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from locosweep.diagnosis.problem import Point, Problem
+
+__all__ = ["UNITS", "gap_of"]
+
+UNITS = {"x": "m", "v": "m/s", "x_rear": "m", "force": "N", "power": "W"}
+_ROTARY = {"x": "rad", "v": "rad/s", "force": "N m"}
+_HORIZONS = (0.1, 0.5, 2.0)
+_RESAMPLES = 400
+_BLOCKS = 8
+"""Blocks of a run that are drawn where there are too few runs to draw whole ones."""
+
+
+def _errors(problem: Problem, point: Point, channel: str) -> list[NDArray[np.float64]]:
+    """Squared errors run by run, start offsets taken out as far as their noise goes."""
+    found = problem.replay([point], range(len(problem.runs)))[channel][0]
+    e = problem.measured[channel] - found
+    if channel == "x_rear":
+        e = e - np.repeat(problem.rest[channel], problem.lengths)
+    parts = np.split(e, problem.starts_at[1:-1])
+    if channel in problem.priors:
+        noise = problem.noise[channel].sd
+        for r, part in enumerate(parts):
+            ok = np.isfinite(part)
+            prior = problem.priors[channel][r]
+            worth = ok.sum() / noise**2
+            part -= np.nansum(part) / noise**2 / (worth + prior**-2.0)
+    return [part**2 for part in parts]
+
+
+def _rms(squares: list[NDArray[np.float64]]) -> float:
+    values = np.concatenate(squares) if squares else np.zeros(0)
+    values = values[np.isfinite(values)]
+    return float(np.sqrt(values.mean())) if values.size else float("nan")
+
+
+def gap_of(
+    problem: Problem,
+    before: Point,
+    after: Point,
+    seed: int,
+    warnings: list[str],
+    *,
+    channel: str | None = None,
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the report's `gap`, and its tables by channel and by run."""
+    units = {**UNITS, **(_ROTARY if "gravity_torque" in problem.nominal else {})}
+    one = problem.tail < 1.0
+    held = list(problem.held) or list(range(len(problem.runs)))
+    errors = {
+        c: (_errors(problem, before, c), _errors(problem, after, c)) for c in problem.channels
+    }
+
+    def judged(squares: list[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
+        if one:
+            seen = np.split(problem.seen, problem.starts_at[1:-1])
+            return [s[~k] for s, k in zip(squares, seen, strict=True)]
+        return [squares[r] for r in held]
+
+    ratios = {c: _rms(judged(e[0])) / problem.noise[c].sd for c, e in errors.items()}
+    known = {c: ratio for c, ratio in ratios.items() if np.isfinite(ratio)}
+    channel = channel or (max(known, key=lambda c: known[c]) if known else "x")
+    old, new = errors[channel]
+    gap_before, gap_after = _rms(judged(old)), _rms(judged(new))
+    floor = problem.noise[channel].sd
+    same = before.names == after.names
+    shrink = explained = None
+    interval: list[float] | None = None
+    if gap_before > 0.0 and np.isfinite(gap_before) and gap_before > 1.05 * floor:
+        shrink = 0.0 if same else 1.0 - gap_after / gap_before
+        if gap_before**2 > 1.2 * floor**2:
+            part = (gap_after**2 - floor**2) / (gap_before**2 - floor**2)
+            explained = 0.0 if same else 1.0 - part
+        interval = [0.0, 0.0] if same else _interval(problem, (old, new), shrink, seed)
+    elif not same:
+        warnings.append(
+            "the runs kept from the fit show no gap beyond the noise: "
+            "how far it shrinks there is not known"
+        )
+    rows = []
+    for c, (a, b) in errors.items():
+        total = float(np.nansum(np.concatenate(a))) / problem.noise[c].sd ** 2
+        rows.append((total, {"channel": c, "before": _rms(a), "after": _rms(b), "unit": units[c]}))
+    whole = sum(total for total, _ in rows)
+    channels = [{**row, "share": total / whole if whole else 0.0} for total, row in rows]
+    labels = [run.label for run in problem.runs]
+    gap = {
+        "channel": channel,
+        "unit": units[channel],
+        "metric": "rmse, free-running simulation, "
+        + ("last part of the run" if one else "held-out runs"),
+        "before": gap_before,
+        "after": gap_after,
+        "noise_floor": floor,
+        "shrink": shrink,
+        "shrink_ci": interval,
+        "explained": explained,
+        "horizons": horizons(problem, before, after, held, _HORIZONS) if channel == "x" else [],
+        "held_out": [labels[r] for r in problem.held],
+        "used_for_fit": [labels[r] for r in problem.fitted],
+    }
+    runs = [
+        {"run": label, "before": _rms([a]), "after": _rms([b])}
+        for label, a, b in zip(labels, old, new, strict=True)
+    ]
+    return gap, {"channels": channels, "runs": runs}
+
+
+def _interval(
+    problem: Problem,
+    errors: tuple[list[NDArray[np.float64]], list[NDArray[np.float64]]],
+    shrink: float,
+    seed: int,
+) -> list[float]:
+    """90 % interval of the shrink on as many runs like these, drawn from all of them."""
+    generator = np.random.default_rng(seed)
+    few = len(problem.runs) < 4
+    blocks: list[tuple[float, float, int]] = []
+    for a, b in zip(*errors, strict=True):
+        cuts = np.array_split(np.arange(a.size), _BLOCKS if few else 1)
+        blocks += [(float(np.nansum(a[c])), float(np.nansum(b[c])), c.size) for c in cuts]
+    table = np.array(blocks)
+    draw = max(1, len(problem.held)) * (_BLOCKS if few else 1)
+    picks = generator.integers(0, len(table), size=(_RESAMPLES, draw))
+    sums = table[picks].sum(axis=1)
+    ratios = np.sqrt(sums[:, 1] / np.maximum(sums[:, 0], 1e-300))
+    low, high = np.quantile(1.0 - ratios, [0.05, 0.95])
+    return [float(min(low, shrink)), float(max(high, shrink))]
