@@ -29,7 +29,7 @@ than one of two hundred sets of runs.
 TIE = 12.0
 """Difference in chi2 below which two explanations tie: effects that lie 2 deviations
 apart differ by less in 99 of 100 sets of runs."""
-TEMPER = 2.0
+TEMPER = 1.5
 """Differences in chi2 count for this much less than noise alone would have it."""
 
 
@@ -261,6 +261,10 @@ def _probability(search: Search, choice: Choice) -> float:
     sets = [set(s) for s in choice.sets]
     for fit, weight in choice.ranked:
         names = set(fit.model.names)
+        if names != set(choice.fit.model.names) and any(is_limit(fit, n) for n in names):
+            # Another effect's limit speaks for that effect.
+            inside += weight
+            continue
         fits_class = len(names) == len(allowed) and all(names & c for c in allowed)
         # Wider laws and supersets of the chosen one are not against it.
         if fits_class or names in sets or names >= set(choice.fit.model.names):

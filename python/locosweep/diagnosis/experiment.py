@@ -142,8 +142,9 @@ def _distance(
         heavier={place: _PAYLOAD} if name == "payload" else {},
         turned=frozenset({place}) if name == "turn round" else frozenset(),
     )
-    nuisances = replace(fit.nuisances, moving=())
-    truth = Fit(fit.model, nuisances, fit.theta[: fit.theta.size - len(fit.nuisances.moving)])
+    nuisances = replace(fit.nuisances, moving=(), places=())
+    own = len(fit.model.free) + len(nuisances.shares)
+    truth = Fit(fit.model, nuisances, fit.theta[:own])
     read = planned.replay([point_of(planned, truth)], range(place + 1))
     for c in planned.channels:
         gaps = np.isnan(planned.measured[c])
@@ -153,7 +154,7 @@ def _distance(
             planned.weights[c][: planned.starts_at[place]] = 0.0
     trials = []
     for rival in rivals:
-        theta = rival.theta[: rival.theta.size - len(rival.nuisances.moving)]
+        theta = rival.theta[: len(rival.model.free) + len(nuisances.shares)]
         trials.append(Fit(rival.model, nuisances, theta.copy()))
         new = [n for n in rival.model.names if n not in fit.model.names]
         if len(rival.model.names) == 1 and new:

@@ -35,6 +35,8 @@ class Nuisances:
     spread: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     speed: float = 1.0
     """What counts as a large start speed, m/s."""
+    places: tuple[tuple[int, float], ...] = ()
+    """Runs whose start position is shifted, with its deviation."""
 
     @property
     def shares(self) -> tuple[int, ...]:
@@ -103,6 +105,10 @@ def _bounds(fit: Fit) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray
         low.append(-np.inf)
         high.append(np.inf)
         size.append(fit.nuisances.speed)
+    for _, s in fit.nuisances.places:
+        low.append(-8 * s)
+        high.append(8 * s)
+        size.append(s)
     return np.array(low), np.array(high), np.array(size)
 
 
@@ -113,8 +119,12 @@ def _point(problem: Problem, fit: Fit, theta: NDArray[np.float64]) -> Point:
         base.values[problem.place(f.effect, f.name)] = np.exp(u) if f.log else u
     for i, u in zip(fit.nuisances.shares, theta[k:], strict=False):
         base.shares[i] = u if i == 3 else 1.0 + u
-    for r, u in zip(fit.nuisances.moving, theta[k + len(fit.nuisances.shares) :], strict=True):
+    k += len(fit.nuisances.shares)
+    for r, u in zip(fit.nuisances.moving, theta[k:], strict=False):
         base.speeds[r] = problem.begin[r, 1] + u
+    k += len(fit.nuisances.moving)
+    for (r, _), u in zip(fit.nuisances.places, theta[k:], strict=True):
+        base.places[r] = u
     return replace(base, names=fit.model.names)
 
 
@@ -124,10 +134,12 @@ def point_of(problem: Problem, fit: Fit) -> Point:
 
 
 def _prior(fit: Fit, theta: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Residuals of the uncertain shares."""
+    """Residuals of the uncertain shares and start positions."""
     k = len(fit.model.free)
     spread = np.array([fit.nuisances.spread[i] for i in fit.nuisances.shares])
-    return theta[k : k + spread.size] / spread if spread.size else np.zeros(0)
+    around = np.array([s for _, s in fit.nuisances.places])
+    last = theta.size - around.size
+    return np.concatenate([theta[k : k + spread.size] / spread, theta[last:] / around])
 
 
 def start_fits(
@@ -138,7 +150,7 @@ def start_fits(
     for row in np.atleast_2d(rows):
         logs = np.array([f.log for f in model.free], dtype=bool)
         theta = np.where(logs, np.log(np.where(logs, np.maximum(row, 1e-300), 1.0)), row)
-        rest = np.zeros(len(nuisances.shares) + len(nuisances.moving))
+        rest = np.zeros(len(nuisances.shares) + len(nuisances.moving) + len(nuisances.places))
         fits.append(Fit(model, nuisances, np.concatenate([theta, rest])))
     return fits
 
@@ -206,26 +218,40 @@ def _steps(fit: Fit, size: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.clip(step, 1e-7 * size, 3e-3 * size)
 
 
+def _local(fit: Fit) -> list[int | None]:
+    """The run that each entry of theta is about, None for all."""
+    everywhere: list[int | None] = [None] * (len(fit.model.free) + len(fit.nuisances.shares))
+    return [*everywhere, *fit.nuisances.moving, *(r for r, _ in fit.nuisances.places)]
+
+
 def _jacobians(
     problem: Problem, fits: Sequence[Fit], runs: Sequence[int] | None
 ) -> list[NDArray[np.float64]]:
     """Derivatives of the residuals, a row a parameter, by one-sided differences."""
-    points, places = [], []
+    groups: dict[int | None, list[tuple[int, int, float, NDArray[np.float64]]]] = {}
     for i, fit in enumerate(fits):
-        low, high, size = _bounds(fit)
+        _, high, size = _bounds(fit)
         step = _steps(fit, size)
         step = np.where(fit.theta + step > high, -step, step)
-        for j in range(fit.theta.size):
+        for j, run in enumerate(_local(fit)):
             theta = fit.theta.copy()
             theta[j] += step[j]
-            points.append(_point(problem, fit, theta))
-            places.append((i, step[j], theta))
-    found = problem.residuals(points, runs)
-    rows: list[list[NDArray[np.float64]]] = [[] for _ in fits]
-    for (i, step, theta), e in zip(places, found, strict=True):
-        full = np.concatenate([e, _prior(fits[i], theta)])
-        rows[i].append((full - fits[i].residual) / step)
-    return [np.array(r) for r in rows]
+            groups.setdefault(run, []).append((i, j, step[j], theta))
+    rows = [np.zeros((fit.theta.size, fit.residual.size)) for fit in fits]
+    chosen = problem.fitted if runs is None else list(runs)
+    for run, entries in groups.items():
+        points = [_point(problem, fits[i], theta) for i, _, _, theta in entries]
+        if run is not None and run not in chosen:
+            continue
+        found = problem.residuals(points, runs if run is None else [run])
+        where = slice(None) if run is None else problem.of_run(run, chosen)
+        for (i, j, step, theta), e in zip(entries, found, strict=True):
+            fit = fits[i]
+            prior = _prior(fit, theta)
+            body = fit.residual.size - prior.size
+            rows[i][j, :body][where] = (e - fit.residual[:body][where]) / step
+            rows[i][j, body:] = (prior - fit.residual[body:]) / step
+    return rows
 
 
 def _proposals(fit: Fit, jacobian: NDArray[np.float64]) -> list[tuple[Fit, float, NDArray[np.float64]]]:

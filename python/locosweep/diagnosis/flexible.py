@@ -241,7 +241,7 @@ def _whiten(
     for c in problem.channels:
         w = problem.weights[c][picked] * problem.seen[picked]
         change = {"x": dx, "v": dv}.get(c, np.zeros_like(dx)) * w
-        if c in problem.priors:
+        if c in problem.priors and not (c == "x" and problem.placed):
             prior = 1.0 / problem.priors[c][problem.fitted]
             bottom = np.add.reduceat(w * w, edges) + prior**2
             offset = np.add.reduceat(change * w, edges, axis=1) / bottom

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -38,6 +38,8 @@ class Point:
     """Factors on mass, Coulomb level and gain, and the clock offset in s."""
     speeds: NDArray[np.float64]
     """Start speed of each run."""
+    places: NDArray[np.float64]
+    """Shift of each run's start position, where the motion depends on it."""
 
 
 @dataclass
@@ -60,6 +62,10 @@ class Problem:
     heavier: dict[int, float] = field(default_factory=dict)
     """Factor on the known mass, of runs with a payload."""
     turned: frozenset[int] = frozenset()
+    starting: tuple[int, ...] = ()
+    """Runs that begin in motion."""
+    pace: float = 1.0
+    """A large speed of this rig, m/s."""
     """Runs of a robot that was turned round: an error of the slope has the other sign."""
     noise: dict[str, Noise] = field(init=False)
     nominal: dict[str, float] = field(init=False)
@@ -151,7 +157,13 @@ class Problem:
             np.zeros(_core.effect_parameter_count()),
             np.array([1.0, 1.0, 1.0, 0.0]),
             self.begin[:, 1].copy(),
+            np.zeros(len(self.runs)),
         )
+
+    @property
+    def placed(self) -> bool:
+        """Whether the motion itself depends on where a run starts: that of a pendulum."""
+        return "gravity_torque" in self.nominal
 
     def place(self, name: str, parameter: str) -> int:
         """Return the place of a parameter among those of all effects."""
@@ -171,7 +183,9 @@ class Problem:
         ]
         values = np.repeat([p.values for p in points], len(chosen), axis=0)
         shares = np.repeat([p.shares for p in points], len(chosen), axis=0)
-        starts = np.array([(self.begin[r, 0], p.speeds[r]) for p in points for r in chosen])
+        starts = np.array(
+            [(self.begin[r, 0] + p.places[r], p.speeds[r]) for p in points for r in chosen]
+        )
         if self.heavier or self.turned:
             number = np.tile(np.array(list(chosen)), len(points))
             for r, factor in self.heavier.items():
@@ -210,7 +224,7 @@ class Problem:
         for c in self.channels:
             y, w = self.measured[c][picked], self.weights[c][picked] * self.seen[picked]
             e = np.where(w > 0.0, y, 0.0) - found[c]
-            if c in self.priors:
+            if c in self.priors and not (c == "x" and self.placed):
                 if c == "x_rear":
                     e -= np.repeat(self.rest[c][chosen], self.lengths[chosen])
                 e *= w
@@ -225,6 +239,20 @@ class Problem:
             rows.append(e)
         return np.concatenate(rows + extra, axis=1)
 
+    def of_run(self, run: int, chosen: Sequence[int]) -> NDArray[np.intp]:
+        """Return where the residuals of one run lie among those of several."""
+        chosen = list(chosen)
+        place = chosen.index(run)
+        lengths = self.lengths[chosen]
+        first, samples = int(lengths[:place].sum()), int(lengths.sum())
+        count = int(self.lengths[run])
+        own = [np.arange(c * samples + first, c * samples + first + count)
+               for c in range(len(self.channels))]  # fmt: skip
+        offsets = [c for c in self.channels if c in self.priors and not (c == "x" and self.placed)]
+        base = len(self.channels) * samples
+        own += [np.array([base + k * len(chosen) + place]) for k in range(len(offsets))]
+        return np.concatenate(own)
+
     def unseen(self, points: Sequence[Point]) -> NDArray[np.float64]:
         """Return whitened residuals of what fits do not see, in the form of `residuals`.
 
@@ -238,7 +266,7 @@ class Problem:
             for c in self.channels:
                 w = self.weights[c]
                 e = (np.where(w > 0.0, self.measured[c], 0.0) - found[c]) * w
-                if c in self.priors:
+                if c in self.priors and not (c == "x" and self.placed):
                     if c == "x_rear":
                         e -= np.repeat(self.rest[c], self.lengths) * w
                     wf = w * self.seen
@@ -249,7 +277,37 @@ class Problem:
             return np.concatenate(rows, axis=1)
         if not self.held:
             return np.zeros((len(points), 0))
-        return self.residuals(points, self.held)
+        e = self.residuals(points, self.held)
+        kinds = []
+        if self.placed:
+            kinds.append(("places", self.priors["x"]))
+        if any(r in self.starting for r in self.held):
+            free = np.isin(np.arange(len(self.runs)), self.starting)
+            kinds.append(("speeds", np.where(free, 1e30, 1e-30)))
+        return self._started(points, e, kinds) if kinds else e
+
+    def _started(
+        self,
+        points: Sequence[Point],
+        e: NDArray[np.float64],
+        kinds: list[tuple[str, NDArray[np.float64]]],
+    ) -> NDArray[np.float64]:
+        """Fit how runs start, to first order, and take that out of their residuals."""
+        columns = []
+        for kind, spread in kinds:
+            step = np.where(spread < 1e20, 0.1 * spread, 1e-4 * self.pace)
+            step = np.maximum(step, 1e-12)
+            moved = [replace(p, **{kind: getattr(p, kind) + step}) for p in points]
+            columns.append((self.residuals(moved, self.held) - e, step, spread))
+        for r in self.held:
+            own = self.of_run(r, self.held)
+            jacobian = np.stack([c[:, own] / step[r] for c, step, _ in columns], axis=1)
+            prior = np.diag([min(s[r] ** -2.0, 1e60) for _, _, s in columns])
+            normal = jacobian @ jacobian.transpose(0, 2, 1) + prior
+            gradient = jacobian @ e[:, own, None]
+            shift = np.linalg.solve(normal, gradient)
+            e[:, own] -= (jacobian.transpose(0, 2, 1) @ shift)[:, :, 0]
+        return e
 
     def degrees(self) -> int:
         """Number of residuals that fits count."""

@@ -25,7 +25,9 @@ _STARTS = 3
 _PARTNERS = 8
 """Further effects that are fitted beside those found, after the scan of all."""
 _BEAM = 4
-PENALTY = 6.0
+_CLOSE = 8
+"""Fits that are followed to their end whatever the best one reaches."""
+PENALTY = 8.0
 """What a free parameter has to gain in chi2 before it counts."""
 
 
@@ -77,11 +79,13 @@ class Search:
             if base is not None:
                 rows = np.hstack([np.tile(base.parameters, (len(rows), 1)), rows])
             fits.extend(start_fits(self.problem, self.nuisances, self.model((*held, name)), rows))
-            if base is not None:
-                tail = len(base.model.free)
-                for fit in fits[-len(rows) :]:
-                    nuisance = base.theta[tail:]
-                    fit.theta[fit.theta.size - nuisance.size :] = nuisance
+            known = base or self.none
+            nuisance = known.theta[len(known.model.free) :]
+            if base is None and self.nuisances.shares:
+                # The nominal model's shares may be bent to hide the gap.
+                fits.extend(start_fits(self.problem, self.nuisances, fits[-1].model, rows))
+            for fit in fits[-len(rows) :]:
+                fit.theta[fit.theta.size - nuisance.size :] = nuisance
         self._scan(fits)
         groups = [sorted([f for f in fits if f.model.names[-1] == n], key=_chi2) for n in partners]
         groups = sorted((g for g in groups if g), key=lambda g: g[0].chi2)[:keep]
@@ -92,9 +96,13 @@ class Search:
         for group in groups:
             mine = sorted([f for f in starts if f.model is group[0].model], key=_chi2)
             best.extend(f for f in mine if f.chi2 < 1.3 * mine[0].chi2 + 20.0)
-        for fit in best:
+        least = min((f.chi2 for f in best), default=np.inf)
+        order = sorted(best, key=_chi2)
+        # Those that are far behind stay as they are.
+        close = [f for i, f in enumerate(order) if i < _CLOSE or f.chi2 < 10.0 * least]
+        for fit in close:
             fit.done = False
-        fit_all(self.problem, best)
+        fit_all(self.problem, close, steps=30 if self.nuisances.shares else 15)
         found = {}
         for fit in best:
             key = frozenset(fit.model.names)

@@ -30,7 +30,7 @@ def _errors(problem: Problem, point: Point, channel: str) -> list[NDArray[np.flo
     if channel == "x_rear":
         e = e - np.repeat(problem.rest[channel], problem.lengths)
     parts = np.split(e, problem.starts_at[1:-1])
-    if channel in problem.priors:
+    if channel in problem.priors and not (channel == "x" and problem.placed):
         noise = problem.noise[channel].sd
         for r, part in enumerate(parts):
             ok = np.isfinite(part)

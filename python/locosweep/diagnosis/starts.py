@@ -127,15 +127,15 @@ def _table(s: Scale) -> dict[str, dict[str, tuple[bool, float, Sequence[float], 
         },
         "presliding_compliance": {
             "sigma0": (True, 1.0, [s.level / (s.travel * r) for r in (1e-4, 1e-3, 1e-2, 1e-1)], s.level / (10 * s.travel), s.level / (1e-6 * s.travel), _NONE),
-            "sigma1": (True, 1.0, (0.3, 1.0), 1e-4 * critical(s.level / s.travel), 3 * critical(s.level / (1e-6 * s.travel)), _NONE),
+            "sigma1": (True, 1.0, (0.01, 0.5), 1e-4 * critical(s.level / s.travel), 3 * critical(s.level / (1e-6 * s.travel)), _NONE),
         },
         "direction_dependent_friction": {
             "F_c_forward": (False, s.level, (0.8, 0.95, 1.05, 1.2), 0.0, inf, s.level),
             "F_c_backward": (False, s.level, (0.8, 0.95, 1.05, 1.2), 0.0, inf, s.level),
         },
         "position_dependent_friction": {
-            "a": (False, 1.0, (0.01, 0.1), -1.0, 1.0, 0.0),
-            "L": (True, 1.0, [s.travel * r for r in np.geomspace(0.04, 3.0, 14)], 0.02 * s.travel, 10 * s.travel, _NONE),
+            "a": (False, 1.0, (0.05,), -1.0, 1.0, 0.0),
+            "L": (True, 1.0, [s.travel * r for r in np.geomspace(0.04, 3.0, 12)], 0.02 * s.travel, 10 * s.travel, _NONE),
             "p": (False, 1.0, (0.0, 1.57, 3.14, 4.71), -100.0, 100.0, _NONE),
         },
         "load_dependent_friction": {"mu_l": (False, 1.0, _SIGNED, -1.0, 10.0, 0.0)},

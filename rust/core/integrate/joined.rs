@@ -156,6 +156,15 @@ impl<'a, 'b, Q: Dry, L: Lane> Joined<'a, 'b, Q, L> {
         L::select(slides, -(state.way * at.v), self.excess(t, at).1)
     }
 
+    /// How far the drive's side has come into contact; a spring always is.
+    #[inline(always)]
+    fn depth(&self, at: &Four<L>) -> L {
+        if self.joint.is_spring {
+            return at.x.with(f64::INFINITY);
+        }
+        (at.sx - at.x).abs() - self.joint.gap
+    }
+
     /// Takes every lane to its time `until`.
     #[inline(always)]
     pub fn advance(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) {
@@ -195,8 +204,14 @@ impl<'a, 'b, Q: Dry, L: Lane> Joined<'a, 'b, Q, L> {
             state.way = L::select(goes, push.sign(), state.way);
             let mut used = left;
             let mut to = self.try_step(state, left);
-            let happens = zero.lt(self.overrun(state, state.t + left, &to));
-            let happens = L::and(happens, zero.lt(left));
+            // The contact's force jumps at touch-down: a step ends there. At
+            // lift-off it falls to zero by itself.
+            let apart = self.depth(&now).le(zero);
+            let past = |t: L, at: &Four<L>| {
+                let touches = L::and(apart, zero.lt(self.depth(at)));
+                L::or(zero.lt(self.overrun(state, t, at)), touches)
+            };
+            let happens = L::and(past(state.t + left, &to), zero.lt(left));
             if L::any(happens) {
                 let (mut low, mut high) = (zero, left);
                 // A lane that has settled stays, however long the others take.
@@ -204,7 +219,7 @@ impl<'a, 'b, Q: Dry, L: Lane> Joined<'a, 'b, Q, L> {
                 for _ in 0..40 {
                     let middle = (low + high) * 0.5;
                     let at = self.try_step(state, middle);
-                    let past = zero.lt(self.overrun(state, state.t + middle, &at));
+                    let past = past(state.t + middle, &at);
                     high = L::select(L::and(open, past), middle, high);
                     low = L::select(L::and(open, L::not(past)), middle, low);
                     open = L::and(open, (left * 1e-9).lt(high - low));
@@ -216,11 +231,12 @@ impl<'a, 'b, Q: Dry, L: Lane> Joined<'a, 'b, Q, L> {
                 to = self.try_step(state, used);
             }
             let slides = zero.lt(state.way.abs());
+            let overrun = zero.lt(self.overrun(state, state.t + used, &to));
             let forward = L::and(slides, zero.lt(state.way));
             let swept = L::select(forward, state.swept + (to.x - state.x), zero);
             state.swept = L::select(slides, swept, zero);
             state.x = to.x;
-            let stops = L::and(happens, slides);
+            let stops = L::and(L::and(happens, overrun), slides);
             state.v = L::select(stops, zero, to.v);
             self.side = (to.sx, to.sv);
             let resting = L::not(slides);

@@ -113,7 +113,9 @@ def diagnose(
     problem = Problem(robot, records, workers, held=held, tail=tail)
     scale = scale_of(robot, records)
     names, left_out = candidates(robot, records, scale)
-    nuisances = Nuisances(moving_starts(problem), _spread(robot), scale.speed)
+    places = tuple(enumerate(problem.priors["x"].tolist())) if problem.placed else ()
+    problem.starting, problem.pace = moving_starts(problem), scale.speed
+    nuisances = Nuisances(problem.starting, _spread(robot), scale.speed, places)
     search = Search(problem, nuisances, scale, tuple(names), say, judges=not by_user)
     choice = choose(search, max_effects)
     say("where the gap lies")
