@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.diagnosis.fit import Fit, point_of
-from locosweep.diagnosis.flexible import VARIABLES, flexible, motion_of
-from locosweep.diagnosis.lack import lack_of
+from locosweep.diagnosis.flexible import VARIABLES, Flexible
+from locosweep.diagnosis.lack import lack_of, noise_level
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,6 +29,8 @@ than one of two hundred sets of runs.
 TIE = 12.0
 """Difference in chi2 below which two explanations tie: effects that lie 2 deviations
 apart differ by less in 99 of 100 sets of runs."""
+_AS_WELL = 6.0
+"""How much less than another variable the own one may be worth."""
 TEMPER = 1.5
 """Differences in chi2 count for this much less than noise alone would have it."""
 
@@ -75,38 +77,48 @@ def choose(search: Search, most: int) -> Choice:
     none = search.none
     search.report("single effects")
     singles = sorted(search.singles(), key=lambda fit: total(search, fit))
-    rest = lack_of(problem, none.residual)
     best = singles[0] if singles else none
     if total(search, none) - total(search, best) < GAIN:
-        status = "unexplained" if rest.is_there else "none"
-        return _with_ranks(search, Choice(status, none, rest), [none, *singles])
+        rest = _rest(problem, none)
+        status = "unexplained" if rest else "none"
+        choice = Choice(status, none, lack_of(problem, none.residual), shape=rest)
+        return _with_ranks(search, choice, [none, *singles])
     level = singles
     mismatch = False
     found = best
     for count in range(2, most + 2):
-        rest = lack_of(problem, found.residual)
-        if rest.is_there and (carried := _carried(search, level)):
+        rest = _rest(problem, found)
+        if rest and (carried := _carried(search, level)):
             found, mismatch = carried, True
             break
         if count > most:
             break
         search.report(f"{count} effects at once")
-        seeds = _seeds(search, level, rest.is_there)
+        seeds = _seeds(search, level, bool(rest))
         deeper = sorted(search.deepen(seeds, len(seeds)), key=lambda fit: total(search, fit))
         if not deeper or total(search, found) - total(search, deeper[0]) < GAIN:
             break
         level, found = deeper, deeper[0]
-    rest = lack_of(problem, found.residual)
-    if rest.is_there and not mismatch:
-        choice = Choice("unexplained", found, rest)
-        choice.shape = _shape(search, found)
+    rest = [] if mismatch else _rest(problem, found)
+    lack = lack_of(problem, found.residual)
+    if rest:
+        choice = Choice("unexplained", found, lack, shape=rest)
         return _with_ranks(search, choice, [none, *singles, *level])
     search.report("rivals")
     rivals = _rivals(search, found)
     classes, sets = _classes(search, found, rivals, mismatch)
     status = "explained" if all(len(c) == 1 for c in classes) and not sets else "ambiguous"
-    choice = Choice(status, found, rest, classes, sets, mismatch)
+    choice = Choice(status, found, lack, classes, sets, mismatch)
     return _with_ranks(search, choice, [none, *singles, *level, *rivals])
+
+
+def _rest(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
+    """What a fit leaves beyond noise, by the variables that would carry it; empty if nothing."""
+    terms = Flexible(problem, fit)
+    found = terms.found(noise=noise_level(problem, fit.residual))
+    if not found and lack_of(problem, fit.residual).is_there:
+        return [("none of these", 0.0)]
+    return found
 
 
 def _seeds(search: Search, level: Sequence[Fit], lacks: bool) -> list[Fit]:
@@ -124,26 +136,25 @@ def _seeds(search: Search, level: Sequence[Fit], lacks: bool) -> list[Fit]:
 
 
 def _carried(search: Search, level: Sequence[Fit]) -> Fit | None:
-    """The best fit whose rest its own effects' variables carry down to noise."""
+    """The best fit whose rest its own effects' variables carry down to noise.
+
+    They have to carry it as well as any other variable would: what is small enough
+    to fit into everything says nothing about its cause.
+    """
+    problem = search.problem
     for fit in level[:3]:
-        variables = [VARIABLES[n] for n in fit.model.names if n in VARIABLES]
-        if not variables:
+        own = list(dict.fromkeys(VARIABLES[n] for n in fit.model.names if n in VARIABLES))
+        if not own:
             continue
-        left, terms = flexible(search.problem, fit, variables)
-        if terms and not lack_of(search.problem, left).is_there:
+        terms = Flexible(problem, fit)
+        left = terms.left(own)
+        noise = noise_level(problem, left)
+        worth = {v: terms.worth([v], noise) for v in terms.variables if v not in own}
+        if terms.worth(own, noise) < max(worth.values(), default=0.0) - _AS_WELL:
+            continue
+        if not lack_of(problem, left).is_there and not terms.found(own, noise):
             return fit
     return None
-
-
-def _shape(search: Search, fit: Fit) -> list[tuple[str, float]]:
-    """How much of what is left a smooth term in each variable would carry."""
-    motion = motion_of(search.problem, fit)
-    found = []
-    for variable in dict.fromkeys(VARIABLES.values()):
-        left, terms = flexible(search.problem, fit, [variable], motion)
-        if terms:
-            found.append((variable, 1.0 - float(left @ left) / max(fit.chi2, 1e-300)))
-    return sorted(found, key=lambda pair: -pair[1])
 
 
 def _rivals(search: Search, found: Fit) -> list[Fit]:
@@ -191,8 +202,12 @@ def _classes(
 ) -> tuple[list[list[str]], list[list[str]]]:
     names = found.model.names
     reference = total(search, found)
-    # A law that does not fit is chosen by what it leaves: noise is not the measure.
-    tie = max(TIE, 0.1 * found.chi2) if mismatch else TIE
+    tie = TIE
+    if mismatch:
+        # A law that does not fit leaves more than noise, and so may its rivals.
+        own = list(dict.fromkeys(VARIABLES[n] for n in names if n in VARIABLES))
+        left = Flexible(search.problem, found).left(own)
+        tie += 0.25 * (found.chi2 - float(left @ left))
     classes = [[name] for name in names]
     sets: list[list[str]] = []
     for rival in rivals:

@@ -254,6 +254,11 @@ def _jacobians(
     return rows
 
 
+def jacobian_of(problem: Problem, fit: Fit) -> NDArray[np.float64]:
+    """Return the derivatives of a fit's residuals, a row a parameter."""
+    return _jacobians(problem, [fit], None)[0]
+
+
 def _proposals(fit: Fit, jacobian: NDArray[np.float64]) -> list[tuple[Fit, float, NDArray[np.float64]]]:
     low, high, size = _bounds(fit)
     jacobian = np.nan_to_num(jacobian, nan=0.0, posinf=0.0, neginf=0.0)

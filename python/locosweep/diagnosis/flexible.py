@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.diagnosis.fit import point_of
+from scipy.stats import chi2
+
+from locosweep.diagnosis.fit import jacobian_of, point_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,7 +23,7 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.fit import Fit
     from locosweep.diagnosis.problem import Problem
 
-__all__ = ["VARIABLES", "Motion", "flexible", "motion_of"]
+__all__ = ["VARIABLES", "Flexible", "Motion", "motion_of"]
 
 _KNOTS = 9
 
@@ -48,7 +50,6 @@ VARIABLES = {
     "stribeck_friction": "speed",
     "back_emf": "speed",
     "direction_dependent_friction": "speed",
-    "coulomb_error": "speed",
     "presliding_compliance": "turned",
     "position_dependent_friction": "place",
     "load_dependent_friction": "load",
@@ -62,13 +63,18 @@ VARIABLES = {
     "supply_sag": "sag",
     "transmission_backlash": "history",
     "transmission_compliance": "history",
-    "slope_error": "terrain",
-    "payload_mass": "acceleration",
     "sensor_scale": "reading",
     "sensor_drift": "clock",
     "sensor_delay": "late",
 }
-"""The variable that each effect acts through."""
+"""The variable that an effect acts through, where another law of it is possible.
+
+A mass, a slope and a friction coefficient are numbers: they have no other law.
+"""
+
+_ALL = (*dict.fromkeys(VARIABLES.values()), "terrain", "acceleration")
+_SURE = 1e-4
+"""Probability under noise alone below which a flexible term has found something."""
 
 
 def motion_of(problem: Problem, fit: Fit) -> Motion:
@@ -196,37 +202,85 @@ def _response(forces: NDArray[np.float64], m: Motion) -> tuple[NDArray[np.float6
     return dx, dv
 
 
-def flexible(
-    problem: Problem, fit: Fit, variables: Sequence[str], motion: Motion | None = None
-) -> tuple[NDArray[np.float64], int]:
-    """Return what is left of a fit's residual beside flexible terms, and how many they are.
+class Flexible:
+    """Flexible terms of every variable beside one fit, to first order.
 
-    The fit's own parameters are refitted beside them, to first order.
+    The fit's own parameters are refitted beside them.
     """
-    from locosweep.diagnosis.fit import _jacobians
 
-    motion = motion or motion_of(problem, fit)
-    columns = []
-    for variable in variables:
-        terms, is_force = _terms(variable, motion)
-        if not len(terms):
-            continue
-        dx, dv = _response(terms, motion) if is_force else (terms, np.zeros_like(terms))
-        columns.append(_whiten(problem, dx, dv, fit.residual.size))
-    if not columns:
-        return fit.residual, 0
-    basis = np.vstack(columns)
-    if fit.theta.size:
-        basis = np.vstack([basis, -_jacobians(problem, [fit], None)[0]])
-    norm = np.sqrt((basis * basis).sum(axis=1))
-    basis = basis[norm > 1.0e-9] / norm[norm > 1.0e-9, None]
-    if not len(basis):
-        return fit.residual, 0
-    u, s, _ = np.linalg.svd(basis @ basis.T)
-    keep = s > 1e-9 * s[0]
-    q = (u[:, keep] / np.sqrt(s[keep])).T @ basis
-    left = fit.residual - (q @ fit.residual) @ q
-    return left, int(keep.sum()) - fit.theta.size
+    def __init__(self, problem: Problem, fit: Fit) -> None:
+        motion = motion_of(problem, fit)
+        self.residual = fit.residual
+        forces, readings = [], []
+        for variable in _ALL:
+            terms, is_force = _terms(variable, motion)
+            if len(terms):
+                (forces if is_force else readings).append((variable, terms))
+        rows: list[NDArray[np.float64]] = []
+        names: list[str] = []
+        if forces:
+            dx, dv = _response(np.vstack([t for _, t in forces]), motion)
+            rows.append(_whiten(problem, dx, dv, fit.residual.size))
+            names += [v for v, t in forces for _ in range(len(t))]
+        if readings:
+            dx = np.vstack([t for _, t in readings])
+            rows.append(_whiten(problem, dx, np.zeros_like(dx), fit.residual.size))
+            names += [v for v, t in readings for _ in range(len(t))]
+        if fit.theta.size:
+            rows.append(jacobian_of(problem, fit))
+            names += ["fit"] * fit.theta.size
+        basis = np.vstack(rows) if rows else np.zeros((0, fit.residual.size))
+        norm = np.sqrt((basis * basis).sum(axis=1))
+        seen = norm > 1e-9
+        self.basis = basis[seen] / norm[seen, None]
+        self.names = np.array(names, dtype=object)[seen]
+        self.gram = self.basis @ self.basis.T
+        self.moments = self.basis @ fit.residual
+
+    @property
+    def variables(self) -> list[str]:
+        return [v for v in _ALL if (self.names == v).any()]
+
+    def solve(self, variables: Sequence[str]) -> tuple[float, int, NDArray[np.float64]]:
+        """Fall of chi2 under terms of some variables, their number, and their sizes."""
+        rows = np.flatnonzero(np.isin(self.names, ["fit", *variables]))
+        if not rows.size:
+            return 0.0, 0, np.zeros(0)
+        values, vectors = np.linalg.eigh(self.gram[np.ix_(rows, rows)])
+        keep = values > 1e-8 * values[-1]
+        parts = (vectors[:, keep].T @ self.moments[rows]) / np.sqrt(values[keep])
+        sizes = np.zeros(self.names.size)
+        sizes[rows] = vectors[:, keep] @ (parts / np.sqrt(values[keep]))
+        return float(parts @ parts), int(keep.sum()), sizes
+
+    def worth(self, variables: Sequence[str], noise: float) -> float:
+        """Fall of chi2 under terms of some variables, less twice their number."""
+        fall, terms, _ = self.solve(variables)
+        base, few, _ = self.solve([])
+        return (fall - base) / noise - 2.0 * (terms - few)
+
+    def left(self, variables: Sequence[str]) -> NDArray[np.float64]:
+        """Return the residual beside terms of some variables."""
+        sizes = self.solve(variables)[2]
+        return self.residual - sizes @ self.basis if sizes.size else self.residual
+
+    def found(self, beside: Sequence[str] = (), noise: float = 1.0) -> list[tuple[str, float]]:
+        """Return the variables in which something is left, and the share of chi2 they carry.
+
+        `noise` is the variance of the residuals that noise alone would have.
+        """
+        base, terms, _ = self.solve(beside)
+        total = max(float(self.residual @ self.residual) - base, 1e-300)
+        rows = []
+        for variable in self.variables:
+            if variable in beside:
+                continue
+            fall, more, _ = self.solve([*beside, variable])
+            if more > terms:
+                chance = chi2.sf((fall - base) / noise, more - terms) * len(self.variables)
+                if chance < _SURE:
+                    rows.append((variable, (fall - base) / total))
+        return sorted(rows, key=lambda row: -row[1])
 
 
 def _whiten(

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.diagnosis.where import measured_motion
+from locosweep.diagnosis.fit import Model, evaluate, fit_all, point_of, start_fits
 from locosweep.errors import DataFileError, InputError
 from locosweep.replay import nominal_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from locosweep.diagnosis.fit import Nuisances
     from locosweep.diagnosis.problem import Problem
     from locosweep.files import Robot
     from locosweep.measured import Run
@@ -21,6 +23,10 @@ __all__ = ["check_runs", "hold_out", "moving_starts"]
 
 _TAIL = 0.7
 """Share of a single run that fits see."""
+_SPEED = 3.0
+"""Deviations from which a start speed is looked into."""
+_GAIN = 16.0
+"""What a start speed has to gain in chi2 on its run."""
 _FEW = 4
 """Runs below which answers are wider."""
 
@@ -96,30 +102,50 @@ def hold_out(
     return tuple(sorted(order[:count])), 1.0, False
 
 
-def moving_starts(problem: Problem) -> tuple[int, ...]:
+def moving_starts(problem: Problem, nuisances: Nuisances) -> tuple[int, ...]:
     """Runs that begin in motion; the speed of the others is set to 0.
 
-    A speed that is measured carries noise: within it the head is taken to rest.
+    A run does where both the parabola through its first samples and the nominal
+    model over all of it ask for a start speed.
     """
-    moving = []
+    asked = []
+    problem.begin[:, 1] = 0.0
     for r, run in enumerate(problem.runs):
         few = int(np.clip(run.t.size // 40, 8, 60))
         t, x = run.since_start[:few], run.channels["x"][:few]
         ok = np.isfinite(x)
-        problem.begin[r, 1] = 0.0
         if ok.sum() < 6:
             continue
         # A parabola: the head may also start from rest at once.
         base = np.vander(t[ok], 3)
         fit, *_ = np.linalg.lstsq(base, x[ok], rcond=None)
         spread = np.sqrt(np.linalg.inv(base.T @ base)[1, 1]) * problem.noise["x"].sd
-        speed, sure = float(fit[1]), abs(fit[1]) > 5.0 * spread
+        speed, sure = float(fit[1]), abs(fit[1]) > _SPEED * spread
         if "v" in run.channels and np.isfinite(run.channels["v"][0]):
             first = float(run.channels["v"][0])
-            sure = abs(first) > 5.0 * problem.noise["v"].sd
-            speed = first if sure else 0.0
-        _, v, deviation = measured_motion(problem, r)
-        if sure and abs(speed) > max(3.0 * deviation, 0.02 * float(np.abs(v).max())):
+            if abs(first) > _SPEED * problem.noise["v"].sd:
+                speed, sure = first, True
+        if sure:
             problem.begin[r, 1] = speed
+            asked.append(r)
+    if not asked:
+        return ()
+    every = list(range(len(problem.runs)))
+    free = replace(nuisances, moving=tuple(asked))
+    with_speed = start_fits(problem, free, Model((), ()), np.zeros((1, 0)))[0]
+    fit_all(problem, [with_speed], runs=every)
+    speeds = point_of(problem, with_speed).speeds
+    problem.begin[:, 1] = 0.0
+    at_rest = start_fits(problem, nuisances, Model((), ()), np.zeros((1, 0)))[0]
+    own = len(nuisances.shares)
+    at_rest.theta[:own] = with_speed.theta[:own]
+    evaluate(problem, [at_rest], every)
+    moving = []
+    for r in asked:
+        place = problem.of_run(r, every)
+        gain = float(at_rest.residual[place] @ at_rest.residual[place])
+        gain -= float(with_speed.residual[place] @ with_speed.residual[place])
+        if gain > _GAIN:
+            problem.begin[r, 1] = speeds[r]
             moving.append(r)
     return tuple(moving)

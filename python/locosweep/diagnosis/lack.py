@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.problem import Problem
 
-__all__ = ["Lack", "blocks_of", "lack_of", "white"]
+__all__ = ["Lack", "blocks_of", "lack_of", "noise_level", "white"]
 
 BLOCKS = (4, 16, 64, 256)
 """Samples whose mean is looked at."""
@@ -68,6 +68,16 @@ def white(values: NDArray[np.float64]) -> float:
         return 1.0
     third = np.diff(values, 3)
     return float(third @ third) / third.size / 20.0
+
+
+def noise_level(problem: Problem, residual: NDArray[np.float64]) -> float:
+    """Variance of the white part of residuals: 1 where noise is what it is said to be."""
+    parts = [values for _, _, values in blocks_of(problem, residual) if values.size >= 32]
+    if not parts:
+        return 1.0
+    counts = np.array([values.size for values in parts])
+    levels = np.array([white(values) for values in parts])
+    return max(float(np.average(levels, weights=counts)), 0.5)
 
 
 def lack_of(

@@ -114,8 +114,10 @@ def diagnose(
     scale = scale_of(robot, records)
     names, left_out = candidates(robot, records, scale)
     places = tuple(enumerate(problem.priors["x"].tolist())) if problem.placed else ()
-    problem.starting, problem.pace = moving_starts(problem), scale.speed
-    nuisances = Nuisances(problem.starting, _spread(robot), scale.speed, places)
+    problem.pace = scale.speed
+    nuisances = Nuisances((), _spread(robot), scale.speed, places)
+    problem.starting = moving_starts(problem, nuisances)
+    nuisances = replace(nuisances, moving=tuple(r for r in problem.starting if r not in held))
     search = Search(problem, nuisances, scale, tuple(names), say, judges=not by_user)
     choice = choose(search, max_effects)
     say("where the gap lies")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,6 +26,8 @@ _STARTS = 3
 _PARTNERS = 8
 """Further effects that are fitted beside those found, after the scan of all."""
 _BEAM = 4
+_NOMINAL = 9
+"""Starts of the nominal model that are followed."""
 _CLOSE = 8
 """Fits that are followed to their end whatever the best one reaches."""
 PENALTY = 8.0
@@ -46,10 +49,7 @@ class Search:
     def __post_init__(self) -> None:
         self.unseen: dict[int, tuple[Fit, float]] = {}
         self.fits: dict[frozenset[str], Fit] = {}
-        empty = start_fits(self.problem, self.nuisances, Model((), ()), np.zeros((1, 0)))
-        evaluate(self.problem, empty)
-        fit_all(self.problem, empty)
-        self.none = empty[0]
+        self.none = _nominal(self.problem, self.nuisances)
         self.fits[frozenset()] = self.none
 
     def model(self, names: Iterable[str]) -> Model:
@@ -126,6 +126,24 @@ class Search:
             for fit in self.extend(base, self.names):
                 found[frozenset(fit.model.names)] = fit
         return sorted(found.values(), key=_chi2)
+
+
+def _nominal(problem: Problem, nuisances: Nuisances) -> Fit:
+    """Fit the nominal model: its uncertain values from several starts."""
+    shares = nuisances.shares
+    spread = np.array([nuisances.spread[i] for i in shares])
+    corners = np.array(list(product((0.0, -1.2, 1.2), repeat=len(shares))))
+    fits = start_fits(problem, nuisances, Model((), ()), np.zeros((len(corners), 0)))
+    for fit, corner in zip(fits, corners, strict=True):
+        fit.theta[: len(shares)] = corner * spread
+    evaluate(problem, fits)
+    fits = sorted(fits, key=_chi2)[:_NOMINAL]
+    fit_all(problem, fits, steps=8)
+    fits = sorted(fits, key=_chi2)[:2]
+    for fit in fits:
+        fit.done = False
+    fit_all(problem, fits, steps=40)
+    return min(fits, key=_chi2)
 
 
 def _chi2(fit: Fit) -> float:
