@@ -29,6 +29,10 @@ than one of two hundred sets of runs.
 TIE = 12.0
 """Difference in chi2 below which two explanations tie: effects that lie 2 deviations
 apart differ by less in 99 of 100 sets of runs."""
+_WIDE = 12
+"""Single effects that are tried as part of a pair."""
+_CARRIED = 6
+"""Fits whose own variables are tried on what they leave."""
 _AS_WELL = 6.0
 """How much less than another variable the own one may be worth."""
 TEMPER = 1.5
@@ -94,8 +98,13 @@ def choose(search: Search, most: int) -> Choice:
         if count > most:
             break
         search.report(f"{count} effects at once")
-        seeds = _seeds(search, level, bool(rest))
+        seeds = _seeds(search, level, 4 if rest else 1)
         deeper = sorted(search.deepen(seeds, len(seeds)), key=lambda fit: total(search, fit))
+        if rest and deeper and count == 2 and _rest(problem, deeper[0]):
+            # The parts of a pair need not stand first when each is tried alone.
+            more = [s for s in _seeds(search, level, _WIDE) if s not in seeds]
+            deeper += search.deepen(more, len(more))
+            deeper.sort(key=lambda fit: total(search, fit))
         if not deeper or total(search, found) - total(search, deeper[0]) < GAIN:
             break
         level, found = deeper, deeper[0]
@@ -121,28 +130,27 @@ def _rest(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
     return found
 
 
-def _seeds(search: Search, level: Sequence[Fit], lacks: bool) -> list[Fit]:
-    """Fits to which a further effect is added: one where little is left, else several."""
-    if not lacks:
-        return list(level[:1])
+def _seeds(search: Search, level: Sequence[Fit], count: int) -> list[Fit]:
+    """Fits to which a further effect is added."""
     seeds: list[Fit] = []
     for fit in level:
         # Twins of a seed give the same further fits.
         if all(abs(fit.chi2 - s.chi2) > 1e-3 * s.chi2 + TIE for s in seeds):
             seeds.append(fit)
-        if len(seeds) == 4:
+        if len(seeds) == count:
             break
     return seeds
 
 
 def _carried(search: Search, level: Sequence[Fit]) -> Fit | None:
-    """The best fit whose rest its own effects' variables carry down to noise.
+    """The fit that its own effects' variables bring down to noise, and furthest.
 
     They have to carry it as well as any other variable would: what is small enough
     to fit into everything says nothing about its cause.
     """
     problem = search.problem
-    for fit in level[:3]:
+    found: list[tuple[float, int, Fit]] = []
+    for i, fit in enumerate(level[:_CARRIED]):
         own = list(dict.fromkeys(VARIABLES[n] for n in fit.model.names if n in VARIABLES))
         if not own:
             continue
@@ -153,8 +161,9 @@ def _carried(search: Search, level: Sequence[Fit]) -> Fit | None:
         if terms.worth(own, noise) < max(worth.values(), default=0.0) - _AS_WELL:
             continue
         if not lack_of(problem, left).is_there and not terms.found(own, noise):
-            return fit
-    return None
+            score = search.score(fit) - terms.worth(own, noise) * noise
+            found.append((score, i, fit))
+    return min(found)[2] if found else None
 
 
 def _rivals(search: Search, found: Fit) -> list[Fit]:

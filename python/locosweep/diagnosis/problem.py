@@ -23,6 +23,8 @@ __all__ = ["FITTED", "Point", "Problem"]
 
 FITTED = ("x", "v", "x_rear", "force")
 """Channels that a replay predicts, in the order in which it gives them."""
+LOST = 1e60
+"""Reading of a model that cannot be replayed to the end: far from everything."""
 _OFFSETS = ("x", "x_rear")
 _BATCH = 4_000_000
 """Samples of one call: some 130 MB of readings."""
@@ -192,10 +194,12 @@ class Problem:
                 shares[number == r, 0] *= factor
             slope = self.place("slope_error", "d_alpha_deg")
             values[np.isin(number, list(self.turned)), slope] *= -1.0
-        x, v, rear, force = self.job.run(columns, values, shares, starts, self.threads)
-        rows = len(points)
-        found = {"x": x, "v": v, "x_rear": rear, "force": force}
-        return {c: found[c].reshape(rows, -1) for c in FITTED}
+        read = self.job.run(columns, values, shares, starts, self.threads)
+        found = {c: field.reshape(len(points), -1) for c, field in zip(FITTED, read, strict=True)}
+        wrong = ~np.isfinite(found["x"]).all(axis=1)
+        for field in found.values():
+            field[wrong] = LOST
+        return found
 
     def residuals(
         self, points: Sequence[Point], runs: Sequence[int] | None = None

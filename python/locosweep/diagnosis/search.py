@@ -26,6 +26,12 @@ _STARTS = 3
 _PARTNERS = 8
 """Further effects that are fitted beside those found, after the scan of all."""
 _BEAM = 4
+_RIPPLES = ("position_dependent_friction",)
+_SMALL = 1e-3
+_DENSE = 161
+"""Values of a parameter that no derivative sees."""
+_LEAPS = tuple(sign * 0.5 * 0.7**k for k in range(13) for sign in (-1.0, 1.0))
+"""Changes of one parameter that are tried, in units of its size."""
 _NOMINAL = 9
 """Starts of the nominal model that are followed."""
 _CLOSE = 8
@@ -76,6 +82,8 @@ class Search:
         fits: list[Fit] = []
         for name in partners:
             rows = starts_of(name, self.scale)
+            if name in _RIPPLES:
+                rows = np.vstack([self._ripples(base), rows])
             if base is not None:
                 rows = np.hstack([np.tile(base.parameters, (len(rows), 1)), rows])
             fits.extend(start_fits(self.problem, self.nuisances, self.model((*held, name)), rows))
@@ -89,7 +97,11 @@ class Search:
         self._scan(fits)
         groups = [sorted([f for f in fits if f.model.names[-1] == n], key=_chi2) for n in partners]
         groups = sorted((g for g in groups if g), key=lambda g: g[0].chi2)[:keep]
-        starts = [fit for group in groups for fit in _apart(group, _STARTS if base is None else 2)]
+        count = _STARTS if base is None else 2
+        starts = []
+        for group in groups:
+            many = group[0].model.names[-1] in _RIPPLES
+            starts += _apart(group, 3 * count if many else count)
         evaluate(self.problem, starts)
         fit_all(self.problem, starts, steps=3)
         best = []
@@ -102,7 +114,9 @@ class Search:
         close = [f for i, f in enumerate(order) if i < _CLOSE or f.chi2 < 10.0 * least]
         for fit in close:
             fit.done = False
-        fit_all(self.problem, close, steps=30 if self.nuisances.shares else 15)
+        steps = 30 if self.nuisances.shares else 15
+        fit_all(self.problem, close, steps=steps)
+        self._leap(sorted(close, key=_chi2)[:_CLOSE], steps)
         found = {}
         for fit in best:
             key = frozenset(fit.model.names)
@@ -111,6 +125,77 @@ class Search:
             if key not in self.fits or fit.chi2 < self.fits[key].chi2:
                 self.fits[key] = fit
         return sorted((self.fits[key] for key in found), key=_chi2)
+
+    def _ripples(self, base: Fit | None) -> NDArray[np.float64]:
+        """Periods, amplitudes and phases of friction along the track, best first.
+
+        A small ripple acts in proportion: for every period two of them, a quarter
+        apart, give the best amplitude and phase.
+        """
+        known = base or self.none
+        name = _RIPPLES[0]
+        periods = np.geomspace(0.03, 4.0, 48) * self.scale.travel
+        rows = [[_SMALL, period, phase] for period in periods for phase in (0.0, np.pi / 2)]
+        held = known.parameters
+        model = self.model((*known.model.names, name))
+        fits = start_fits(
+            self.problem, self.nuisances, model,
+            np.hstack([np.tile(held, (len(rows), 1)), np.array(rows)]),
+        )  # fmt: skip
+        nuisance = known.theta[len(known.model.free) :]
+        for fit in fits:
+            fit.theta[fit.theta.size - nuisance.size :] = nuisance
+        evaluate(self.problem, [known])
+        found = []
+        for i, period in enumerate(periods):
+            pair = fits[2 * i : 2 * i + 2]
+            evaluate(self.problem, pair)
+            columns = np.array([(f.residual - known.residual) / _SMALL for f in pair])
+            normal = columns @ columns.T + 1e-12 * np.eye(2)
+            sine, cosine = -np.linalg.solve(normal, columns @ known.residual)
+            left = known.residual + sine * columns[0] + cosine * columns[1]
+            size = float(np.hypot(sine, cosine))
+            row = [min(size, 0.5), period, float(np.arctan2(cosine, sine))]
+            found.append((float(left @ left), row))
+        found.sort(key=lambda pair: pair[0])
+        return np.array([row for _, row in found[:6]])
+
+    def _leap(self, fits: list[Fit], steps: int) -> None:
+        """Try large changes of one parameter at a time, and fit again from better places.
+
+        Thresholds act in jumps of whole samples and periods have many valleys:
+        derivatives do not see beyond them.
+        """
+        floor = 1.5 * self.problem.degrees()
+        for _ in range(2):
+            todo = [f for f in fits if f.chi2 > floor and f.model.free]
+            tried: list[list[Fit]] = [self._leaps_of(fit) for fit in todo]
+            self._scan([trial for trials in tried for trial in trials])
+            follow = []
+            for fit, trials in zip(todo, tried, strict=True):
+                best = sorted(trials, key=_chi2)[: 1 if len(trials) < _DENSE else 6]
+                follow += [(fit, t) for t in best if t.chi2 < 0.98 * fit.chi2 or len(best) > 1]
+            if not follow:
+                return
+            fit_all(self.problem, [trial for _, trial in follow], steps=steps)
+            for fit, trial in follow:
+                if trial.chi2 < fit.chi2:
+                    fit.theta, fit.residual, fit.chi2 = trial.theta, trial.residual, trial.chi2
+                    fit.covariance = trial.covariance
+
+    def _leaps_of(self, fit: Fit) -> list[Fit]:
+        trials = []
+        for i, free in enumerate(fit.model.free):
+            low, high = (np.log(v) if free.log else v for v in (free.low, free.high))
+            unit = 1.0 if free.log else free.size
+            known = fit.covariance.size and fit.covariance[i, i] < 1e4 * unit**2
+            # What derivatives do not see at all is looked for on a dense grid.
+            leaps = _LEAPS if known else np.linspace(-0.4, 0.4, _DENSE)
+            for leap in leaps:
+                theta = fit.theta.copy()
+                theta[i] = np.clip(theta[i] + leap * unit, low, high)
+                trials.append(Fit(fit.model, fit.nuisances, theta))
+        return trials
 
     def _scan(self, fits: list[Fit]) -> None:
         """Chi2 of many starts, without keeping their residuals."""
@@ -151,11 +236,14 @@ def _chi2(fit: Fit) -> float:
 
 
 def _apart(fits: Sequence[Fit], count: int) -> list[Fit]:
-    """The best fits whose parameters differ from each other's."""
+    """The best fits whose shapes differ, or whose strengths do where there is no shape."""
     chosen: list[Fit] = []
     for fit in fits:
+        logs = np.array([f.log for f in fit.model.free], dtype=bool)
         sizes = np.array([0.3 if f.log else 0.003 * f.size for f in fit.model.free])
         k = sizes.size
+        if logs.any():
+            sizes = np.where(logs, sizes, np.inf)
         if all(np.any(np.abs(fit.theta[:k] - c.theta[:k]) > sizes) for c in chosen):
             chosen.append(fit)
         if len(chosen) == count:

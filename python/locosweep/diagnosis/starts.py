@@ -135,7 +135,7 @@ def _table(s: Scale) -> dict[str, dict[str, tuple[bool, float, Sequence[float], 
         },
         "position_dependent_friction": {
             "a": (False, 1.0, (0.05,), -1.0, 1.0, 0.0),
-            "L": (True, 1.0, [s.travel * r for r in np.geomspace(0.04, 3.0, 12)], 0.02 * s.travel, 10 * s.travel, _NONE),
+            "L": (True, 1.0, [s.travel * r for r in np.geomspace(0.04, 3.0, 20)], 0.02 * s.travel, 10 * s.travel, _NONE),
             "p": (False, 1.0, (0.0, 1.57, 3.14, 4.71), -100.0, 100.0, _NONE),
         },
         "load_dependent_friction": {"mu_l": (False, 1.0, _SIGNED, -1.0, 10.0, 0.0)},
