@@ -79,7 +79,6 @@ def diagnose(
     check_folder(out, force=force)
     named, of = pairs("--column", columns), pairs("--unit", units)
     from locosweep import diagnosis
-    from locosweep.progress import Meter
 
     found = diagnosis.diagnose(
         runs,
@@ -90,9 +89,13 @@ def diagnose(
         columns=named,
         units=of,
         threads=threads,
-        progress=Meter("diagnose") if on_terminal() and not quiet else None,
+        progress=_say if on_terminal() and not quiet else None,
     )
+    if on_terminal() and not quiet:
+        _say("writing the report")
     found.save(out, force=force)
+    if on_terminal() and not quiet:
+        _say("")
     if not quiet:
         for warning in found.warnings:
             click.echo(f"locosweep: note: {' '.join(warning.split())}", err=True)
@@ -100,6 +103,11 @@ def diagnose(
         click.echo(as_json({"verdict": found.report["verdict"], "out": str(out)}))
     else:
         click.echo(_told(found, out, quiet=quiet))
+
+
+def _say(what: str) -> None:
+    """Write over the line that says what is being done."""
+    click.echo(f"\r\x1b[K{what and 'diagnose: '}{what}", err=True, nl=False)
 
 
 def _labels(given: Iterable[str]) -> list[str] | None:

@@ -37,6 +37,7 @@ __all__ = ["distinguish"]
 
 _TIME = "duration"
 _MOST_RUNS = 64
+_MOST_RIVALS = 4
 
 
 @click.command(cls=SweepCommand)
@@ -227,6 +228,8 @@ def _told(found: Distinction, files: list[str]) -> str:
         if row["unseen_because"]:
             lines.append(f"{row['effect']:<{wide}}  not seen: {row['unseen_because']}")
         else:
-            near = row["not_told_from"] or "-"
-            lines.append(f"{row['effect']:<{wide}}  {row['seen_from']:<{room}}  {near}")
+            near = found.rivals(row["effect"])
+            more = f" and {len(near) - _MOST_RIVALS} more" if len(near) > _MOST_RIVALS else ""
+            told = ", ".join(near[:_MOST_RIVALS]) + more or "-"
+            lines.append(f"{row['effect']:<{wide}}  {row['seen_from']:<{room}}  {told}")
     return "\n".join([*lines, *files])

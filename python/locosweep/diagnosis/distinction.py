@@ -91,7 +91,7 @@ class Distinction:
             nearest = int(others.argmin()) if len(self.names) > 1 else None
             rows.append({
                 "effect": name,
-                "seen_from": " or ".join(_told(name, values) for values in self.seen_from[name]),
+                "seen_from": _told(name, self.seen_from[name]),
                 "nearest_rival": None if nearest is None else self.names[nearest],
                 "distance": None if nearest is None else float(others[nearest]),
                 "not_told_from": ", ".join(self.rivals(name)),
@@ -128,10 +128,21 @@ class Distinction:
         return "\n".join(lines)
 
 
-def _told(name: str, values: Values) -> str:
-    units = {p.name: p.unit for p in effect(name).parameters}
-    return ", ".join(f"{key} = {value:.5g} {units[key]}".removesuffix(" 1")
-                     for key, value in values.items())  # fmt: skip
+def _told(name: str, found: Sequence[Values]) -> str:
+    """Return an effect's parameters, those of both signs beside each other."""
+    units = {p.name: "" if p.unit == "1" else f" {p.unit}" for p in effect(name).parameters}
+    first, last = found[0], found[-1]
+    parts = []
+    for key, value in first.items():
+        other = last[key]
+        if value == other:
+            text = f"{value:.4g}"
+        elif abs(value + other) < 0.1 * abs(value):
+            text = f"±{max(abs(value), abs(other)):.3g}"
+        else:
+            text = f"{value:.5g} or {other:.5g}"
+        parts.append(f"{key} = {text}{units[key]}")
+    return ", ".join(parts)
 
 
 def distinguish(
