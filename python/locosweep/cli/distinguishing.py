@@ -168,9 +168,9 @@ def _planned(
     several = {name: values for name, values in given.items() if len(values) > 1}
     found = []
     for point in itertools.product(*given.values()):
-        values = dict(zip(given, point, strict=True))
-        run = simulate(Grid(**fixed, **values), **options, samples=samples)
-        label = ", ".join(f"{name}={values[name]:g}" for name in several) or str(simulation.drive)
+        chosen_values = dict(zip(given, point, strict=True))
+        run = simulate(Grid(**fixed, **chosen_values), **options, samples=samples)
+        label = ", ".join(f"{name}={chosen_values[name]:g}" for name in several) or str(simulation.drive)
         found.append(Run(label, run.t, run.force / gain))
     return found
 

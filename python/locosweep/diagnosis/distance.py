@@ -9,6 +9,7 @@ several starts and with both signs.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -173,13 +174,13 @@ class Plan:
         for place, name in enumerate(self.noise):
             if name not in ("x", "x_rear"):
                 continue
-            for a, b in zip(edges[:-1], edges[1:], strict=True):
+            for a, b in pairwise(edges):
                 row = np.zeros(self._origin.shape[1])
                 row[place * self.samples + a : place * self.samples + b] = (b - a) ** -0.5
                 found.append(row)
         offsets = np.array(found).reshape(-1, self._origin.shape[1])
         nothing = np.zeros(_core.effect_parameter_count())
-        for r, (a, b) in enumerate(zip(edges[:-1], edges[1:], strict=True)):
+        for r, (a, b) in enumerate(pairwise(edges)):
             nudged = self.starts.copy()
             nudged[r, 1] += _NUDGE * self.rig.speed
             moved = self._whitened(self._read([((), nothing)], nudged)) - self._origin

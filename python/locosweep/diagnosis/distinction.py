@@ -288,7 +288,7 @@ def _noise(
     channels: Sequence[str] | None,
     noise: Mapping[str, float] | None,
 ) -> dict[str, float]:
-    """Standard deviation of each channel, quantisation included."""
+    """Return each channel's standard deviation, quantisation included."""
     stated = dict(noise or {})
     for name in (*(channels or ()), *stated):
         if name not in _KINDS:

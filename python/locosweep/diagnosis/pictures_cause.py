@@ -39,7 +39,8 @@ def candidates(diagnosis: Diagnosis) -> Figure | None:
         chosen = row is named
         left.barh(place, row["probability"], height=0.62, edgecolor="black", linewidth=0.6,
                   color=style.AUGMENTED["color"] if chosen else "0.75")  # fmt: skip
-        left.annotate(f"{row['probability']:.2g}", (row["probability"], place), xytext=(3, 0),
+        sure = row["probability"]
+        left.annotate(f"{sure:.2f}" if sure >= 0.005 else "< 0.01", (sure, place), xytext=(3, 0),
                       textcoords="offset points", va="center", fontsize=8)  # fmt: skip
         if row["shrink"] is None:
             right.annotate("unknown", (0.0, place), va="center", fontsize=8)
@@ -70,7 +71,9 @@ def _interval(diagnosis: Diagnosis, row: dict[str, Any]) -> tuple[float | None, 
 def leading(diagnosis: Diagnosis) -> dict[str, Any] | None:
     """Return the candidate that the verdict names, whatever the order of its effects."""
     named = set(diagnosis.effects)
-    return next((row for row in diagnosis.candidates if named and set(row["effects"]) == named), None)
+    return next(
+        (row for row in diagnosis.candidates if named and set(row["effects"]) == named), None
+    )
 
 
 def parameters(diagnosis: Diagnosis) -> Figure | None:
