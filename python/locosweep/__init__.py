@@ -5,6 +5,9 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from locosweep._core import CancelToken as CancelToken
+    from locosweep.diagnosis.distinction import Distinction as Distinction
+    from locosweep.diagnosis.distinction import distinguish as distinguish
+    from locosweep.diagnosis.result import Diagnosis as Diagnosis
     from locosweep.engine import sweep as sweep
     from locosweep.errors import Cancelled as Cancelled
     from locosweep.errors import DataFileError as DataFileError
@@ -44,6 +47,8 @@ _HOMES = {
     "CancelToken": "_core",
     "Cancelled": "errors",
     "DataFileError": "errors",
+    "Diagnosis": "diagnosis.result",
+    "Distinction": "diagnosis.distinction",
     "Drive": "registry",
     "GaitRun": "gait",
     "GaitSpec": "gait_spec",
@@ -60,6 +65,7 @@ _HOMES = {
     "Spec": "spec",
     "Status": "registry",
     "Trajectories": "trajectories",
+    "distinguish": "diagnosis.distinction",
     "drives": "registry",
     "effects": "replay",
     "gaits": "gait",

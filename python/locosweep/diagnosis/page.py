@@ -88,7 +88,7 @@ def _environment() -> jinja2.Environment:
         lstrip_blocks=True,
     )
     made.filters |= {"number": _number, "percent": _percent, "words": words, "meaning": _meaning,
-                     "plain": _plain, "names": _names}  # fmt: skip
+                     "plain": _plain, "names": _names, "sure": _sure}  # fmt: skip
     # What comes from a file may hold characters that are not seen but turn text round.
     made.finalize = lambda value: _plain(value) if type(value) is str else value
     return made
@@ -115,6 +115,13 @@ def _percent(value: float | None) -> str:
     return f"{100 * value:.{digits}f} %".replace("-", "−")
 
 
+def _sure(value: float) -> str:
+    """Return a probability: what is small or nearly sure needs no digits."""
+    if value < 0.001:
+        return "< 0.001"
+    return "> 0.999" if value > 0.999 else f"{value:.3f}".rstrip("0")
+
+
 def _names(effects: list[str]) -> str:
     return " + ".join(map(words, effects)) or "nothing"
 
@@ -123,20 +130,24 @@ def _meaning(name: str) -> str:
     return effect(name).meaning
 
 
-def _parameters(diagnosis: Diagnosis) -> list[dict[str, Any]]:
+def _parameters(diagnosis: Diagnosis) -> list[dict[str, str]]:
     """Rows of the table of fitted parameters."""
     found = leading(diagnosis)
-    rows: list[dict[str, Any]] = []
+    rows = []
     for name, table in (found["parameters"] if found else {}).items():
         records = {p.name: p for p in effect(name).parameters}
         for key, entry in table.items():
             value, std = entry["value"], entry["std"]
             known = value is not None and std is not None
+            # As many digits as tell the ends of the interval apart.
+            size = abs(value) / std if known and std > 0.0 and value else 100.0
+            digits = int(np.clip(np.ceil(np.log10(max(size, 1.0))) + 2, 3, 12))
+            ends = (value - _WIDE * std, value + _WIDE * std) if known else ()
+            interval = " to ".join(_number(end, digits) for end in ends) or "unknown"
             meaning = records[key].meaning if key in records else ""
-            rows.append({"effect": name, "key": key, "value": value, "std": std,
-                         "meaning": meaning, "unit": unit_text(entry["unit"]),
-                         "low": value - _WIDE * std if known else None,
-                         "high": value + _WIDE * std if known else None})  # fmt: skip
+            rows.append({"effect": name, "key": key, "value": _number(value, digits),
+                         "interval": interval, "unit": unit_text(entry["unit"]),
+                         "meaning": meaning})  # fmt: skip
     return rows
 
 
@@ -158,10 +169,17 @@ def _sized(diagnosis: Diagnosis) -> Callable[..., str]:
     return told
 
 
-def _settings(diagnosis: Diagnosis) -> dict[str, object]:
-    """Further settings that the engine keeps in its provenance."""
-    return {key: value for key, value in diagnosis.provenance.items()
-            if isinstance(value, str | int | float | bool)}  # fmt: skip
+def _settings(diagnosis: Diagnosis) -> dict[str, str]:
+    """Return what the engine states in its provenance, each entry as one line."""
+    return {key: _line(value) for key, value in diagnosis.provenance.items()}
+
+
+def _line(value: Any) -> str:
+    if isinstance(value, dict):
+        return ", ".join(f"{words(str(key))} {_line(one)}" for key, one in value.items()) or "none"
+    if isinstance(value, list | tuple):
+        return ", ".join(map(_line, value)) or "none"
+    return "unknown" if value is None else str(value)
 
 
 def _model(diagnosis: Diagnosis) -> list[tuple[str, str, str]]:

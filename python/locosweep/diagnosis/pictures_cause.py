@@ -31,14 +31,16 @@ def candidates(diagnosis: Diagnosis) -> Figure | None:
     rows = diagnosis.candidates[:_MOST]
     if not rows:
         return None
+    named = leading(diagnosis)
     made = style.figure(9.0, 1.1 + 0.36 * len(rows))
     left, right = made.subplots(1, 2, sharey=True)
     names = [" +\n".join(map(style.words, row["effects"])) or "nothing" for row in rows]
     for place, row in enumerate(rows):
-        chosen = bool(diagnosis.effects) and row["effects"] == diagnosis.effects
+        chosen = row is named
         left.barh(place, row["probability"], height=0.62, edgecolor="black", linewidth=0.6,
                   color=style.AUGMENTED["color"] if chosen else "0.75")  # fmt: skip
-        left.annotate(f"{row['probability']:.2g}", (row["probability"], place), xytext=(3, 0),
+        sure = row["probability"]
+        left.annotate(f"{sure:.2f}" if sure >= 0.005 else "< 0.01", (sure, place), xytext=(3, 0),
                       textcoords="offset points", va="center", fontsize=8)  # fmt: skip
         if row["shrink"] is None:
             right.annotate("unknown", (0.0, place), va="center", fontsize=8)
@@ -61,17 +63,17 @@ def candidates(diagnosis: Diagnosis) -> Figure | None:
 def _interval(diagnosis: Diagnosis, row: dict[str, Any]) -> tuple[float | None, float | None]:
     """Interval of a candidate's shrink; the verdict's is in the gap."""
     found = row.get("shrink_ci")
-    if found is None and row["effects"] == diagnosis.effects:
+    if found is None and row is leading(diagnosis):
         found = diagnosis.gap.get("shrink_ci")
     return (None, None) if found is None else (found[0], found[1])
 
 
 def leading(diagnosis: Diagnosis) -> dict[str, Any] | None:
-    """Return the candidate that the verdict names."""
-    for row in diagnosis.candidates:
-        if diagnosis.effects and row["effects"] == diagnosis.effects:
-            return row
-    return None
+    """Return the candidate that the verdict names, whatever the order of its effects."""
+    named = set(diagnosis.effects)
+    return next(
+        (row for row in diagnosis.candidates if named and set(row["effects"]) == named), None
+    )
 
 
 def parameters(diagnosis: Diagnosis) -> Figure | None:

@@ -132,15 +132,27 @@ def _edges(t: Any) -> Any:
 
 def _boxes(ax: Axes, traces: Sequence[Trace], windows: Sequence[dict[str, Any]]) -> None:
     places = {trace.label: place for place, trace in enumerate(traces)}
-    for window in windows:
-        if window["run"] not in places:
+    for run, t0, t1, share in _joined(windows):
+        if run not in places:
             continue
-        place, t0, t1 = places[window["run"]], window["t0"], window["t1"]
+        place = places[run]
         ax.add_patch(Rectangle((t0, place - 0.4), t1 - t0, 0.8, fill=False, edgecolor="black",
                                linewidth=1.4, zorder=4, path_effects=[_RIM]))  # fmt: skip
-        text = ax.annotate(f"{window['share']:.0%}", ((t0 + t1) / 2, place), ha="center",
+        text = ax.annotate(f"{share:.0%}", ((t0 + t1) / 2, place), ha="center",
                            va="center", fontsize=7.5, zorder=5)  # fmt: skip
         text.set_bbox({"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 0.8})
+
+
+def _joined(windows: Sequence[dict[str, Any]]) -> list[tuple[str, float, float, float]]:
+    """Windows of a run that touch, as one: run, start, end, share."""
+    found: list[tuple[str, float, float, float]] = []
+    for window in sorted(windows, key=lambda w: (w["run"], w["t0"])):
+        run, t0, t1, share = (window[key] for key in ("run", "t0", "t1", "share"))
+        if found and found[-1][0] == run and t0 - found[-1][2] < 0.05 * (t1 - t0):
+            _, begin, _, sum_ = found.pop()
+            t0, share = begin, share + sum_
+        found.append((run, t0, t1, share))
+    return found
 
 
 def _runs_axis(ax: Axes, traces: Sequence[Trace], title: str) -> Axes:
