@@ -107,9 +107,7 @@ def test_anchor_slip_shows_in_the_rear() -> None:
 
 def test_twins_are_named_together_and_the_next_run_splits_them() -> None:
     """One way without a load sensor: mass, gain and load friction are one signal."""
-    frictionless = replace(
-        ROBOT, parameters={**ROBOT.parameters, "viscous": 0.0}
-    )
+    frictionless = replace(ROBOT, parameters={**ROBOT.parameters, "viscous": 0.0})
     truth = replace(frictionless, effects={"drive_gain_error": {"e": -0.05}})
     runs = drives(both=False)
     frame = replay_runs(truth, runs).select("run", "t", "x")

@@ -51,9 +51,7 @@ def _dwelling(run: Run, _: float) -> Run:
     step = float(np.median(np.diff(run.t)))
     pause = max(1, run.t.size // 10)
     parts = np.array_split(run.drive, 5)
-    drive = np.concatenate(
-        [part for p in parts for part in (p, np.zeros(pause))][:-1]
-    )
+    drive = np.concatenate([part for p in parts for part in (p, np.zeros(pause))][:-1])
     return replace(run, t=run.t[0] + step * np.arange(drive.size), drive=drive, channels={})
 
 
@@ -86,9 +84,7 @@ def next_experiment(
     A distance is the least sum of squares, in deviations of the noise, that a rival
     leaves of what `fit` predicts for the runs so far and the new one together.
     """
-    separates = [
-        sorted(set(fit.model.names) ^ set(rival.model.names)) for rival in rivals
-    ]
+    separates = [sorted(set(fit.model.names) ^ set(rival.model.names)) for rival in rivals]
     rows = []
     for name, change, text in _MENU:
         distance = _distance(search, fit, rivals, name, change)

@@ -70,7 +70,10 @@ class Fit:
         """Values of the effects' parameters, in their units."""
         k = len(self.model.free)
         return np.array(
-            [np.exp(u) if f.log else u for u, f in zip(self.theta[:k], self.model.free, strict=True)]
+            [
+                np.exp(u) if f.log else u
+                for u, f in zip(self.theta[:k], self.model.free, strict=True)
+            ]
         )
 
     @property
@@ -259,7 +262,9 @@ def jacobian_of(problem: Problem, fit: Fit) -> NDArray[np.float64]:
     return _jacobians(problem, [fit], None)[0]
 
 
-def _proposals(fit: Fit, jacobian: NDArray[np.float64]) -> list[tuple[Fit, float, NDArray[np.float64]]]:
+def _proposals(
+    fit: Fit, jacobian: NDArray[np.float64]
+) -> list[tuple[Fit, float, NDArray[np.float64]]]:
     low, high, size = _bounds(fit)
     jacobian = np.nan_to_num(jacobian, nan=0.0, posinf=0.0, neginf=0.0)
     normal = jacobian @ jacobian.T

@@ -254,7 +254,9 @@ def _by_weight(search: Search, fit: Fit) -> list[str]:
     return [fit.model.names[i] for i in order]
 
 
-def _candidates(search: Search, choice: Choice, gap: dict[str, Any], seed: int) -> list[dict[str, Any]]:
+def _candidates(
+    search: Search, choice: Choice, gap: dict[str, Any], seed: int
+) -> list[dict[str, Any]]:
     rows = []
     shown = list(choice.ranked[:_CANDIDATES])
     chosen = frozenset(choice.fit.model.names)

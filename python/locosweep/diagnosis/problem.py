@@ -83,9 +83,7 @@ class Problem:
         }
         self.lengths = np.array([run.t.size for run in self.runs])
         self.starts_at = np.concatenate([[0], np.cumsum(self.lengths)])
-        self.channels = tuple(
-            c for c in FITTED if any(c in run.channels for run in self.runs)
-        )
+        self.channels = tuple(c for c in FITTED if any(c in run.channels for run in self.runs))
         self.noise = {
             c: self.known[c] if self.known and c in self.known else noise_of(c, self.runs, sensor)
             for c in self.channels

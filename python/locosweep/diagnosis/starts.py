@@ -102,11 +102,15 @@ _POSITIVE = (0.003, 0.01, 0.03, 0.1, 0.3)
 _NONE = float("nan")
 
 
-def _table(s: Scale) -> dict[str, dict[str, tuple[bool, float, Sequence[float], float, float, float]]]:
+def _table(
+    s: Scale,
+) -> dict[str, dict[str, tuple[bool, float, Sequence[float], float, float, float]]]:
     inf = np.inf
     viscosity = s.force / s.speed
     slow = [s.duration * share for share in (0.03, 0.1, 0.3, 1.0, 3.0)]
-    fast = [max(s.interval * 0.3, s.duration * share) for share in (5e-4, 2e-3, 5e-3, 0.01, 0.03, 0.1)]
+    fast = [
+        max(s.interval * 0.3, s.duration * share) for share in (5e-4, 2e-3, 5e-3, 0.01, 0.03, 0.1)
+    ]
     degree = np.degrees(min(1.0, s.level / s.weight))
 
     def critical(stiffness: float) -> float:
@@ -122,12 +126,33 @@ def _table(s: Scale) -> dict[str, dict[str, tuple[bool, float, Sequence[float], 
         },
         "stribeck_friction": {
             "F_s": (False, s.level, (1.03, 1.1, 1.4), 0.0, 20 * s.force, s.level),
-            "v_s": (True, 1.0, [s.speed * r for r in (0.003, 0.01, 0.03, 0.1, 0.3, 1.0)], 1e-4 * s.speed, 10 * s.speed, _NONE),
+            "v_s": (
+                True,
+                1.0,
+                [s.speed * r for r in (0.003, 0.01, 0.03, 0.1, 0.3, 1.0)],
+                1e-4 * s.speed,
+                10 * s.speed,
+                _NONE,
+            ),
             "delta": (True, 1.0, (1.2,), 0.5, 2.5, _NONE),
         },
         "presliding_compliance": {
-            "sigma0": (True, 1.0, [s.level / (s.travel * r) for r in (1e-4, 1e-3, 1e-2, 1e-1)], s.level / (10 * s.travel), s.level / (1e-6 * s.travel), _NONE),
-            "sigma1": (True, 1.0, (0.01, 0.5), 1e-4 * critical(s.level / s.travel), 3 * critical(s.level / (1e-6 * s.travel)), _NONE),
+            "sigma0": (
+                True,
+                1.0,
+                [s.level / (s.travel * r) for r in (1e-4, 1e-3, 1e-2, 1e-1)],
+                s.level / (10 * s.travel),
+                s.level / (1e-6 * s.travel),
+                _NONE,
+            ),
+            "sigma1": (
+                True,
+                1.0,
+                (0.01, 0.5),
+                1e-4 * critical(s.level / s.travel),
+                3 * critical(s.level / (1e-6 * s.travel)),
+                _NONE,
+            ),
         },
         "direction_dependent_friction": {
             "F_c_forward": (False, s.level, (0.8, 0.95, 1.05, 1.2), 0.0, inf, s.level),
@@ -135,7 +160,14 @@ def _table(s: Scale) -> dict[str, dict[str, tuple[bool, float, Sequence[float], 
         },
         "position_dependent_friction": {
             "a": (False, 1.0, (0.05,), -1.0, 1.0, 0.0),
-            "L": (True, 1.0, [s.travel * r for r in np.geomspace(0.04, 3.0, 20)], 0.02 * s.travel, 10 * s.travel, _NONE),
+            "L": (
+                True,
+                1.0,
+                [s.travel * r for r in np.geomspace(0.04, 3.0, 20)],
+                0.02 * s.travel,
+                10 * s.travel,
+                _NONE,
+            ),
             "p": (False, 1.0, (0.0, 1.57, 3.14, 4.71), -100.0, 100.0, _NONE),
         },
         "load_dependent_friction": {"mu_l": (False, 1.0, _SIGNED, -1.0, 10.0, 0.0)},
@@ -145,10 +177,26 @@ def _table(s: Scale) -> dict[str, dict[str, tuple[bool, float, Sequence[float], 
         },
         "lubricant_buildup": {"k_b": (False, s.force / s.travel, _SIGNED, -inf, inf, 0.0)},
         "drive_saturation": {
-            "F_max": (True, 1.0, [s.force * r for r in (0.3, 0.45, 0.6, 0.75, 0.85, 0.93, 0.98)], 0.02 * s.force, 2.0 * s.force, _NONE),
+            "F_max": (
+                True,
+                1.0,
+                [s.force * r for r in (0.3, 0.45, 0.6, 0.75, 0.85, 0.93, 0.98)],
+                0.02 * s.force,
+                2.0 * s.force,
+                _NONE,
+            ),
         },
         "drive_lag": {"T": (True, 1.0, fast, 0.03 * s.interval, s.duration, 0.0)},
-        "drive_delay": {"T": (False, 0.1 * s.duration, [k * t / (0.1 * s.duration) for t in fast for k in (-1, 1)], -0.3 * s.duration, 0.3 * s.duration, 0.0)},
+        "drive_delay": {
+            "T": (
+                False,
+                0.1 * s.duration,
+                [k * t / (0.1 * s.duration) for t in fast for k in (-1, 1)],
+                -0.3 * s.duration,
+                0.3 * s.duration,
+                0.0,
+            )
+        },
         "drive_deadzone": {"d": (False, s.force, (*_POSITIVE, 0.5), 0.0, s.force, 0.0)},
         "drive_gain_error": {"e": (False, 1.0, _SIGNED, -0.95, 10.0, 0.0)},
         "back_emf": {"k_e": (False, viscosity, _SIGNED, -s.viscous, inf, 0.0)},
@@ -157,28 +205,70 @@ def _table(s: Scale) -> dict[str, dict[str, tuple[bool, float, Sequence[float], 
             "T": (True, 1.0, slow, 0.01 * s.duration, 10 * s.duration, _NONE),
         },
         "transmission_backlash": {
-            "b": (True, 1.0, [s.travel * r for r in (1e-3, 1e-2, 0.1)], 1e-5 * s.travel, s.travel, _NONE),
-            "m_d": (True, 1.0, [s.mass * r for r in (0.03, 0.2, 1.0)], 1e-2 * s.mass, 10 * s.mass, _NONE),
+            "b": (
+                True,
+                1.0,
+                [s.travel * r for r in (1e-3, 1e-2, 0.1)],
+                1e-5 * s.travel,
+                s.travel,
+                _NONE,
+            ),
+            "m_d": (
+                True,
+                1.0,
+                [s.mass * r for r in (0.03, 0.2, 1.0)],
+                1e-2 * s.mass,
+                10 * s.mass,
+                _NONE,
+            ),
         },
         "transmission_compliance": {
             "k": (True, 1.0, [s.mass * w**2 for w in omega], s.mass, s.mass * 1e6, _NONE),
-            "d": (True, 1.0, (0.1, 0.6), 1e-4 * critical(s.mass), 3 * critical(s.mass * 1e6), _NONE),
+            "d": (
+                True,
+                1.0,
+                (0.1, 0.6),
+                1e-4 * critical(s.mass),
+                3 * critical(s.mass * 1e6),
+                _NONE,
+            ),
             "m_d": (True, 1.0, [s.mass * r for r in (0.1, 0.7)], 1e-2 * s.mass, 10 * s.mass, _NONE),
         },
         "slope_error": {"d_alpha_deg": (False, degree, _SIGNED, -45.0, 45.0, 0.0)},
         "payload_mass": {"dm": (False, s.mass, (*_SIGNED, 1.0), -0.95 * s.mass, 20 * s.mass, 0.0)},
-        "coulomb_error": {
-            "d_force": (False, s.level, _SIGNED, -inf, inf, 0.0)
-        }
+        "coulomb_error": {"d_force": (False, s.level, _SIGNED, -inf, inf, 0.0)}
         if s.has_force_level
         else {"d_mu": (False, s.level / s.weight, _SIGNED, -inf, inf, 0.0)},
         "anchor_slip": {
-            "mu_static": (True, 1.0, [s.force / s.grip * r for r in (0.3, 0.5, 0.7, 0.85, 0.97)], 1e-3 * s.force / s.grip, 3 * s.force / s.grip, _NONE),
-            "mu_coulomb": (True, 1.0, [s.force / s.grip * r for r in (0.3, 0.5, 0.7, 0.85, 0.95)], 1e-3 * s.force / s.grip, 3 * s.force / s.grip, _NONE),
+            "mu_static": (
+                True,
+                1.0,
+                [s.force / s.grip * r for r in (0.3, 0.5, 0.7, 0.85, 0.97)],
+                1e-3 * s.force / s.grip,
+                3 * s.force / s.grip,
+                _NONE,
+            ),
+            "mu_coulomb": (
+                True,
+                1.0,
+                [s.force / s.grip * r for r in (0.3, 0.5, 0.7, 0.85, 0.95)],
+                1e-3 * s.force / s.grip,
+                3 * s.force / s.grip,
+                _NONE,
+            ),
         },
         "sensor_scale": {"e": (False, 1.0, _SIGNED, -0.95, 10.0, 0.0)},
         "sensor_drift": {"b": (False, s.travel / s.duration, _SIGNED, -inf, inf, 0.0)},
-        "sensor_delay": {"T": (False, 0.1 * s.duration, [k * t / (0.1 * s.duration) for t in fast for k in (-1, 1)], -0.3 * s.duration, 0.3 * s.duration, 0.0)},
+        "sensor_delay": {
+            "T": (
+                False,
+                0.1 * s.duration,
+                [k * t / (0.1 * s.duration) for t in fast for k in (-1, 1)],
+                -0.3 * s.duration,
+                0.3 * s.duration,
+                0.0,
+            )
+        },
     }
 
 
