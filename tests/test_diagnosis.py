@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
+
 from locosweep.diagnosis import Diagnosis, diagnose
 from locosweep.errors import InputError
 from locosweep.files import Robot, load_robot
@@ -132,7 +133,7 @@ def tethered(runs: list[Run], stiffness: float) -> pl.DataFrame:
         reads = []
         for a, b, force in zip(run.t, np.append(run.t[1:], run.t[-1]), run.drive, strict=True):
             reads.append(x)
-            steps = max(1, int(round((b - a) / 2e-5)))
+            steps = max(1, round((b - a) / 2e-5))
             h = (b - a) / steps
             for _ in range(steps if b > a else 0):
                 push = force - stiffness * x

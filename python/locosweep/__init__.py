@@ -7,6 +7,7 @@ if TYPE_CHECKING:
     from locosweep._core import CancelToken as CancelToken
     from locosweep.diagnosis.distinction import Distinction as Distinction
     from locosweep.diagnosis.distinction import distinguish as distinguish
+    from locosweep.diagnosis.pipeline import diagnose as diagnose
     from locosweep.diagnosis.result import Diagnosis as Diagnosis
     from locosweep.engine import sweep as sweep
     from locosweep.errors import Cancelled as Cancelled
@@ -65,6 +66,7 @@ _HOMES = {
     "Spec": "spec",
     "Status": "registry",
     "Trajectories": "trajectories",
+    "diagnose": "diagnosis.pipeline",
     "distinguish": "diagnosis.distinction",
     "drives": "registry",
     "effects": "replay",

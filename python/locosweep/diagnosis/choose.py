@@ -98,11 +98,11 @@ def choose(search: Search, most: int) -> Choice:
         if count > most:
             break
         search.report(f"{count} effects at once")
-        seeds = _seeds(search, level, 4 if rest else 1)
+        seeds = _seeds(level, 4 if rest else 1)
         deeper = sorted(search.deepen(seeds, len(seeds)), key=lambda fit: total(search, fit))
         if rest and deeper and count == 2 and _rest(problem, deeper[0]):
             # The parts of a pair need not stand first when each is tried alone.
-            more = [s for s in _seeds(search, level, _WIDE) if s not in seeds]
+            more = [s for s in _seeds(level, _WIDE) if s not in seeds]
             deeper += search.deepen(more, len(more))
             deeper.sort(key=lambda fit: total(search, fit))
         if not deeper or total(search, found) - total(search, deeper[0]) < GAIN:
@@ -122,7 +122,7 @@ def choose(search: Search, most: int) -> Choice:
 
 
 def _rest(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
-    """What a fit leaves beyond noise, by the variables that would carry it; empty if nothing."""
+    """Return what a fit leaves beyond noise, by the variables that would carry it."""
     terms = Flexible(problem, fit)
     found = terms.found(noise=noise_level(problem, fit.residual))
     if not found and lack_of(problem, fit.residual).is_there:
@@ -130,7 +130,7 @@ def _rest(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
     return found
 
 
-def _seeds(search: Search, level: Sequence[Fit], count: int) -> list[Fit]:
+def _seeds(level: Sequence[Fit], count: int) -> list[Fit]:
     """Fits to which a further effect is added."""
     seeds: list[Fit] = []
     for fit in level:
@@ -143,7 +143,7 @@ def _seeds(search: Search, level: Sequence[Fit], count: int) -> list[Fit]:
 
 
 def _carried(search: Search, level: Sequence[Fit]) -> Fit | None:
-    """The fit that its own effects' variables bring down to noise, and furthest.
+    """Find the fit that its own effects' variables bring down to noise, and furthest.
 
     They have to carry it as well as any other variable would: what is small enough
     to fit into everything says nothing about its cause.
@@ -185,7 +185,7 @@ def _rivals(search: Search, found: Fit) -> list[Fit]:
 
 
 def _without(search: Search, found: Fit, name: str) -> Fit:
-    """A set with one effect less, at the values it has."""
+    """Return a set with one effect less, at the values it has."""
     names = tuple(n for n in found.model.names if n != name)
     keep = [i for i, f in enumerate(found.model.free) if f.effect != name]
     tail = list(range(len(found.model.free), found.theta.size))
@@ -193,8 +193,9 @@ def _without(search: Search, found: Fit, name: str) -> Fit:
 
 
 def is_limit(fit: Fit, name: str) -> bool:
-    """Whether an effect's shape has gone to an end of its range: then it is another
-    effect's limit, not a rival of its own.
+    """Whether an effect's shape has gone to an end of its range.
+
+    Then it is another effect's limit, not a rival of its own.
     """
     for i, f in enumerate(fit.model.free):
         if f.effect != name or not f.log:
@@ -229,7 +230,7 @@ def _classes(
         place = names.index(gone[0])
         mine = sum(f.effect == gone[0] for f in found.model.free)
         theirs = sum(f.effect == new[0] for f in rival.model.free)
-        if theirs > mine and _contains(search, rival, new[0], mine):
+        if theirs > mine and _contains(rival, new[0], mine):
             continue
         if new[0] not in classes[place]:
             classes[place].append(new[0])
@@ -243,7 +244,7 @@ def _classes(
     return classes, sets
 
 
-def _contains(search: Search, rival: Fit, name: str, few: int) -> bool:
+def _contains(rival: Fit, name: str, few: int) -> bool:
     """Whether the rival has freedom that the data do not use.
 
     A wider law that ties is the narrower one's limit when its parameters can all be
@@ -254,7 +255,7 @@ def _contains(search: Search, rival: Fit, name: str, few: int) -> bool:
     if not spread.size:
         return True
     seen = sum(spread[i] < rival.model.free[i].size for i in rows)
-    return seen > few
+    return bool(seen > few)
 
 
 def _with_ranks(search: Search, choice: Choice, fits: Sequence[Fit]) -> Choice:

@@ -47,7 +47,7 @@ def _slower(run: Run, _: float) -> Run:
 
 
 def _dwelling(run: Run, _: float) -> Run:
-    """A pause of a tenth of the run's length, four times."""
+    """Pause four times, for a tenth of the run's length."""
     step = float(np.median(np.diff(run.t)))
     pause = max(1, run.t.size // 10)
     parts = np.array_split(run.drive, 5)
@@ -76,16 +76,14 @@ _MENU: tuple[tuple[str, Callable[[Run, float], Run], str], ...] = (
 )
 
 
-def next_experiment(
-    search: Search, fit: Fit, rivals: Sequence[Fit], unit: str = "N"
-) -> dict[str, Any]:
+def next_experiment(search: Search, fit: Fit, rivals: Sequence[Fit]) -> dict[str, Any]:
     """Simulate a menu of runs and say which one tells `fit` from its rivals.
 
     A distance is the least sum of squares, in deviations of the noise, that a rival
     leaves of what `fit` predicts for the runs so far and the new one together.
     """
     separates = [sorted(set(fit.model.names) ^ set(rival.model.names)) for rival in rivals]
-    rows = []
+    rows: list[dict[str, Any]] = []
     for name, change, text in _MENU:
         distance = _distance(search, fit, rivals, name, change)
         if distance is not None:
@@ -119,7 +117,7 @@ def _distance(
     pattern = problem.runs[int(np.argmax(moved))]
     run = replace(change(pattern, problem.nominal["slope_deg"]), label="next")
     noise = dict(problem.noise)
-    channels = [c for c in problem.channels]
+    channels = list(problem.channels)
     if name == "force sensor":
         deviation = 0.01 * search.scale.force
         noise["force"] = Noise(deviation, deviation, 0.0, stated=False)
@@ -155,7 +153,7 @@ def _distance(
         new = [n for n in rival.model.names if n not in fit.model.names]
         if len(rival.model.names) == 1 and new:
             rows = starts_of(new[0], search.scale)
-            more = start_fits(planned, nuisances, rival.model, rows)
+            more = start_fits(nuisances, rival.model, rows)
             evaluate(planned, more)
             trials.extend(sorted(more, key=lambda f: f.chi2)[:2])
     fit_all(planned, trials, steps=8)
@@ -167,7 +165,7 @@ def _distance(
 
 
 def _blank(run: Run, channels: Sequence[str]) -> Run:
-    """A run whose readings are still to be made up; x starts where it started."""
+    """Return a run whose readings are still to be made up; x starts where it started."""
     x0 = run.start[0] if run.channels else 0.0
     made = {c: np.zeros(run.t.size) for c in channels if c in FITTED}
     made["x"] = np.full(run.t.size, x0)

@@ -40,6 +40,7 @@ class Nuisances:
 
     @property
     def shares(self) -> tuple[int, ...]:
+        """Places of the values that are uncertain."""
         return tuple(i for i, s in enumerate(self.spread) if s > 0.0)
 
 
@@ -145,9 +146,7 @@ def _prior(fit: Fit, theta: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.concatenate([theta[k : k + spread.size] / spread, theta[last:] / around])
 
 
-def start_fits(
-    problem: Problem, nuisances: Nuisances, model: Model, rows: NDArray[np.float64]
-) -> list[Fit]:
+def start_fits(nuisances: Nuisances, model: Model, rows: NDArray[np.float64]) -> list[Fit]:
     """Return unfitted fits of a model, one a row of parameter values."""
     fits = []
     for row in np.atleast_2d(rows):
@@ -222,7 +221,7 @@ def _steps(fit: Fit, size: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _local(fit: Fit) -> list[int | None]:
-    """The run that each entry of theta is about, None for all."""
+    """Say which run each entry of theta is about, None for all."""
     everywhere: list[int | None] = [None] * (len(fit.model.free) + len(fit.nuisances.shares))
     return [*everywhere, *fit.nuisances.moving, *(r for r, _ in fit.nuisances.places)]
 
@@ -230,7 +229,7 @@ def _local(fit: Fit) -> list[int | None]:
 def _jacobians(
     problem: Problem, fits: Sequence[Fit], runs: Sequence[int] | None
 ) -> list[NDArray[np.float64]]:
-    """Derivatives of the residuals, a row a parameter, by one-sided differences."""
+    """Differentiate the residuals, a row a parameter, by one-sided differences."""
     groups: dict[int | None, list[tuple[int, int, float, NDArray[np.float64]]]] = {}
     for i, fit in enumerate(fits):
         _, high, size = _bounds(fit)
@@ -248,12 +247,12 @@ def _jacobians(
             continue
         found = problem.residuals(points, runs if run is None else [run])
         where = slice(None) if run is None else problem.of_run(run, chosen)
-        for (i, j, step, theta), e in zip(entries, found, strict=True):
+        for (i, j, width, theta), e in zip(entries, found, strict=True):
             fit = fits[i]
             prior = _prior(fit, theta)
             body = fit.residual.size - prior.size
-            rows[i][j, :body][where] = (e - fit.residual[:body][where]) / step
-            rows[i][j, body:] = (prior - fit.residual[body:]) / step
+            rows[i][j, :body][where] = (e - fit.residual[:body][where]) / width
+            rows[i][j, body:] = (prior - fit.residual[body:]) / width
     return rows
 
 

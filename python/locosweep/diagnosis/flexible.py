@@ -10,8 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from scipy.stats import chi2
+from scipy.stats import chi2  # type: ignore[import-untyped]
 
 from locosweep.diagnosis.fit import jacobian_of, point_of
 
@@ -111,7 +110,9 @@ def motion_of(problem: Problem, fit: Fit) -> Motion:
     )
 
 
-def _hats(values: NDArray[np.float64], where: NDArray[np.bool_], knots: int = _KNOTS):
+def _hats(
+    values: NDArray[np.float64], where: NDArray[np.bool_], knots: int = _KNOTS
+) -> NDArray[np.float64]:
     """Piecewise linear functions on knots at quantiles of where the values count."""
     if where.sum() < 3 * knots:
         return np.zeros((0, values.size))
@@ -211,7 +212,8 @@ class Flexible:
     def __init__(self, problem: Problem, fit: Fit) -> None:
         motion = motion_of(problem, fit)
         self.residual = fit.residual
-        forces, readings = [], []
+        forces: list[tuple[str, NDArray[np.float64]]] = []
+        readings: list[tuple[str, NDArray[np.float64]]] = []
         for variable in _ALL:
             terms, is_force = _terms(variable, motion)
             if len(terms):
@@ -239,6 +241,7 @@ class Flexible:
 
     @property
     def variables(self) -> list[str]:
+        """Variables that have terms along this motion."""
         return [v for v in _ALL if (self.names == v).any()]
 
     def solve(self, variables: Sequence[str]) -> tuple[float, int, NDArray[np.float64]]:

@@ -76,7 +76,7 @@ def check_runs(runs: Sequence[Run], robot: Robot) -> list[str]:
 
 
 def hold_out(
-    runs: Sequence[Run], asked: Sequence[str] | None, warnings: list[str]
+    runs: Sequence[Run], asked: Sequence[str] | None
 ) -> tuple[tuple[int, ...], float, bool]:
     """Return the runs kept from fits, the share of a run that fits see, and who chose."""
     labels = [run.label for run in runs]
@@ -103,7 +103,7 @@ def hold_out(
 
 
 def moving_starts(problem: Problem, nuisances: Nuisances) -> tuple[int, ...]:
-    """Runs that begin in motion; the speed of the others is set to 0.
+    """Find runs that begin in motion; the speed of the others is set to 0.
 
     A run does where both the parabola through its first samples and the nominal
     model over all of it ask for a start speed.
@@ -132,11 +132,11 @@ def moving_starts(problem: Problem, nuisances: Nuisances) -> tuple[int, ...]:
         return ()
     every = list(range(len(problem.runs)))
     free = replace(nuisances, moving=tuple(asked))
-    with_speed = start_fits(problem, free, Model((), ()), np.zeros((1, 0)))[0]
+    with_speed = start_fits(free, Model((), ()), np.zeros((1, 0)))[0]
     fit_all(problem, [with_speed], runs=every)
     speeds = point_of(problem, with_speed).speeds
     problem.begin[:, 1] = 0.0
-    at_rest = start_fits(problem, nuisances, Model((), ()), np.zeros((1, 0)))[0]
+    at_rest = start_fits(nuisances, Model((), ()), np.zeros((1, 0)))[0]
     own = len(nuisances.shares)
     at_rest.theta[:own] = with_speed.theta[:own]
     evaluate(problem, [at_rest], every)

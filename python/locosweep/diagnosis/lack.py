@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -41,10 +41,13 @@ class Lack:
 
     @property
     def is_there(self) -> bool:
+        """Whether it is more than noise."""
         return self.deviations > LIMIT
 
 
-def blocks_of(problem: Problem, residual: NDArray[np.float64], runs: Sequence[int] | None = None):
+def blocks_of(
+    problem: Problem, residual: NDArray[np.float64], runs: Sequence[int] | None = None
+) -> Iterator[tuple[str, int, NDArray[np.float64]]]:
     """Yield channel, run and its whitened residuals, samples without weight left out."""
     chosen = problem.fitted if runs is None else list(runs)
     at = 0

@@ -98,7 +98,7 @@ def _seen(readings: list[NDArray[np.float64]]) -> tuple[float, float]:
 
 
 def stretches(values: NDArray[np.float64], width: float) -> NDArray[np.intp]:
-    """Number samples by stretches within which a reading stays in a band of `width`."""
+    """Count stretches within which a reading stays in a band of `width`, sample by sample."""
     number = np.zeros(values.size, dtype=np.intp)
     low = high = values[0] if values.size else 0.0
     count = 0

@@ -104,12 +104,12 @@ def diagnose(
     workers = _core.threads_to_use(whole("threads", threads))
     robot = nominal if isinstance(nominal, Robot) else load_robot(nominal)
     if robot.effects:
-        names = ", ".join(robot.effects)
-        raise InputError(f"the nominal model has effects ({names}): allowed is a model without")
+        given = ", ".join(robot.effects)
+        raise InputError(f"the nominal model has effects ({given}): allowed is a model without")
     say("reading")
     records, notices, digest = _read(runs, columns or {}, units or {})
     warnings = [*notices, *check_runs(records, robot)]
-    held, tail, by_user = hold_out(records, holdout, warnings)
+    held, tail, by_user = hold_out(records, holdout)
     problem = Problem(robot, records, workers, held=held, tail=tail)
     scale = scale_of(robot, records)
     names, left_out = candidates(robot, records, scale)
@@ -144,7 +144,7 @@ def _read(
 
 
 def _spread(robot: Robot) -> tuple[float, float, float, float]:
-    """Standard deviations that the nominal file allows; 0 where its value is exact."""
+    """Return the deviations that the nominal file allows; 0 where its value is exact."""
     keys = ("mass", "mu_coulomb", "gain", "clock")
     found = [float(robot.other.get(f"uncertainty.{key}", 0.0)) for key in keys]
     return found[0], found[1], found[2], found[3]
@@ -179,7 +179,7 @@ def _report(
     order = [choice.fit.model.names.index(name) for name in effects_of]
     site = effect(effects_of[0]).site if effects_of else None
     classes = [choice.classes[i] for i in order] if named else []
-    verdict = {
+    verdict: dict[str, Any] = {
         "status": choice.status,
         "effects": effects_of,
         "probability": choice.probability,
@@ -202,7 +202,7 @@ def _report(
         },
         "candidates": _candidates(search, choice, gap, seed),
         "not_visible": not_visible(search, left_out),
-        "next_experiment": _next(search, choice, classes),
+        "next_experiment": _next(search, choice),
         "warnings": warnings,
         "provenance": {
             "locosweep": _core.version(),
@@ -221,7 +221,7 @@ def _report(
         report["gap"]["left"] = [{"variable": v, "share": s} for v, s in choice.shape[:5]]
     verdict["summary"] = sentences.summary(report)
     traces = _traces(problem, before, after, regimes)
-    details = {
+    details: dict[str, Any] = {
         "noise": {c: n.sd for c, n in problem.noise.items()},
         "force_view": where.force_view(problem, nominal_point, problem.nominal["mass"]),
     }
@@ -287,7 +287,7 @@ def _candidates(
     return rows
 
 
-def _next(search: Search, choice: Choice, classes: list[list[str]]) -> dict[str, Any]:
+def _next(search: Search, choice: Choice) -> dict[str, Any]:
     if choice.status != "ambiguous":
         return {"separates": [], "suggestion": None}
     rivals = []

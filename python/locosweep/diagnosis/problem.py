@@ -193,10 +193,10 @@ class Problem:
             slope = self.place("slope_error", "d_alpha_deg")
             values[np.isin(number, list(self.turned)), slope] *= -1.0
         read = self.job.run(columns, values, shares, starts, self.threads)
-        found = {c: field.reshape(len(points), -1) for c, field in zip(FITTED, read, strict=True)}
+        found = {c: one.reshape(len(points), -1) for c, one in zip(FITTED, read, strict=True)}
         wrong = ~np.isfinite(found["x"]).all(axis=1)
-        for field in found.values():
-            field[wrong] = LOST
+        for reading in found.values():
+            reading[wrong] = LOST
         return found
 
     def residuals(
@@ -312,6 +312,6 @@ class Problem:
         return e
 
     def degrees(self) -> int:
-        """Number of residuals that fits count."""
+        """Count the residuals that fits see."""
         seen = self.seen & ~np.isin(np.repeat(np.arange(len(self.runs)), self.lengths), self.held)
         return int(sum(((w > 0.0) & seen).sum() for w in self.weights.values()))

@@ -59,6 +59,7 @@ class Search:
         self.fits[frozenset()] = self.none
 
     def model(self, names: Iterable[str]) -> Model:
+        """Return a set of effects with its free parameters."""
         names = tuple(names)
         free = tuple(f for name in names for f in parameters_of(name, self.scale))
         return Model(names, free)
@@ -86,12 +87,12 @@ class Search:
                 rows = np.vstack([self._ripples(base), rows])
             if base is not None:
                 rows = np.hstack([np.tile(base.parameters, (len(rows), 1)), rows])
-            fits.extend(start_fits(self.problem, self.nuisances, self.model((*held, name)), rows))
+            fits.extend(start_fits(self.nuisances, self.model((*held, name)), rows))
             known = base or self.none
             nuisance = known.theta[len(known.model.free) :]
             if base is None and self.nuisances.shares:
                 # The nominal model's shares may be bent to hide the gap.
-                fits.extend(start_fits(self.problem, self.nuisances, fits[-1].model, rows))
+                fits.extend(start_fits(self.nuisances, fits[-1].model, rows))
             for fit in fits[-len(rows) :]:
                 fit.theta[fit.theta.size - nuisance.size :] = nuisance
         self._scan(fits)
@@ -104,7 +105,7 @@ class Search:
             starts += _apart(group, 3 * count if many else count)
         evaluate(self.problem, starts)
         fit_all(self.problem, starts, steps=3)
-        best = []
+        best: list[Fit] = []
         for group in groups:
             mine = sorted([f for f in starts if f.model is group[0].model], key=_chi2)
             best.extend(f for f in mine if f.chi2 < 1.3 * mine[0].chi2 + 20.0)
@@ -117,7 +118,7 @@ class Search:
         steps = 30 if self.nuisances.shares else 15
         fit_all(self.problem, close, steps=steps)
         self._leap(sorted(close, key=_chi2)[:_CLOSE], steps)
-        found = {}
+        found: dict[frozenset[str], Fit] = {}
         for fit in best:
             key = frozenset(fit.model.names)
             if key not in found or fit.chi2 < found[key].chi2:
@@ -138,8 +139,7 @@ class Search:
         rows = [[_SMALL, period, phase] for period in periods for phase in (0.0, np.pi / 2)]
         held = known.parameters
         model = self.model((*known.model.names, name))
-        fits = start_fits(
-            self.problem, self.nuisances, model,
+        fits = start_fits(self.nuisances, model,
             np.hstack([np.tile(held, (len(rows), 1)), np.array(rows)]),
         )  # fmt: skip
         nuisance = known.theta[len(known.model.free) :]
@@ -218,7 +218,7 @@ def _nominal(problem: Problem, nuisances: Nuisances) -> Fit:
     shares = nuisances.shares
     spread = np.array([nuisances.spread[i] for i in shares])
     corners = np.array(list(product((0.0, -1.2, 1.2), repeat=len(shares))))
-    fits = start_fits(problem, nuisances, Model((), ()), np.zeros((len(corners), 0)))
+    fits = start_fits(nuisances, Model((), ()), np.zeros((len(corners), 0)))
     for fit, corner in zip(fits, corners, strict=True):
         fit.theta[: len(shares)] = corner * spread
     evaluate(problem, fits)
@@ -236,7 +236,7 @@ def _chi2(fit: Fit) -> float:
 
 
 def _apart(fits: Sequence[Fit], count: int) -> list[Fit]:
-    """The best fits whose shapes differ, or whose strengths do where there is no shape."""
+    """Pick the best fits whose shapes differ, or whose strengths do where there is none."""
     chosen: list[Fit] = []
     for fit in fits:
         logs = np.array([f.log for f in fit.model.free], dtype=bool)

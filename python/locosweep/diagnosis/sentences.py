@@ -23,7 +23,8 @@ def summary(report: dict[str, Any]) -> str:
         best = next((c for c in report["candidates"] if c["effects"]), None)
         near = ""
         if best and best["shrink"] is not None:
-            near = f"; nearest comes {' with '.join(map(_said, best['effects']))}, which leaves more than noise"
+            names = " with ".join(map(_said, best["effects"]))
+            near = f"; nearest comes {names}, which leaves more than noise"
         return f"A gap is there that no known effect accounts for: {size}{near} ({sure} sure)."
     causes = [" or ".join(_said(n) for n in names) for names in verdict["equivalent"]]
     cause = " and ".join(f"({c})" if " or " in c and len(causes) > 1 else c for c in causes)

@@ -299,7 +299,7 @@ def starts_of(name: str, scale: Scale) -> NDArray[np.float64]:
     """Return the start values of an effect's parameters, a row a start."""
     table = _table(scale)[name]
     grids = []
-    for log, size, grid, low, high, _ in table.values():
+    for log, size, grid, _, _, _ in table.values():
         values = np.asarray(grid, dtype=float) * (1.0 if log else size)
         grids.append(np.unique(values))
     rows = np.array(list(product(*grids)))

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.signal import savgol_filter
+from scipy.signal import savgol_filter  # type: ignore[import-untyped]
 
 from locosweep.diagnosis.result import REGIMES
 
@@ -74,7 +75,7 @@ def windows(problem: Problem, squares: list[NDArray[np.float64]]) -> list[dict[s
     found: list[tuple[float, int, int, int]] = []
     for r, values in enumerate(squares):
         edges = np.linspace(0, values.size, WINDOWS + 1).astype(int)
-        for a, b in zip(edges, edges[1:], strict=False):
+        for a, b in pairwise(edges):
             if b > a:
                 found.append((float(values[a:b].sum()), r, int(a), int(b)))
     found.sort(key=lambda f: (-f[0], f[1], f[2]))
@@ -122,12 +123,10 @@ def _restarted(
 
 
 def _cuts(problem: Problem, count: int) -> list[tuple[int, int, int]]:
-    cuts = []
+    cuts: list[tuple[int, int, int]] = []
     for r in range(len(problem.runs)):
         edges = np.linspace(0, int(problem.lengths[r]), count + 1).astype(int)
-        cuts.extend(
-            (r, int(a), int(b)) for a, b in zip(edges, edges[1:], strict=False) if b - a >= 5
-        )
+        cuts.extend((r, int(a), int(b)) for a, b in pairwise(edges) if b - a >= 5)
     return cuts
 
 
@@ -152,14 +151,12 @@ def horizons(
     """Errors of free runs that start anew from the measured state every so many seconds."""
     rows = []
     for horizon in seconds:
-        cuts = []
+        cuts: list[tuple[int, int, int]] = []
         for r in runs:
             t = problem.runs[r].since_start
             marks = np.searchsorted(t, np.arange(0.0, t[-1], horizon))
             edges = np.unique(np.append(marks, t.size))
-            cuts.extend(
-                (r, int(a), int(b)) for a, b in zip(edges, edges[1:], strict=False) if b - a >= 2
-            )
+            cuts.extend((r, int(a), int(b)) for a, b in pairwise(edges) if b - a >= 2)
         if not cuts or all(problem.runs[r].since_start[-1] < horizon for r in runs):
             continue
         both = []
@@ -170,7 +167,9 @@ def horizons(
     return rows
 
 
-def regime_shares(squares: list[NDArray[np.float64]], regimes: list[NDArray[np.int64]]):
+def regime_shares(
+    squares: list[NDArray[np.float64]], regimes: list[NDArray[np.int64]]
+) -> list[dict[str, Any]]:
     """Shares of squares by kind of motion, largest first."""
     parts = dict.fromkeys(REGIMES, 0.0)
     for values, kinds in zip(squares, regimes, strict=True):
