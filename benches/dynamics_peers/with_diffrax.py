@@ -85,7 +85,7 @@ def ways(work: str, points: Points) -> list[Way]:
     if work == LUGRE and isinstance(points, LuGre):
         label = f"diffrax, Kvaerno5 at {LUGRE_TOLERANCE:g}"
         # Some seconds for all of them, and what lasts is the slowest of each call.
-        few = points.some(share(points, 0.25, 4))
+        few = points.some(share(points, 0.06, 4))
         call = lugre(few, LUGRE_TOLERANCE)
         return with_threads("diffrax", label, call, few.size, allowed=ATTAIN[LUGRE])
     return []

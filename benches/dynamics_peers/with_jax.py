@@ -15,7 +15,8 @@ from common.threads import one_processor, thread_counts
 from dynamics_peers.work import STRIBECK, Points, Stribeck, Way, share
 from peers.work import Array
 
-# Importing peers.with_jax switched JAX to double precision, on the processor.
+jax.config.update("jax_enable_x64", True)
+jax.config.update("jax_platforms", "cpu")
 
 
 def _advance(columns: Any, count: int, h: float) -> Any:

@@ -36,7 +36,7 @@ BARE: dict[str, float] = {"gravity": 0.0, "wall_force": 1.0}
 # The loosest that attain what the work asks for; choose.py shows the others.
 LUGRE_TOLERANCE = 1e-5
 ROBOT_STEP, ROBOT_FINE = 5e-3, 2e-4
-LOCATED_STEP = 3e-3
+LOCATED_STEP = 2e-3
 
 
 def _job(
@@ -65,7 +65,7 @@ def stribeck(points: Stribeck) -> Callable[[int, str | None], Array]:
         "viscous": "viscous",
         "mass": "mass",
     }
-    axes = {renamed[k]: v for k, v in points.axes(points.size).items()}
+    axes = {name: np.unique(getattr(points, ours)) for ours, name in renamed.items()}
     fixed = {**BARE, "duration": points.END, "time_step": points.STEP}
     names = ["final_position", "final_speed"]
     return _job(names, axes, fixed, law="tanh", drive="sine", method="runge_kutta")
@@ -73,8 +73,10 @@ def stribeck(points: Stribeck) -> Callable[[int, str | None], Array]:
 
 def lugre(points: LuGre, tolerance: float) -> Callable[[int, str | None], Array]:
     """W4."""
-    found = points.axes(points.size)
-    axes = {"spring_stiffness": found["stiffness"], "mu_static": found["static"]}
+    axes = {
+        "spring_stiffness": np.unique(points.stiffness),
+        "mu_static": np.unique(points.static),
+    }
     fixed = {
         **BARE,
         "mass": points.MASS,
@@ -92,14 +94,13 @@ def lugre(points: LuGre, tolerance: float) -> Callable[[int, str | None], Array]
 
 def pulses(points: Pulses, method: str) -> Callable[[int, str | None], Array]:
     """W5."""
-    found = points.axes(points.size)
     axes = {
-        "drive_amplitude": found["forward"],
-        "drive_back": found["back"],
-        "mu_coulomb": found["coulomb"],
-        "mu_static": found["static"],
-        "viscous": found["viscous"],
-        "mass": found["mass"],
+        "drive_amplitude": np.unique(points.forward),
+        "drive_back": np.unique(points.back),
+        "mu_coulomb": np.unique(points.coulomb),
+        "mu_static": np.unique(points.static),
+        "viscous": np.unique(points.viscous),
+        "mass": np.unique(points.mass),
         "drive_duty": points.DUTY,
     }
     fixed = {**BARE, "drive_period": points.PERIOD, "duration": points.PERIODS * points.PERIOD}
@@ -110,8 +111,7 @@ def pulses(points: Pulses, method: str) -> Callable[[int, str | None], Array]:
 
 def robot(points: Robot, step: float) -> Callable[[int, str | None], Array]:
     """Return the whole robot's advance."""
-    found = points.axes(points.size)
-    axes = {"mu_coulomb": found["friction"], "drive_limit": found["limit"]}
+    axes = {"mu_coulomb": np.unique(points.friction), "drive_limit": np.unique(points.limit)}
     fixed = {
         "mass": SEGMENT_MASS,
         "segments": points.SEGMENTS,

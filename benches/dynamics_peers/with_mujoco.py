@@ -106,15 +106,11 @@ def rolled_out(
 
 
 @cache
-def _limit(count: int, points: int) -> Array:
-    return rolled_out(Robot.draw(points).some(count), FINE_STEP, 1)()
-
-
-def off_limit(p: Robot, points: int, step: float) -> float:
-    """Return the largest relative difference to the advance at a very small step."""
-    fine = _limit(_CHECKED, points)
-    few = p.some(_CHECKED)
-    return float(np.max(np.abs(rolled_out(few, step, 1)() / fine - 1)))
+def off_limit(frictions: tuple[float, ...], limits: tuple[float, ...]) -> float:
+    """Return the largest relative difference of some robots to the advance at a small step."""
+    few = Robot(np.array(frictions), np.array(limits))
+    fine = rolled_out(few, FINE_STEP, 1)()
+    return float(np.max(np.abs(rolled_out(few, STEP, 1)() / fine - 1)))
 
 
 def ways(work: str, points: Points) -> list[Way]:
@@ -122,7 +118,8 @@ def ways(work: str, points: Points) -> list[Way]:
     if work != ROBOT or not isinstance(points, Robot):
         return []
     steps = round(points.END / STEP)
-    own = partial(off_limit, points, points.size, STEP)
+    some = points.some(_CHECKED)
+    own = partial(off_limit, tuple(some.friction), tuple(some.limit))
     few = points.some(share(points, 0.1, 4))
     call = stepped(few, STEP)
     label = f"mujoco, mj_step at {STEP:g} s"
