@@ -161,12 +161,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--quick", action="store_true", help="few trajectories, few stops")
     parser.add_argument("--markdown", action="store_true", help="print a Markdown table")
+    parser.add_argument("--stops", type=int, help=f"stops of each work (default {_STOPS})")
+    parser.add_argument("--only", choices=["exact", "runge_kutta"], help="one work")
     given = parser.parse_args()
     shape, count = (_QUICK, _QUICK_STOPS) if given.quick else (_FULL, _STOPS)
+    count = given.stops or count
+    works = [work for work in _WORKS if given.only is None or work.endswith(given.only)]
     result = 8 * shape[0] * shape[1]
     lines = [["1 heat map of", "takes", "shown", "beside result", "stops", "median", "worst"]]
     wrong: list[str] = []
-    for work in _WORKS:
+    for work in works:
         # What a picture takes anyway: interpreter, libraries, a few cells.
         base = whole(work, (3, 3)).peak
         drawn = whole(work, shape)
