@@ -23,8 +23,11 @@ test: $(VENV)/built lint
 	cargo test --release --locked
 	$(BIN)/python -m pytest --doctest-modules python/locosweep tests
 	cargo bench --locked --bench sweep -- --test
+	cargo bench --locked --bench dynamics -- --test
 	$(BIN)/python benches/border.py --quick
+	$(BIN)/python benches/heatmap.py --quick
 	$(BIN)/python benches/peers.py --quick
+	$(BIN)/python benches/dynamics_peers.py --quick
 
 lint: $(VENV)/built
 	cargo fmt --all --check
@@ -36,10 +39,13 @@ lint: $(VENV)/built
 
 bench: $(VENV)/built
 	$(BIN)/python -c 'import tomllib; print("\n".join(tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["peers"]))' > $(VENV)/peers.txt
-	$(BIN)/pip install --quiet --disable-pip-version-check -r $(VENV)/peers.txt
+	@while read -r peer; do $(BIN)/pip install --quiet --disable-pip-version-check "$$peer" </dev/null || echo "cannot install $$peer: its rows will say so"; done <$(VENV)/peers.txt
 	cargo bench --locked --bench sweep
+	cargo bench --locked --bench dynamics
 	$(BIN)/python benches/border.py
+	$(BIN)/python benches/heatmap.py
 	$(BIN)/python benches/peers.py
+	$(BIN)/python benches/dynamics_peers.py
 
 wheel: $(VENV)/installed
 	$(BIN)/maturin build --release --locked --out dist

@@ -1,27 +1,27 @@
 """Dynamics in what users would pick instead of locosweep, in one process, in turn.
 
-Run with ``--quick`` for a look in 20 seconds; only NumPy is required.
+``--quick`` only checks that all agree, within what each is allowed, and shows no times: it takes
+less than two minutes, and needs no peer but NumPy and SciPy.
 """
 
 from __future__ import annotations
 
 import argparse
 import importlib
-import importlib.metadata
 import json
-import os
-import platform
 import sys
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+
+from common.machine import describe
+from common.table import table
 
 # The folder of the same name, which goes before this file.
-from dynamics_peers import report, with_numpy
+from dynamics_peers import battery, limits, memory, report, targets, with_numpy
 from dynamics_peers.measure import References, Row, measure
-from dynamics_peers.work import KINDS, LEAST, LUGRE, POINTS, TITLES, WORKS, LuGre, Points
-from peers.report import table
+from dynamics_peers.replays import KINDS, Bristles
+from dynamics_peers.work import LEAST, POINTS, TITLES, WORKS, LuGre, Points
 from peers.work import Array
 
 _QUICK_SCALE, _ROUNDS, _QUICK_ROUNDS = 0.002, 5, 1
@@ -33,7 +33,7 @@ _SLOW = ("jax", "diffrax")
 
 
 def load_peers(quick: bool) -> dict[str, ModuleType]:
-    """Return ours, if it is there, NumPy, and the peers that are installed; say which are not."""
+    """Return ours, NumPy, and the peers that can be had; say why others cannot."""
     found = {}
     for name in ("locosweep", "numpy", *_PEERS):
         if quick and name in _SLOW:
@@ -41,40 +41,21 @@ def load_peers(quick: bool) -> dict[str, ModuleType]:
             continue
         try:
             found[name] = importlib.import_module(f"dynamics_peers.with_{name}")
-        except ModuleNotFoundError as error:
-            missing = error.name or ""
-            if missing == f"dynamics_peers.with_{name}":
-                print(f"{name}: skipped, not written yet")
-            elif missing.split(".")[0] in (name, *_PEERS, *_UNDERNEATH):
-                print(f"{name}: skipped, {missing} not installed")
-            else:
+        # A library that is there but does not fit the system raises other errors too.
+        except (ImportError, OSError) as error:
+            missing = (getattr(error, "name", None) or "").split(".")[0]
+            if missing not in (name, *_PEERS, *_UNDERNEATH):
                 raise
+            what = "not installed" if isinstance(error, ModuleNotFoundError) else f"{error}"
+            print(f"{name}: skipped, {missing} {what}")
     return found
-
-
-def machine(peers: dict[str, ModuleType], scale: float, rounds: int) -> dict[str, Any]:
-    """Describe what the numbers hold for."""
-    cpu = platform.processor() or platform.machine()
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-        cpu = next(line.split(":")[1].strip() for line in lines if line.startswith("model name"))
-    except (OSError, StopIteration):
-        pass
-    known: dict[str, Any] = {
-        "processor": cpu,
-        "processors": len(os.sched_getaffinity(0)),
-        "load": round(os.getloadavg()[0], 2),
-        "python": platform.python_version(),
-    }
-    known |= {name: importlib.metadata.version(name) for name in peers}
-    return known | {"scale": scale, "rounds": rounds}
 
 
 def reference(peers: dict[str, ModuleType]) -> Callable[[str, Points], Array | None]:
     """Return what computes the results that all others are checked against."""
 
     def compute(work: str, points: Points) -> Array | None:
-        if isinstance(points, LuGre) and "scipy" in peers:
+        if isinstance(points, LuGre | Bristles):
             expected: Array = peers["scipy"].reference(points)
             return expected
         return with_numpy.reference(work, points)
@@ -92,9 +73,6 @@ def run(
     """Measure some works."""
     groups = {}
     for work in works:
-        if work == LUGRE and "scipy" not in peers:
-            print(f"{work}: skipped, its reference needs scipy")
-            continue
         points = KINDS[work].draw(max(LEAST[work], round(POINTS[work] * scale)))
         references = References(work, points, reference(peers))
         ways = [way for peer in peers.values() for way in peer.ways(work, points)]
@@ -105,7 +83,7 @@ def run(
 def main() -> None:
     """Parse the command line, measure, print."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--quick", action="store_true", help="few points, one round, no jax")
+    parser.add_argument("--quick", action="store_true", help="few points, no times, no jax")
     parser.add_argument("--scale", type=float, help="share of the points (default 1)")
     parser.add_argument("--rounds", type=int, help=f"runs of each way (default {_ROUNDS})")
     parser.add_argument("--only", metavar="W3,robot", help=f"some of {','.join(WORKS)}")
@@ -122,18 +100,40 @@ def main() -> None:
         if sys.stderr.isatty():
             print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
 
+    # First, as it needs a machine with free memory.
+    held = memory.measure(given.quick)
     peers = load_peers(given.quick)
-    about = machine(peers, scale, rounds)
+    about = describe(peers) | {"scale": scale, "rounds": rounds}
     groups = run(works, scale, rounds, peers, tell)
+    rates = battery.measure(rounds, tell)
     tell("")
     print(", ".join(f"{name} {value}" for name, value in about.items()))
+
+    def heading(text: str) -> str:
+        return f"\n{'### ' if given.markdown else ''}{text}\n"
+
     for work, rows in groups.items():
-        print(f"\n{'### ' if given.markdown else ''}{TITLES[work]}\n")
-        print(table(report.cells(work, rows), given.markdown))
+        print(heading(TITLES[work]))
+        lines = report.agreement(rows) if given.quick else report.cells(work, rows)
+        print(table(lines, given.markdown))
         for line in report.notes(rows):
             print(f"\n{line}")
+    if over := [one for one in held if one.beside_mb > memory.LIMIT_MB]:
+        raise SystemExit(f"an ensemble takes {over[0].beside_mb:.0f} MB beside its result")
+    if given.quick:
+        print(f"\n{len(rates)} effects replayed; memory beside results within bounds")
+        return
+    limit = limits.measure(rounds)
+    found = targets.judge(groups, limit, str(about["simd"]), scale)
+    found += [*targets.rates(rates, limit), *targets.memory(held)]
+    print(heading("effects: 6 runs x 2000 samples, finite differences, 1 thread"))
+    print(table(battery.cells(rates), given.markdown))
+    print(heading("all in one: per trajectory and core"))
+    print(table(targets.cells(found), given.markdown))
+    print(f"\n{targets.limits_note(limit)}")
     if given.json:
-        given.json.write_text(json.dumps(report.record(about, groups), indent=2) + "\n")
+        text = json.dumps(report.record(about, groups, rates, held, found), indent=2)
+        given.json.write_text(text + "\n")
 
 
 if __name__ == "__main__":

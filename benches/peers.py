@@ -8,8 +8,6 @@ from __future__ import annotations
 import argparse
 import importlib
 import json
-import os
-import platform
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -17,6 +15,9 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
+
+from common.machine import describe
+from common.table import table
 
 # The folder of the same name, which goes before this file.
 from peers import memory, report, targets, with_locosweep, with_numpy
@@ -45,23 +46,10 @@ def load_peers(quick: bool) -> list[ModuleType]:
 
 def machine(peers: list[ModuleType], scale: float, rounds: int) -> dict[str, Any]:
     """Describe what the numbers hold for."""
-    cpu = platform.processor() or platform.machine()
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-        cpu = next(line.split(":")[1].strip() for line in lines if line.startswith("model name"))
-    except (OSError, StopIteration):
-        pass
     pages = _HUGE_PAGES.read_text() if _HUGE_PAGES.exists() else "[unknown]"
-    known: dict[str, Any] = {
-        "processor": cpu,
-        "processors": len(os.sched_getaffinity(0)),
-        "load": round(os.getloadavg()[0], 2),
-        "huge_pages": pages.split("[")[1].split("]")[0],
-        "python": platform.python_version(),
-        **with_locosweep.machine(),
-    }
-    for name in (peer.__name__.removeprefix("peers.with_") for peer in peers):
-        known[name] = sys.modules[name].__version__
+    names = [peer.__name__.removeprefix("peers.with_") for peer in peers]
+    known = describe(["locosweep", "numpy", *names])
+    known["huge_pages"] = pages.split("[")[1].split("]")[0]
     return known | {"scale": scale, "rounds": rounds}
 
 
@@ -116,10 +104,10 @@ def main() -> None:
     print(", ".join(f"{name} {value}" for name, value in about.items()))
     for group, rows in groups.items():
         print(f"\n{'### ' if given.markdown else ''}{group}\n")
-        print(report.table(report.cells(group, rows), given.markdown))
+        print(table(report.cells(group, rows), given.markdown))
     print()
     for lines in (report.scaling(groups), report.verdicts(found)):
-        print(report.table(lines, given.markdown) + "\n")
+        print(table(lines, given.markdown) + "\n")
     if given.json:
         text = json.dumps(report.record(about, groups, needed, found), indent=2)
         given.json.write_text(text + "\n")

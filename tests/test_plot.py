@@ -337,3 +337,19 @@ def test_infinite_axis_values_are_refused_along_an_axis_but_fine_as_lines():
         r.plot.heatmap()
     ax = r.plot.curves("segments", by="drive_limit")
     assert any("∞" in text for text in legend_texts(ax))
+
+
+def test_long_axes_are_thinned_but_optimum_and_colours_are_of_all_cells():
+    x, y = np.linspace(0.5, 0.9, 1501), np.linspace(0.1, 0.3, 3)
+    result = ls.sweep("mean_velocity", mu_static=x, mu_coulomb=y[::-1], segments=4)
+    values = result.values.copy()
+    values[700, 1] = 9.0
+    held = ls.Result(result.outputs, result.axes, result.fixed, [values])
+    ax = held.plot.heatmap("mu_static", "mu_coulomb")
+    mesh = ax.collections[0]
+    assert mesh.get_array().shape == (3, 600)
+    assert 9.0 not in mesh.get_array()
+    assert mesh.norm.vmax == 9.0
+    star = next(line for line in ax.lines if line.get_marker() == "*")
+    assert star.get_xdata()[0] == x[700]
+    assert star.get_ydata()[0] == y[1]

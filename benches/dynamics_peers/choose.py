@@ -19,8 +19,8 @@ from dynamics_peers.measure import differences
 from dynamics_peers.work import ATTAIN, LUGRE, ROBOT, STRIBECK, LuGre, Robot, Stribeck
 from peers.work import Array
 
-_STEPS = (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 4e-3, 5e-3)
-_STRIBECKS, _LUGRES, _ROBOTS = 100, 64, 16
+_STEPS = (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 4e-3, 5e-3, 1e-2)
+_STRIBECKS, _LUGRES, _ROBOTS = 200, 64, 32
 
 
 def _show(work: str, name: str, setting: str, call: Callable[[], Array], expected: Array) -> None:
@@ -48,7 +48,7 @@ def stribeck() -> None:
                 _show(STRIBECK, f"scipy {method}", f"{rtol:g}", call, expected)
     for name, tolerances in (
         ("diffrax", (1e-4, 1e-5, 1e-6, 1e-7)),
-        ("heyoka", (1e-10, 1e-12, 1e-13, 1e-14, 1e-15)),
+        ("heyoka", (1e-13, 1e-14, 1e-15, 1e-16)),
     ):
         if solver := _peer(name):
             for tolerance in tolerances:
@@ -69,12 +69,16 @@ def lugre() -> None:
         for rtol, below in choices:
             call: Any = partial(solver.lugre, p, method, rtol, below)
             _show(LUGRE, f"scipy {method}", f"{rtol:g}, {rtol * below:g}", call, expected)
+    if solver := _peer("locosweep"):
+        for tolerance in (1e-4, 2e-5, 1e-5, 5e-6):
+            call = partial(solver.lugre(p, tolerance), 1, None)
+            _show(LUGRE, "locosweep", f"{tolerance:g}", call, expected)
     if solver := _peer("numba"):
         for step in (2.5e-5, 4e-5, 5e-5, 6.25e-5):
             _show(LUGRE, "numba RK4", f"{step:g} s", partial(solver.lugre, p, step), expected)
     for name, tolerances in (
+        ("heyoka", (1e-8, 1e-15, 1e-16)),
         ("diffrax", (1e-4, 3e-5, 1e-5)),
-        ("heyoka", (1e-6, 1e-7, 1e-8, 1e-16)),
     ):
         if solver := _peer(name):
             for tolerance in tolerances:
@@ -85,6 +89,9 @@ def robot() -> None:
     """Find the steps of the robot, each against the smallest step of the same model."""
     p = Robot.draw(_ROBOTS)
     models: list[tuple[str, Callable[[float], Callable[[], Array]]]] = []
+    if solver := _peer("locosweep"):
+        ours = solver.robot
+        models.append(("locosweep", lambda step: partial(ours(p, step), 1, None)))
     if solver := _peer("numba"):
         stepped, smoothed = solver.robot_stepped, solver.robot_smoothed
         models.append(("numba, time stepping", lambda step: partial(stepped, p, step)))

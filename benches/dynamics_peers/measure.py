@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dynamics_peers.work import FLOORS, OWN_ALLOWED, Points, Way
+from dynamics_peers.work import FLOORS, OWN_ALLOWED, Points, Way, spread
 from peers.work import Array
 
 # Trajectories that are checked of every way, from the first to the last.
-CHECKED = {"W3": 256, "W4": 8, "W5": 4096, "robot": 16}
+CHECKED = {"W3": 256, "W4": 64, "W5": 4096, "robot": 128, "replay": 96, "bristles": 4}
 # Calls that take longer are repeated no more than this often.
 _LONG, _FEW = 0.5, 3
 
@@ -25,7 +25,7 @@ class Row:
 
     way: Way
     seconds: float
-    """Per trajectory, median."""
+    """Per trajectory, median; processor time of one thread, wall-clock time of several."""
     least: float
     """Per trajectory, fastest run."""
     worst: float
@@ -46,14 +46,13 @@ class References:
         self._known: dict[int, Array | None] = {}
 
     def rows(self, count: int) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
-        """Choose rows among the first ``count``."""
-        chosen = np.linspace(0, count - 1, min(count, CHECKED[self.work])).astype(np.intp)
-        return np.unique(chosen)
+        """Choose rows of a result of ``count``."""
+        return spread(count, CHECKED[self.work])
 
     def expected(self, count: int) -> Array | None:
         """Return the results in these rows; None if nothing installed attains the work."""
         if count not in self._known:
-            some = self.points.take(self.rows(count))
+            some = self.points.some(count).take(self.rows(count))
             self._known[count] = self._compute(self.work, some)
         return self._known[count]
 
@@ -107,9 +106,12 @@ def measure(
 
 
 def _time(way: Way) -> float:
+    # What else runs on the machine takes turns with a single thread, which its processor time
+    # does not contain. Several threads are about waiting for each other too.
+    clock = time.process_time if way.threads == 1 else time.perf_counter
     with way.around():
         # Threads of the one before may still be spinning.
         time.sleep(0.02)
-        start = time.perf_counter()
+        start = clock()
         way.call()
-        return time.perf_counter() - start
+        return clock() - start

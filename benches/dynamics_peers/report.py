@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
+from dynamics_peers.battery import Rate
 from dynamics_peers.measure import Row
+from dynamics_peers.memory import Held
+from dynamics_peers.targets import Verdict
 from dynamics_peers.work import UNITS
 
 
@@ -38,6 +42,16 @@ def cells(work: str, rows: Sequence[Row]) -> list[list[str]]:
     return lines
 
 
+def agreement(rows: Sequence[Row]) -> list[list[str]]:
+    """Return how far each way is off the reference, and how far it may be; no times."""
+    lines = [["", "threads", "points", "max diff", "allowed"]]
+    for row in rows:
+        allowed = "*" if row.way.allowed is None else f"{row.way.allowed:.0e}"
+        way = row.way
+        lines.append([way.label, str(way.threads), str(way.points), f"{row.worst:.0e}", allowed])
+    return lines
+
+
 def _base(row: Row, ours: Sequence[Row]) -> float:
     """Return the time of our first way on as many threads, or on one."""
     alike = [r for r in ours if r.way.threads == row.way.threads]
@@ -54,7 +68,13 @@ def notes(rows: Sequence[Row]) -> list[str]:
     return found
 
 
-def record(machine: Mapping[str, Any], groups: Mapping[str, Sequence[Row]]) -> dict[str, Any]:
+def record(
+    machine: Mapping[str, Any],
+    groups: Mapping[str, Sequence[Row]],
+    rates: Sequence[Rate],
+    held: Sequence[Held],
+    found: Sequence[Verdict],
+) -> dict[str, Any]:
     """Return everything measured, for a JSON file."""
     named = {
         work: [
@@ -76,4 +96,10 @@ def record(machine: Mapping[str, Any], groups: Mapping[str, Sequence[Row]]) -> d
         ]
         for work, rows in groups.items()
     }
-    return {"machine": dict(machine), "groups": named}
+    return {
+        "machine": dict(machine),
+        "groups": named,
+        "effects": [asdict(rate) for rate in rates],
+        "memory": [asdict(one) for one in held],
+        "targets": [asdict(verdict) for verdict in found],
+    }

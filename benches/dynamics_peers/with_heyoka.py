@@ -10,12 +10,13 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
+from common.threads import thread_counts
 from dynamics_peers.work import ATTAIN, LUGRE, STRIBECK, LuGre, Points, Stribeck, Way, share
-from peers.work import Array, thread_counts
+from peers.work import Array
 
 # The loosest that attain what the work asks for; choose.py shows the others. Looser ones
 # step over the poles of tanh beside the real axis and miss reversals altogether.
-STRIBECK_TOLERANCE, LUGRE_TOLERANCE = 1e-14, 1e-16
+STRIBECK_TOLERANCE, LUGRE_TOLERANCE = 1e-15, 1e-16
 _LANES = 8
 
 
@@ -116,7 +117,7 @@ def lugre(p: LuGre, tolerance: float) -> Callable[[], Array]:
 def ways(work: str, points: Points) -> list[Way]:
     """List heyoka's ways to do a work; its integrators keep Python's lock, so on one thread."""
     if work == STRIBECK and isinstance(points, Stribeck):
-        some = points.take(slice(share(points, 0.05, 200)))
+        some = points.some(share(points, 0.05, 200))
         step = stribeck_compiled(some)
         found = [
             Way(

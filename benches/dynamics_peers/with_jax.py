@@ -11,11 +11,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from common.threads import one_processor, thread_counts
 from dynamics_peers.work import STRIBECK, Points, Stribeck, Way, share
-from peers.with_jax import _one_processor
-from peers.work import Array, thread_counts
+from peers.work import Array
 
-# Importing peers.with_jax switched JAX to double precision, on the processor.
+jax.config.update("jax_enable_x64", True)
+jax.config.update("jax_platforms", "cpu")
 
 
 def _advance(columns: Any, count: int, h: float) -> Any:
@@ -62,7 +63,7 @@ def with_threads(
     key: str, label: str, call: Callable[[], Array], points: int, **more: Any
 ) -> list[Way]:
     """Return one way for each number of threads."""
-    found = [Way(key, label, 1, call, around=_one_processor, points=points, **more)]
+    found = [Way(key, label, 1, call, around=one_processor, points=points, **more)]
     if len(thread_counts()) > 1:
         found.append(Way(key, label, 2, call, points=points, **more))
     return found
@@ -72,7 +73,7 @@ def ways(work: str, points: Points) -> list[Way]:
     """List JAX's ways to do a work."""
     if work != STRIBECK or not isinstance(points, Stribeck):
         return []
-    some = points.take(slice(share(points, 0.2, 200)))
+    some = points.some(share(points, 0.2, 200))
     steps = Stribeck.STEPS
     found = with_threads("jax", "jax, whole arrays", stribeck(some), some.size, steps=steps)
     if len(thread_counts()) > 1:

@@ -8,11 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from dynamics_peers import numba_smooth, numba_sticking
+from common.threads import numba_threads, thread_counts
+from dynamics_peers import numba_replays, numba_smooth, numba_sticking
+from dynamics_peers.replays import COULOMB, INTERVAL, SAMPLES, VISCOUS, WEIGHT, Bristles, Replays
 from dynamics_peers.work import (
     ATTAIN,
+    BRISTLES,
     LUGRE,
     PULSES,
+    REPLAY,
     ROBOT,
     SEGMENT_MASS,
     STRIBECK,
@@ -24,16 +28,17 @@ from dynamics_peers.work import (
     Way,
     share,
 )
-from peers.with_numba import _threads
-from peers.work import Array, thread_counts
+from peers.work import Array
 
 # The largest steps that attain what the work asks for; choose.py shows the others.
 LUGRE_STEP = 5e-5
 PULSE_STEP, PULSE_LONG_STEP, PULSE_WITHIN = 1e-3, 1e-2, 1e-9
-ROBOT_STEP = 2e-3
+ROBOT_STEP = 5e-3
+# Steps between two samples.
+BRISTLE_STEPS = 32
 # Smoothed: as narrow as RK4 stays stable with.
 SMOOTH_STEP, SMOOTH_WIDTH, SMOOTH_STRIBECK = 1e-4, 1e-3, 5e-3
-ROBOT_SMOOTH_STEP, ROBOT_WIDTH = 1e-3, 1e-3
+ROBOT_SMOOTH_STEP, ROBOT_WIDTH = 5e-4, 1e-3
 
 _SERVO = (SEGMENT_MASS, Robot.STIFFNESS, Robot.DAMPING)
 
@@ -92,6 +97,24 @@ def robot_smoothed(p: Robot, step: float) -> Array:
     return _run(numba_sticking.robot_smoothed, 1, (p.drag, p.limit), *given)
 
 
+def replay(p: Replays) -> Array:
+    """Positions at all samples, exactly."""
+    given = (COULOMB, WEIGHT, SEGMENT_MASS, INTERVAL)
+    return _positions(numba_replays.exact, p.force(), VISCOUS + p.viscous, *given)
+
+
+def bristles(p: Bristles, steps: int) -> Array:
+    """Positions at all samples, bristles by RK4 with some steps between samples."""
+    given = (p.stiffness, p.damping, VISCOUS, COULOMB, WEIGHT, SEGMENT_MASS, INTERVAL, steps)
+    return _positions(numba_replays.bristles, p.force(), *given)
+
+
+def _positions(kernel: Any, force: Array, *given: Any) -> Array:
+    out = np.empty(force.shape)
+    kernel(force, *given, out)
+    return out
+
+
 def ways(work: str, points: Points) -> list[Way]:
     """List numba's ways to do a work."""
     found: list[Way] = []
@@ -101,11 +124,11 @@ def ways(work: str, points: Points) -> list[Way]:
     ) -> None:
         for n in thread_counts():
             call = partial(function, on)
-            around = partial(_threads, n)
+            around = partial(numba_threads, n)
             found.append(Way(key, label, n, call, around=around, points=on.size, **more))
 
     if work == STRIBECK:
-        some = points.take(slice(share(points, 0.1, 200)))
+        some = points.some(share(points, 0.1, 200))
         add("numba", "numba", stribeck, some, steps=Stribeck.STEPS)
         add("numba.lanes", "numba, lanes by hand", stribeck_lanes, some, steps=Stribeck.STEPS)
     elif work == LUGRE:
@@ -121,7 +144,7 @@ def ways(work: str, points: Points) -> list[Way]:
         for key, step in (("numba.located", PULSE_STEP), ("numba.located.long", PULSE_LONG_STEP)):
             label = f"numba, RK4 at {step:g} s, stops located"
             add(key, label, partial(pulses_located, step=step), points, allowed=ATTAIN[PULSES])
-        some = points.take(slice(share(points, 0.1, 200)))
+        some = points.some(share(points, 0.1, 200))
         label = f"numba, smoothed, RK4 at {SMOOTH_STEP:g} s"
         add("numba.smoothed", label, pulses_smoothed, some, allowed=None)
         add("numba.exact", "numba, exact pieces", pulses_exact, points)
@@ -141,5 +164,16 @@ def ways(work: str, points: Points) -> list[Way]:
             points,
             allowed=None,
             steps=round(Robot.END / ROBOT_SMOOTH_STEP),
+        )
+    elif work == REPLAY:
+        add("numba", "numba, exact pieces", replay, points, steps=SAMPLES)
+    elif work == BRISTLES:
+        add(
+            "numba",
+            f"numba, RK4 at {INTERVAL / BRISTLE_STEPS:g} s",
+            partial(bristles, steps=BRISTLE_STEPS),
+            points,
+            allowed=ATTAIN[BRISTLES],
+            steps=SAMPLES,
         )
     return found

@@ -6,10 +6,13 @@ from functools import partial
 
 import numpy as np
 
+from dynamics_peers.replays import COULOMB, INTERVAL, SAMPLES, VISCOUS, WEIGHT, Replays
 from dynamics_peers.work import (
     ATTAIN,
+    BRISTLES,
     LUGRE,
     PULSES,
+    REPLAY,
     ROBOT,
     SEGMENT_MASS,
     STRIBECK,
@@ -24,7 +27,7 @@ from peers.work import Array
 
 _BLOCK = 2048
 # Largest step within 1 % of the limit, and one small enough to stand for the limit.
-ROBOT_STEP, ROBOT_FINE = 2e-3, 2e-4
+ROBOT_STEP, ROBOT_FINE = 5e-3, 2e-4
 
 
 def stribeck(p: Stribeck) -> Array:
@@ -150,6 +153,34 @@ def robot(p: Robot, step: float) -> Array:
     return advance
 
 
+def replay(p: Replays) -> Array:
+    """Positions at all samples, exactly: all candidates at once, sample by sample."""
+    force = np.ascontiguousarray(p.force().T) - WEIGHT
+    viscous = VISCOUS + p.viscous
+    decay = viscous / SEGMENT_MASS
+    x, v = np.zeros(p.size), np.zeros(p.size)
+    out = np.empty((SAMPLES, p.size))
+    for n, push in enumerate(force):
+        out[n] = x
+        left = np.full(p.size, INTERVAL)
+        starts = np.where(np.abs(push) > COULOMB, np.sign(push), 0.0)
+        # An interval has two pieces at most: until the head stops, and after that.
+        for _ in range(2):
+            sign = np.where(v != 0, np.sign(v), starts)
+            final = (push - sign * COULOMB) / viscous
+            slows = (v != 0) & (final * sign < 0)
+            stop = np.log1p(
+                -v / np.where(slows, final, 1.0), where=slows, out=np.full(p.size, np.inf)
+            )
+            stop /= decay
+            time = np.minimum(stop, left)
+            done = -np.expm1(-decay * time)
+            x = x + np.where(sign != 0, final * time + (v - final) * done / decay, 0.0)
+            v = np.where((sign != 0) & (stop > left), v + (final - v) * done, 0.0)
+            left = left - time
+    return np.ascontiguousarray(out.T)
+
+
 def reference(work: str, points: Points) -> Array | None:
     """Return what all ways are checked against, or None where NumPy does not attain it."""
     if isinstance(points, Stribeck):
@@ -158,14 +189,16 @@ def reference(work: str, points: Points) -> Array | None:
         return pulses(points)
     if isinstance(points, Robot):
         return robot(points, ROBOT_FINE)
-    assert work == LUGRE
+    if isinstance(points, Replays):
+        return replay(points)
+    assert work in (LUGRE, BRISTLES)
     return None
 
 
 def ways(work: str, points: Points) -> list[Way]:
     """List NumPy's ways to do a work, on one thread."""
     if work == STRIBECK and isinstance(points, Stribeck):
-        some = points.take(slice(share(points, 0.1, 200)))
+        some = points.some(share(points, 0.1, 200))
         return [
             Way("numpy", "numpy, whole arrays", 1, partial(stribeck, some), points=some.size),
             Way(
@@ -185,4 +218,8 @@ def ways(work: str, points: Points) -> list[Way]:
         return [
             Way("numpy", label, 1, call, points=points.size, allowed=ATTAIN[ROBOT], steps=steps)
         ]
+    if work == REPLAY and isinstance(points, Replays):
+        call = partial(replay, points)
+        label = "numpy, exact pieces"
+        return [Way("numpy", label, 1, call, points=points.size, steps=SAMPLES)]
     return []

@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from dynamics_peers.replays import COULOMB, INTERVAL, SAMPLES, VISCOUS, WEIGHT, Bristles
 from dynamics_peers.work import (
     ATTAIN,
+    BRISTLES,
     LUGRE,
     ROBOT,
     SEGMENT_MASS,
@@ -29,10 +31,12 @@ Rate = Callable[..., Any]
 
 # The loosest relative tolerances that attain what the work asks for, and the absolute ones
 # as a part of them; choose.py shows the others.
-STRIBECK_METHODS = {"RK45": (1e-6, 1e-2), "LSODA": (1e-6, 1e-2)}
-LUGRE_METHODS = {"LSODA": (1e-6, 1e-5), "Radau": (1e-5, 1e-4)}
+STRIBECK_METHODS = {"RK45": (1e-7, 1e-2), "LSODA": (1e-6, 1e-2)}
+LUGRE_METHODS = {"LSODA": (1e-6, 1e-4), "Radau": (1e-5, 1e-3)}
 ROBOT_TOLERANCE, ROBOT_WIDTH = 1e-5, 1e-3
-_REFERENCE = ("Radau", 1e-9, 1e-3)
+# What it is off a Radau at 1e-9 is some 1e-10, and it takes a tenth of the time.
+_REFERENCE = ("LSODA", 1e-11, 1e-5)
+BRISTLE_TOLERANCE, _BRISTLE_REFERENCE = 1e-5, 1e-10
 
 
 def _stribeck_rate(
@@ -123,16 +127,60 @@ def _robot(p: Robot, i: int, rtol: float) -> float:
     return float(y[:n].mean())
 
 
-def reference(points: LuGre) -> Array:
-    """W4 far more precisely than it is asked for."""
-    return lugre(points, *_REFERENCE)
+def bristles(p: Bristles, rtol: float) -> Array:
+    """Positions at all samples by LSODA, which starts anew where the command jumps."""
+    return np.array([_bristles(p, i, rtol) for i in range(p.size)])
+
+
+def _bristles(p: Bristles, i: int, rtol: float) -> Array:
+    s0, s1 = p.stiffness[i], p.damping[i]
+
+    def rate(_t: float, y: Array, push: float) -> Array:
+        dz = y[1] - s0 * abs(y[1]) * y[2] / COULOMB
+        force = s0 * y[2] + s1 * dz + VISCOUS * y[1]
+        return np.array((y[1], (push - force) / SEGMENT_MASS, dz))
+
+    pushes = p.force()[i] - WEIGHT
+    out, y = np.empty(SAMPLES), np.zeros(3)
+    last = 0
+    # Samples with the same command are one stretch.
+    for end in [*(np.flatnonzero(np.diff(pushes)) + 1), SAMPLES - 1]:
+        at = np.arange(1, end - last + 1) * INTERVAL
+        out[last] = y[0]
+        if at.size:
+            span, push = (0.0, float(at[-1])), (pushes[last],)
+            atol = rtol * np.array((1e-2, 1e-1, 1e-5))
+            found = solve_ivp(
+                rate, span, y, method="LSODA", t_eval=at, args=push, rtol=rtol, atol=atol
+            )
+            out[last + 1 : end + 1] = found.y[0]
+            y = found.y[:, -1]
+        last = end
+    return out
+
+
+def compiled_rate() -> Rate:
+    """Return the rate of W4 compiled by numba, or as it is where that is not installed."""
+    if not importlib.util.find_spec("numba"):
+        return _lugre_rate
+    from numba import njit
+
+    compiled: Rate = njit(_lugre_rate)
+    return compiled
+
+
+def reference(points: LuGre | Bristles) -> Array:
+    """W4 and bristles far more precisely than they are asked for."""
+    if isinstance(points, Bristles):
+        return bristles(points, _BRISTLE_REFERENCE)
+    return lugre(points, *_REFERENCE, compiled_rate())
 
 
 def ways(work: str, points: Points) -> list[Way]:
     """List SciPy's ways to do a work, on one thread."""
     found: list[Way] = []
     if work == STRIBECK and isinstance(points, Stribeck):
-        some = points.take(slice(share(points, 5e-5, 5)))
+        some = points.some(share(points, 5e-5, 5))
         for method, (rtol, below) in STRIBECK_METHODS.items():
             call: Any = partial(stribeck, some, method, rtol, below)
             label = f"scipy, {method} at {rtol:g}"
@@ -140,12 +188,10 @@ def ways(work: str, points: Points) -> list[Way]:
                 Way(f"scipy.{method}", label, 1, call, points=some.size, allowed=ATTAIN[STRIBECK])
             )
     elif work == LUGRE and isinstance(points, LuGre):
-        few = points.take(slice(share(points, 0.1, 4)))
-        rates = {"": _lugre_rate}
-        if importlib.util.find_spec("numba"):
-            from numba import njit
-
-            rates[", compiled rate"] = njit(_lugre_rate)
+        few = points.some(share(points, 0.1, 4))
+        rates, compiled = {"": _lugre_rate}, compiled_rate()
+        if compiled is not _lugre_rate:
+            rates[", compiled rate"] = compiled
         for method, (rtol, below) in LUGRE_METHODS.items():
             for suffix, rate in rates.items():
                 call = partial(lugre, few, method, rtol, below, rate)
@@ -153,8 +199,15 @@ def ways(work: str, points: Points) -> list[Way]:
                 key = f"scipy.{method}{'.compiled' if suffix else ''}"
                 found.append(Way(key, label, 1, call, points=few.size, allowed=ATTAIN[LUGRE]))
     elif work == ROBOT and isinstance(points, Robot):
-        one = points.take(slice(1))
+        one = points.some(1)
         label = f"scipy, smoothed, LSODA at {ROBOT_TOLERANCE:g}"
         call = partial(robot, one, ROBOT_TOLERANCE)
         found.append(Way("scipy", label, 1, call, points=1, allowed=None))
+    elif work == BRISTLES and isinstance(points, Bristles):
+        one = points.some(1)
+        label = f"scipy, LSODA at {BRISTLE_TOLERANCE:g}"
+        call = partial(bristles, one, BRISTLE_TOLERANCE)
+        found.append(
+            Way("scipy", label, 1, call, points=1, allowed=ATTAIN[BRISTLES], steps=SAMPLES)
+        )
     return found

@@ -18,19 +18,29 @@ LUGRE = "W4"
 PULSES = "W5"
 # A chain of four segments with servos between them, one moving at a time.
 ROBOT = "robot"
-WORKS = (STRIBECK, LUGRE, PULSES, ROBOT)
+# Measured runs replayed through a model, a number for every sample: without and with bristles.
+REPLAY, BRISTLES = "replay", "bristles"
+WORKS = (STRIBECK, LUGRE, PULSES, ROBOT, REPLAY, BRISTLES)
 
 TITLES = {
     STRIBECK: "W3: smooth Stribeck friction, RK4, 2000 steps",
     LUGRE: "W4: LuGre stick-slip, 10 s, x to 1e-4",
     PULSES: "W5: 12 phases with Coulomb friction, stiction and drag",
     ROBOT: "robot: 4 segments, 3 servos, 10 cycles of a gait",
+    REPLAY: "replay: 6 runs x 2000 samples, Coulomb and viscous friction",
+    BRISTLES: "bristles: the same runs, friction of LuGre bristles",
 }
-UNITS = {STRIBECK: ("ns", 1e9), LUGRE: ("ms", 1e3), PULSES: ("ns", 1e9), ROBOT: ("us", 1e6)}
-# Parameter points at scale 1.
-POINTS = {STRIBECK: 100_000, LUGRE: 64, PULSES: 100_000, ROBOT: 128}
-# Where fewer would say nothing, whatever the scale.
-LEAST = {STRIBECK: 200, LUGRE: 4, PULSES: 200, ROBOT: 4}
+UNITS = {
+    STRIBECK: ("us", 1e6),
+    LUGRE: ("ms", 1e3),
+    PULSES: ("ns", 1e9),
+    ROBOT: ("us", 1e6),
+    REPLAY: ("us", 1e6),
+    BRISTLES: ("us", 1e6),
+}
+# Parameter points at scale 1, and how few are worth looking at.
+POINTS = {STRIBECK: 100_000, LUGRE: 64, PULSES: 100_000, ROBOT: 128, REPLAY: 96, BRISTLES: 96}
+LEAST = {STRIBECK: 200, LUGRE: 4, PULSES: 200, ROBOT: 8, REPLAY: 12, BRISTLES: 12}
 
 GRAVITY = 9.81
 SEGMENT_MASS = 0.271
@@ -50,9 +60,23 @@ class Points:
         """Number of trajectories."""
         return int(self.columns[0].size)
 
+    def some(self, count: int) -> Self:
+        """Return this many of the trajectories, from all over."""
+        return self.take(spread(self.size, count))
+
     def take(self, rows: slice | np.ndarray[tuple[int], np.dtype[np.intp]]) -> Self:
         """Return some of the trajectories."""
         return type(self)(*(np.ascontiguousarray(column[rows]) for column in self.columns))
+
+
+def spread(size: int, count: int) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
+    """Choose some of `size` rows, evenly, the first and the last among them."""
+    return np.unique(np.linspace(0, size - 1, min(size, count)).astype(np.intp))
+
+
+def length(full: int, part: float) -> int:
+    """Return how long an axis is of which a grid has this part; two ends at least."""
+    return max(2, round(full * part))
 
 
 def product(*axes: Array) -> list[Array]:
@@ -87,14 +111,15 @@ class Stribeck(Points):
     @classmethod
     def axes(cls, count: int) -> dict[str, Array]:
         """Return the values of each parameter; about `count` combinations."""
+        part = (count / POINTS[STRIBECK]) ** (1 / 7)
         return {
-            "amplitude": np.linspace(1.0, 3.0, max(2, round(count / 10_000))),
-            "coulomb": np.linspace(0.2, 0.6, 5),
-            "static": np.linspace(0.7, 1.1, 5),
-            "stribeck": np.linspace(0.02, 0.1, 5),
-            "width": np.linspace(1e-2, 2e-2, 4),
-            "viscous": np.linspace(0.0, 0.5, 4),
-            "mass": np.linspace(0.2, 0.35, 5),
+            "amplitude": np.linspace(1.0, 3.0, length(10, part)),
+            "coulomb": np.linspace(0.2, 0.6, length(5, part)),
+            "static": np.linspace(0.7, 1.1, length(5, part)),
+            "stribeck": np.linspace(0.02, 0.1, length(5, part)),
+            "width": np.linspace(1e-2, 2e-2, length(4, part)),
+            "viscous": np.linspace(0.0, 0.5, length(4, part)),
+            "mass": np.linspace(0.2, 0.35, length(5, part)),
         }
 
 
@@ -164,13 +189,14 @@ class Pulses(Points):
     @classmethod
     def axes(cls, count: int) -> dict[str, Array]:
         """Return the values of each parameter but the share of the forward pulse."""
+        part = (count / POINTS[PULSES]) ** (1 / 6)
         return {
-            "forward": np.linspace(0.8, 3.0, max(2, round(count / 10_000))),
-            "back": np.linspace(0.4, 2.0, 5),
-            "coulomb": np.linspace(0.4, 0.9, 5),
-            "static": np.linspace(1.0, 1.5, 4),
-            "viscous": np.linspace(0.05, 0.5, 5),
-            "mass": np.linspace(0.2, 0.35, 4),
+            "forward": np.linspace(0.8, 3.0, length(10, part)),
+            "back": np.linspace(0.4, 2.0, length(5, part)),
+            "coulomb": np.linspace(0.4, 0.9, length(5, part)),
+            "static": np.linspace(1.0, 1.5, length(4, part)),
+            "viscous": np.linspace(0.05, 0.5, length(5, part)),
+            "mass": np.linspace(0.2, 0.35, length(4, part)),
         }
 
     DUTY = np.linspace(0.4, 0.75, 5)
@@ -181,7 +207,8 @@ class Robot(Points):
     """A chain on a line; head first, each segment moves 20 mm while the others hold.
 
     Servo j between segments j and j + 1 pushes them apart with
-    kp (commanded - length) - kd length', clipped at +-``limit``, length = x_j - x_(j+1).
+    kp (commanded - length) + kd (commanded' - length'), clipped at +-``limit``, where
+    length = x_j - x_(j+1): spring and damper between drive and joint.
     Each segment has Coulomb friction ``friction`` times its weight, no stiction beyond that.
     The result is the advance of the mean position.
     """
@@ -219,10 +246,16 @@ class Robot(Points):
 
     @classmethod
     def commanded(cls, times: Array) -> Array:
-        """Return the commanded lengths at some times, one column per servo."""
+        """Return what servos that know no commanded speed are told: one column per servo.
+
+        With these lengths kp (commanded - length) - kd length' is the same force.
+        """
         # Rounding must not put the first instant of a phase into the one before.
         phase = np.floor(times / cls.PHASE + 1e-9)
-        moved = np.clip((times - phase * cls.PHASE) * cls.RAMP, 0.0, cls.STROKE)
+        ramp = (times - phase * cls.PHASE) * cls.RAMP
+        moved = np.clip(ramp, 0.0, cls.STROKE)
+        pace = np.where(ramp < cls.STROKE * (1 - 1e-9), cls.RAMP, 0.0)
+        moved += cls.DAMPING / cls.STIFFNESS * pace
         mover = phase % cls.SEGMENTS
         joints = [
             np.where(mover == j, moved, 0.0) + np.where(mover == j + 1, cls.STROKE - moved, 0.0)
@@ -241,12 +274,6 @@ class Robot(Points):
         return cls.starts(step) + 0.5 * step
 
 
-KINDS: dict[str, type[Stribeck | LuGre | Pulses | Robot]] = {
-    STRIBECK: Stribeck,
-    LUGRE: LuGre,
-    PULSES: Pulses,
-    ROBOT: Robot,
-}
 # The largest difference is taken relative to the value, or to these where it is smaller:
 # positions cross zero, and velocities are zero at rest.
 FLOORS: dict[str, tuple[float, ...]] = {
@@ -254,6 +281,9 @@ FLOORS: dict[str, tuple[float, ...]] = {
     LUGRE: (1e-6,),
     PULSES: (0.01, 0.01),
     ROBOT: (1e-6,),
+    # A position at every sample; the noise of a good sensor is some um.
+    REPLAY: (1e-2,),
+    BRISTLES: (1e-2,),
 }
 
 
@@ -262,7 +292,7 @@ class Way(Variant):
     """One way to do a work; ``call`` returns one row per trajectory, one column per result."""
 
     points: int = 0
-    """Trajectories of one call: the first ones of the work."""
+    """Trajectories of one call: `Points.some` of the work."""
     allowed: float | None = 1e-9
     """Largest difference to the reference; None for another model, where it is only shown."""
     steps: int = 0
@@ -273,7 +303,14 @@ class Way(Variant):
 
 OWN_ALLOWED = 0.01
 # What adaptive methods have to attain.
-ATTAIN = {STRIBECK: 1e-4, LUGRE: 1e-4, PULSES: 1e-6, ROBOT: 1e-2}
+ATTAIN = {
+    STRIBECK: 1e-4,
+    LUGRE: 1e-4,
+    PULSES: 1e-6,
+    ROBOT: 1e-2,
+    REPLAY: 1e-9,
+    BRISTLES: 1e-4,
+}
 
 
 def share(points: Points, part: float, least: int = 1) -> int:

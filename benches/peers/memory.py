@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import os
-import resource
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
+
+from common.peak import peak_bytes
 
 LIMIT_MB = 64
 
@@ -24,27 +25,15 @@ def measure(scale: float) -> dict[str, float]:
     return found
 
 
-def _peak() -> int:
-    # Not ru_maxrss where this is known: a child begins with that of its parent.
-    try:
-        for line in Path("/proc/self/status").read_text().splitlines():
-            if line.startswith("VmHWM:"):
-                return int(line.split()[1]) * 1024
-    except OSError:
-        pass
-    unit = 1 if sys.platform == "darwin" else 1024
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit
-
-
 def _main(scale: float) -> None:
     import locosweep as ls
     from peers.work import dense_axes
 
     axes: Any = vars(dense_axes(scale))
     grid = ls.Grid(**axes)
-    before = _peak()
+    before = peak_bytes()
     values = ls.sweep("mean_velocity", grid).values
-    extra = _peak() - before - values.nbytes
+    extra = peak_bytes() - before - values.nbytes
     print(json.dumps({"result_mb": values.nbytes / 1e6, "beside_mb": extra / 1e6}))
 
 

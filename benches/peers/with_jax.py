@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 
+from common.threads import one_processor, thread_counts
 from peers.work import (
     CLOSED,
     COUNTS,
@@ -22,7 +20,6 @@ from peers.work import (
     Array,
     Axes,
     Variant,
-    thread_counts,
 )
 
 jax.config.update("jax_enable_x64", True)
@@ -67,25 +64,6 @@ def _closed(mu_static: Any, mu_coulomb: Any, cos: Any, sin: Any) -> Any:
     return jnp.where((hold > 0) & (push_high > 0), best, jnp.nan)
 
 
-@contextmanager
-def _one_processor() -> Iterator[None]:
-    """Keep all threads on one processor: JAX cannot change their number later."""
-    allowed = os.sched_getaffinity(0)
-    _pin({min(allowed)})
-    try:
-        yield
-    finally:
-        _pin(allowed)
-
-
-def _pin(processors: set[int]) -> None:
-    for thread in Path("/proc/self/task").iterdir():
-        try:
-            os.sched_setaffinity(int(thread.name), processors)
-        except ProcessLookupError:
-            continue
-
-
 def _reusing(shape: tuple[int, ...], given: tuple[Any, ...]) -> Callable[[], Any]:
     """Return a call whose result takes the memory of the one before."""
     into = jax.jit(_dense_into, donate_argnums=0, keep_unused=True)
@@ -112,7 +90,7 @@ def variants(group: str, axes: Axes, out: Array) -> list[Variant]:
         def call() -> Any:
             return function(*given).block_until_ready()
 
-    found = [Variant("jax", "jax", 1, call, around=_one_processor)]
+    found = [Variant("jax", "jax", 1, call, around=one_processor)]
     if len(thread_counts()) > 1:
         found.append(Variant("jax", "jax", 2, call))
     return found

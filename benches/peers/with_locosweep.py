@@ -5,9 +5,8 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-import numpy as np
-
 import locosweep as ls
+from common.threads import thread_counts
 from locosweep import _core
 from peers.work import (
     CLOSED,
@@ -20,7 +19,6 @@ from peers.work import (
     Array,
     Axes,
     Variant,
-    thread_counts,
 )
 
 _LIMITS = {"segments_min": COUNTS[0], "segments_max": COUNTS[-1]}
@@ -65,9 +63,3 @@ def variants(group: str, axes: Axes, out: Array) -> list[Variant]:
             call = partial(run, level, n)
             found.append(Variant(f"ours.{level}", f"locosweep, {level}", n, call, "ours"))
     return found
-
-
-def machine() -> dict[str, Any]:
-    """Name what the numbers depend on."""
-    levels = _core.simd_levels()
-    return {"locosweep": ls.__version__, "numpy": np.__version__, "simd": levels[-1]}

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-import numba
 import numpy as np
 from numba import njit, prange
 
+from common.threads import numba_threads, thread_counts
 from peers.work import (
     CLOSED,
     COUNTS,
@@ -23,7 +22,6 @@ from peers.work import (
     Array,
     Axes,
     Variant,
-    thread_counts,
 )
 
 # Division by zero gives what it gives in NumPy; with Python's rule it would raise.
@@ -149,16 +147,6 @@ def fill(flat: Array, value: float) -> None:
         flat[i] = value
 
 
-@contextmanager
-def _threads(count: int) -> Iterator[None]:
-    before = numba.get_num_threads()
-    numba.set_num_threads(count)
-    try:
-        yield
-    finally:
-        numba.set_num_threads(before)
-
-
 def _folded(axes: Axes) -> tuple[Array, Array, Array]:
     """Factors of mu_static and mu_coulomb, and the rest, over slope and count."""
     cos, sin, n = axes.cos[:, None], axes.sin[:, None], axes.segments
@@ -182,7 +170,7 @@ def variants(group: str, axes: Axes, out: Array) -> list[Variant]:
             return target
 
         for n in thread_counts():
-            found.append(Variant(key, label, n, call, kind, partial(_threads, n)))
+            found.append(Variant(key, label, n, call, kind, partial(numba_threads, n)))
 
     if group in (REUSED, FRESH):
         tables = _folded(axes)

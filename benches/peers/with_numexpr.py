@@ -9,7 +9,8 @@ from functools import partial
 import numexpr
 import numpy as np
 
-from peers.work import FRESH, GRAVITY, REUSED, STROKE, Array, Axes, Variant, thread_counts
+from common.threads import thread_counts
+from peers.work import FRESH, GRAVITY, REUSED, STROKE, Array, Axes, Variant
 
 # cos and sin would be functions.
 _HOLD = "(mu_static * c - s)"

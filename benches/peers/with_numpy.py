@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 
+from common.threads import thread_counts
 from peers.work import (
     CLOSED,
     COUNTS,
@@ -18,7 +19,6 @@ from peers.work import (
     Array,
     Axes,
     Variant,
-    thread_counts,
 )
 
 _SLICE = 0.1

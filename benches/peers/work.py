@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
@@ -87,8 +86,3 @@ class Variant:
     """Sets the number of threads, outside of the measured time."""
     share: float = 1.0
     """Part of the first axis that is computed; times are per point anyway."""
-
-
-def thread_counts() -> tuple[int, ...]:
-    """One thread, and two where the machine has them."""
-    return (1, 2) if len(os.sched_getaffinity(0)) > 1 else (1,)

@@ -38,6 +38,8 @@ __all__ = ["Plotter", "behaviour", "characteristic", "motion", "save_figure"]
 
 _RASTER_FROM = 10_000
 """Cells from which a heat map is stored as an image inside SVG and PDF."""
+_MOST_CELLS = 600
+"""Cells along an axis that a heat map draws: a picture has no more dots, and each takes memory."""
 
 
 class Plotter:
@@ -74,6 +76,9 @@ class Plotter:
         **at: float,
     ) -> Axes:
         r"""Draw an output over two axes; cells without a value are hatched and named.
+
+        Of an axis that is longer than a picture is wide in dots, evenly chosen cells are
+        drawn; colours and the marked optimum are those of all cells.
 
         Parameters
         ----------
@@ -123,11 +128,18 @@ class Plotter:
         if flip:
             values, codes = values.T, codes.T
         (xs, columns), (ys, rows) = (_centres(name, self.result.axes[name]) for name in (x, y))
+        best = _highest(values, rows, columns)
+        place = None if best is None else ((x, float(xs[best[1]])), (y, float(ys[best[0]])))
+        extremes = [float(fold.reduce(values, axis=None)) for fold in (np.fmin, np.fmax)]
+        (xs, columns), (ys, rows) = _drawn(xs, columns), _drawn(ys, rows)
         values, codes = values[np.ix_(rows, columns)], codes[np.ix_(rows, columns)]
 
         ax = _new_axes() if ax is None else ax
         works = np.isfinite(values)
         finite = values[works]
+        if finite.size:
+            # Cells that are not drawn count for the colours all the same.
+            finite = np.append(finite, extremes)
         shown = style.colours(finite, integer=output.integer, norm=norm, cmap=cmap)
         x_edges, y_edges = (cells.edges(n, c) for n, c in ((x, xs), (y, ys)))
         mesh = ax.pcolormesh(
@@ -142,14 +154,10 @@ class Plotter:
         if finite.size:
             cells.colour_bar(ax, mesh, finite, shown, output)
             cells.contours(ax, xs, ys, values, levels, shown.norm, output)
-        if mark_optimum and finite.size and not output.integer:
-            row, column = np.unravel_index(np.nanargmax(values), values.shape)
-            place = ((x, xs[column]), (y, ys[row]))
-            where = ", ".join(style.setting(name, float(at_)) for name, at_ in place)
-            label = (
-                f"highest: {style.with_unit(float(values[row, column]), output.unit)} at {where}"
-            )
-            star = ax.plot(xs[column], ys[row], "*", ls="none", label=label)[0]
+        if mark_optimum and place is not None and not output.integer:
+            where = ", ".join(style.setting(name, at_) for name, at_ in place)
+            label = f"highest: {style.with_unit(extremes[1], output.unit)} at {where}"
+            star = ax.plot(place[0][1], place[1][1], "*", ls="none", label=label)[0]
             star.set(markersize=14, markerfacecolor="white", markeredgecolor="black", clip_on=False)
             handles.append(star)
         handles += cells.hatch_cells(ax, codes, x_edges, y_edges)
@@ -355,6 +363,25 @@ def _centres(name: str, axis: Floats) -> tuple[Floats, NDArray[np.intp]]:
     if not np.isfinite(axis).all():
         raise InputError(f"{name} has infinite values: along an axis of a picture allowed are none")
     return np.unique(axis, return_index=True)
+
+
+def _drawn(centres: Floats, places: NDArray[np.intp]) -> tuple[Floats, NDArray[np.intp]]:
+    """Choose the cells along an axis that are drawn: all, or evenly some with both ends."""
+    if len(centres) <= _MOST_CELLS:
+        return centres, places
+    chosen = np.linspace(0, len(centres) - 1, _MOST_CELLS).round().astype(np.intp)
+    return centres[chosen], places[chosen]
+
+
+def _highest(
+    values: Floats, rows: NDArray[np.intp], columns: NDArray[np.intp]
+) -> tuple[int, int] | None:
+    """Row and column, in rising order of the axes, of the highest value; no copy of all."""
+    tops = np.fmax.reduce(values, axis=1)[rows]
+    if not np.isfinite(tops).any():
+        return None
+    row = int(np.nanargmax(tops))
+    return row, int(np.nanargmax(values[rows[row]][columns]))
 
 
 def _axis(axis: Axis, name: str, values: Floats) -> None:
