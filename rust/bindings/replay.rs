@@ -168,14 +168,7 @@ impl Replay {
         let control = token.map_or_else(Default::default, CancelToken::control);
         let work = || replay(&self.nominal, &self.runs, &made, (level, threads), &control);
         let found = enter(py, &control, count as u64, progress.as_ref(), work)?;
-        let mut all: [Vec<f64>; 4] = Default::default();
-        for readings in found {
-            for (all, one) in
-                all.iter_mut().zip([readings.x, readings.v, readings.x_rear, readings.force])
-            {
-                all.extend(one);
-            }
-        }
+        let all = [found.x, found.v, found.x_rear, found.force];
         Ok(all.map(|field| field.into_pyarray(py)))
     }
 }

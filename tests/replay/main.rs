@@ -114,7 +114,25 @@ fn column(active: Active, values: [f64; EFFECT_PARAMS], count: usize) -> Column 
 
 fn all(columns: &[Column], run: &Run, level: Level) -> Vec<Readings> {
     let runs = [run.clone()];
-    replay(&NOMINAL, &runs, columns, (level, 1), &Control::default()).unwrap()
+    apart(columns, replay(&NOMINAL, &runs, columns, (level, 1), &Control::default()).unwrap())
+}
+
+/// The readings of every column for itself.
+fn apart(columns: &[Column], all: Readings) -> Vec<Readings> {
+    let mut from = 0;
+    let mut one = |column: &Column| {
+        let to = from + column.window.1 - column.window.0;
+        let cut = |field: &[f64]| field[from..to].to_vec();
+        let part = Readings {
+            x: cut(&all.x),
+            v: cut(&all.v),
+            x_rear: cut(&all.x_rear),
+            force: cut(&all.force),
+        };
+        from = to;
+        part
+    };
+    columns.iter().map(&mut one).collect()
 }
 
 fn largest(a: &[f64], b: &[f64]) -> f64 {

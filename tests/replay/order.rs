@@ -15,9 +15,7 @@ fn replayed(active: Active, values: [f64; EFFECT_PARAMS], run: &Run) -> Readings
     let nominal = Nominal { limit: 1e9, ..NOMINAL };
     let columns = [column(active, values, run.times.len())];
     let level = Level::current().unwrap();
-    replay(&nominal, std::slice::from_ref(run), &columns, (level, 1), &Control::default())
-        .unwrap()
-        .remove(0)
+    replay(&nominal, std::slice::from_ref(run), &columns, (level, 1), &Control::default()).unwrap()
 }
 
 /// What the drive gives, stage by stage, on its samples: all but lag and

@@ -62,7 +62,7 @@ fn a_pendulum_swings_at_its_period() {
         let mut column = column(Active::default(), [0.0; EFFECT_PARAMS], 2001);
         column.start = (angle, 0.0);
         let runs = [run.clone()];
-        replay(&nominal, &runs, &[column], (level, 1), &Control::default()).unwrap().remove(0)
+        replay(&nominal, &runs, &[column], (level, 1), &Control::default()).unwrap()
     };
     let rate = (torque / inertia).sqrt();
     let small = swing(1e-4);

@@ -46,7 +46,6 @@ def check_runs(runs: Sequence[Run], robot: Robot) -> list[str]:
         warnings.append("the drive is constant in every run: effects of the drive hardly show")
     elif len(runs) > 1 and len({drive.tobytes() for drive in drives}) == 1:
         warnings.append("every run has the same drive: fewer effects can be told apart")
-    weight = nominal["mass"] * nominal["gravity"]
     moved = [float(np.ptp(x[np.isfinite(x)])) for run in runs if (x := run.channels["x"]).any()]
     span = max(moved, default=0.0)
     noise = float(robot.other.get("sensor.position_noise", 0.0))

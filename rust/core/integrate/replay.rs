@@ -42,8 +42,10 @@ impl Samples<'_> {
     }
 }
 
-/// Longest step of the methods that take steps, s.
-const STEP: f64 = 1e-3;
+/// Longest step of the methods that take steps, s: where friction is a smooth
+/// function of speed, and where it has steep parts along speed or track.
+const STEP: f64 = 2.5e-3;
+const STEEP: f64 = 1e-3;
 /// Local error of the stiff method.
 const TOLERANCE: f64 = 1e-5;
 
@@ -79,8 +81,10 @@ fn segment<'a, L: Lane>(
     let mut drive = Drive::new(DriveKind::Table, table, &Plain(zero));
     drive.path = Some(&plant.path);
     // Steps follow the fastest of what a step must resolve.
-    let lag = (one / plant.path.per_lag) * 0.25;
-    let step = zero.with(STEP);
+    let lag = (one / plant.path.per_lag) * 0.5;
+    let steep =
+        [Effect::StribeckFriction, Effect::PositionDependentFriction, Effect::PreslidingCompliance];
+    let step = zero.with(if plant.active.any(&steep) { STEEP } else { STEP });
     let step = if plant.path.lags { step.min(lag.max(zero.with(1e-5))) } else { step };
     Segment {
         mass: plant.mass,

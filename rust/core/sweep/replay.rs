@@ -34,7 +34,7 @@ pub struct Column {
     pub start: (f64, f64),
 }
 
-/// What the sensors would read, sample by sample.
+/// What the sensors would read, sample by sample, column by column.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Readings {
     pub x: Vec<f64>,
@@ -43,35 +43,62 @@ pub struct Readings {
     pub force: Vec<f64>,
 }
 
-/// Replays every column; the result has their order.
+impl Readings {
+    fn zeros(count: usize) -> Readings {
+        let new = || vec![0.0; count];
+        Readings { x: new(), v: new(), x_rear: new(), force: new() }
+    }
+
+    /// The part of every column, one after another.
+    fn parts(&mut self, lengths: impl Iterator<Item = usize>) -> Vec<Part<'_>> {
+        let mut rest: Part<'_> =
+            [&mut self.x, &mut self.v, &mut self.x_rear, &mut self.force].map(Vec::as_mut_slice);
+        lengths
+            .map(|length| {
+                let mut part: Part<'_> = Default::default();
+                for (rest, part) in rest.iter_mut().zip(&mut part) {
+                    let (own, others) = std::mem::take(rest).split_at_mut(length);
+                    (*part, *rest) = (own, others);
+                }
+                part
+            })
+            .collect()
+    }
+}
+
+/// Readings of one column: x, v, x_rear, force.
+type Part<'a> = [&'a mut [f64]; 4];
+
+/// Replays every column; the readings of all of them follow each other.
 pub fn replay(
     nominal: &Nominal,
     runs: &[Run],
     columns: &[Column],
     (level, threads): (Level, usize),
     control: &Control,
-) -> Result<Vec<Readings>> {
+) -> Result<Readings> {
+    let length = |column: &Column| column.window.1 - column.window.0;
+    let mut found = Readings::zeros(columns.iter().map(length).sum());
     // Columns that share run, window and effects go side by side. The order
     // within does not matter: no lane looks at its neighbours.
-    let mut order: Vec<usize> = (0..columns.len()).collect();
-    let key = |i: &usize| (columns[*i].run, columns[*i].window, columns[*i].active);
-    order.sort_by_key(key);
-    let mut found: Vec<Readings> = Vec::new();
-    found.resize_with(columns.len(), Readings::default);
-    let groups: Vec<&[usize]> =
-        order.chunk_by(|a, b| key(a) == key(b)).flat_map(|group| group.chunks(PACK)).collect();
+    let key = |column: &Column| (column.run, column.window, column.active);
+    let parts = found.parts(columns.iter().map(length));
+    let mut order: Vec<(&Column, Part<'_>)> = columns.iter().zip(parts).collect();
+    order.sort_by_key(|(column, _)| key(column));
+    let groups: Vec<&mut [(&Column, Part<'_>)]> = order
+        .chunk_by_mut(|(a, _), (b, _)| key(a) == key(b))
+        .flat_map(|group| group.chunks_mut(PACK))
+        .collect();
     let queue = Mutex::new(groups.into_iter());
-    let done = Mutex::new(Vec::new());
     let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
     let work = || {
         while let Some(group) = next() {
             if control.cancel.load(Ordering::Relaxed) {
                 return;
             }
-            let readings = run(level, Group { nominal, runs, columns, group, control });
-            control.done.fetch_add(group.len() as u64, Ordering::Relaxed);
-            let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
-            done.extend(group.iter().copied().zip(readings));
+            let count = group.len() as u64;
+            run(level, Group { nominal, runs, group, control });
+            control.done.fetch_add(count, Ordering::Relaxed);
         }
     };
     if threads <= 1 || columns.len() <= PACK {
@@ -87,39 +114,36 @@ pub fn replay(
         let done = control.done.load(Ordering::Relaxed);
         return Err(Error::Cancelled { done, total: columns.len() as u64 });
     }
-    for (i, readings) in done.into_inner().unwrap_or_else(PoisonError::into_inner) {
-        found[i] = readings;
-    }
     Ok(found)
 }
 
 /// Columns that one task takes: the widest pack.
 const PACK: usize = 16;
 
-struct Group<'a> {
+struct Group<'a, 'b, 'c> {
     nominal: &'a Nominal,
     runs: &'a [Run],
-    columns: &'a [Column],
-    group: &'a [usize],
+    group: &'b mut [(&'a Column, Part<'c>)],
     control: &'a Control,
 }
 
-impl Task for Group<'_> {
-    type Output = Vec<Readings>;
+impl Task for Group<'_, '_, '_> {
+    type Output = ();
     const SCALAR_BASELINE: bool = true;
 
     #[inline(always)]
-    fn run<P: Pack>(self, token: P::Token) -> Vec<Readings> {
-        let Group { nominal, runs, columns, group, control } = self;
+    fn run<P: Pack>(self, token: P::Token) {
+        let Group { nominal, runs, group, control } = self;
         let go_on = || !control.cancel.load(Ordering::Relaxed);
-        let mut found = Vec::with_capacity(group.len());
-        for part in group.chunks(P::LANES) {
-            let first = &columns[part[0]];
+        let like = P::splat(token, 0.0);
+        let nothing = Reading { x: like, v: like, force: like };
+        let (mut readings, mut rear) = (Vec::new(), Vec::new());
+        for part in group.chunks_mut(P::LANES) {
+            let first = part[0].0;
             let run = &runs[first.run];
             let (from, to) = first.window;
-            let like = P::splat(token, 0.0);
             // A pack that is not full repeats its last column.
-            let column = |lane: usize| &columns[part[lane.min(part.len() - 1)]];
+            let column = |lane: usize| part[lane.min(part.len() - 1)].0;
             let values = std::array::from_fn(|k| like.fill(|lane| column(lane).values[k]));
             let shares: [P; 4] = std::array::from_fn(|k| like.fill(|lane| column(lane).shares[k]));
             let start =
@@ -134,31 +158,25 @@ impl Task for Group<'_> {
                 &values,
                 ([mass, level, gain], clock),
             );
-            let nothing = Reading { x: like, v: like, force: like };
-            let mut readings = vec![nothing; count];
+            readings.clear();
+            readings.resize(count, nothing);
             head(&plant, samples, start, go_on, |i, reading| readings[i] = reading);
-            let mut rear = vec![like; count];
+            rear.clear();
+            rear.resize(count, like);
             if let Some(anchored) = &plant.body {
                 let forces = |i: usize| readings[i].force;
                 body(&plant, anchored, samples, forces, go_on, |i, x| rear[i] = x);
             }
             let motion = |i: usize| (readings[i].x, readings[i].v);
-            for lane in 0..part.len() {
-                found.push(Readings {
-                    x: Vec::with_capacity(count),
-                    v: readings.iter().map(|r| r.v.lane(lane)).collect(),
-                    x_rear: rear.iter().map(|x| x.lane(lane)).collect(),
-                    force: readings.iter().map(|r| r.force.lane(lane)).collect(),
-                });
-            }
-            let base = found.len() - part.len();
             for i in 0..count {
                 let x = sensed(&plant, samples, i, motion);
-                for lane in 0..part.len() {
-                    found[base + lane].x.push(x.lane(lane));
+                let now = [x, readings[i].v, rear[i], readings[i].force];
+                for (lane, (_, own)) in part.iter_mut().enumerate() {
+                    for (own, now) in own.iter_mut().zip(now) {
+                        own[i] = now.lane(lane);
+                    }
                 }
             }
         }
-        found
     }
 }
