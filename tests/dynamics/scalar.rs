@@ -33,7 +33,7 @@ fn smooth<Q: Smooth>(segment: &Segment<f64>, values: &Values, method: &str) -> T
         return bristle::<Stiff<Q>>(segment, values, method);
     }
     let set = Q::set(&segment.contact, values);
-    end(segment, Steps::<Q, f64, _> { segment, set, sprung: true, ahead: Ahead(&[]), go_on })
+    end(segment, Steps::<Q, f64, _>::new(segment, set, true, Ahead(&[]), go_on))
 }
 
 fn bristle<Q: Bristle>(segment: &Segment<f64>, values: &Values, method: &str) -> Tally<f64> {

@@ -251,7 +251,7 @@ impl<Q: Smooth> Task for SmoothRuns<'_, Q> {
             |cells, segment, visit| {
                 let set = Q::set(&segment.contact, cells);
                 let (ahead, sprung) = (Ahead(ahead), simulation.sprung);
-                visit.drive(Steps::<Q, P, _> { segment, set, sprung, ahead, go_on }, watch)
+                visit.drive(Steps::<Q, P, _>::new(segment, set, sprung, ahead, go_on), watch)
             },
         );
     }
