@@ -32,6 +32,7 @@ fn long() -> Vec<Case> {
     vec![
         Case::usual("static_viscous", DriveKind::Pulse).with(&short),
         sine("stribeck"),
+        sine("stribeck").by("dormand_prince_fixed"),
         sine("tanh").by("runge_kutta"),
         // Few enough steps for the drive to be worked out ahead.
         sine("tanh").by("runge_kutta").with(&[("duration", 0.9)]),

@@ -15,6 +15,7 @@ mod registry;
 pub mod replay;
 mod run;
 mod runs;
+mod scalar;
 mod simulation;
 mod trace;
 mod trajectories;

@@ -88,7 +88,7 @@ impl Runs {
         len: usize,
     ) {
         let Some(simulation) = &job.simulation else { return };
-        let len = len.next_multiple_of(PADDING);
+        let (count, len) = (len, len.next_multiple_of(PADDING));
         self.fates.resize(len, 0.0);
         for (_, values) in &mut self.outputs {
             values.resize(len, f64::NAN);
@@ -99,6 +99,7 @@ impl Runs {
                 columns,
                 simulation,
                 watch: self.watch,
+                count,
                 len,
                 outputs: &mut self.outputs,
                 fates: &mut self.fates,
