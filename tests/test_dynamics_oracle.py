@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import random
 from fractions import Fraction
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -44,31 +44,35 @@ class TestAgainstSciPy:
     def test_dry_laws(self) -> None:
         rng = random.Random(5)
         laws = (*DRY, "directional", "bo_pavelescu", "modelica")
-        worst: dict[str, float] = {}
+        settings: dict[str, dict[str, Any]] = {
+            "runge_kutta": {"time_step": STEP},
+            "dormand_prince": {"tolerance": 1e-11},
+        }
+        worst: dict[str, dict[str, float]] = {method: {} for method in settings}
         miscounted = []
         stops = 0
         for i in range(220):
             plant = random_plant(rng, laws[i % len(laws)])
             run = reference.dry(plant)
             names = "final_position final_speed stuck_time stick_phases work_in dissipated"
-            x, v, stuck, sticks, work, heat = one(
-                names, plant, method="runge_kutta", time_step=STEP
-            )
-            moved = abs(run.work) + run.heat
-            errors = {
-                "x": abs(x - run.x) / max(run.far, 1e-9),
-                "v": abs(v - run.v) / max(run.fast, 1e-9),
-                "rest": abs(stuck - run.stuck) / plant.p["duration"],
-                "work": abs(work - run.work) / max(moved, 1e-9),
-                "heat": abs(heat - run.heat) / max(moved, 1e-9),
-            }
-            worst = {name: max(error, worst.get(name, 0)) for name, error in errors.items()}
             stops += run.sticks
-            if sticks != run.sticks:
-                miscounted.append((i, plant.law, sticks, run.sticks))
+            moved = abs(run.work) + run.heat
+            for method, setting in settings.items():
+                x, v, stuck, sticks, work, heat = one(names, plant, method=method, **setting)
+                errors = {
+                    "x": abs(x - run.x) / max(run.far, 1e-9),
+                    "v": abs(v - run.v) / max(run.fast, 1e-9),
+                    "rest": abs(stuck - run.stuck) / plant.p["duration"],
+                    "work": abs(work - run.work) / max(moved, 1e-9),
+                    "heat": abs(heat - run.heat) / max(moved, 1e-9),
+                }
+                known = worst[method]
+                worst[method] = {k: max(error, known.get(k, 0)) for k, error in errors.items()}
+                if sticks != run.sticks:
+                    miscounted.append((i, method, plant.law, sticks, run.sticks))
         print(f"\ndry laws, SciPy: {stops} stops, worst {worst}, miscounted {miscounted}")
         assert stops > 200
-        assert max(worst.values()) < 1e-9
+        assert max(max(errors.values()) for errors in worst.values()) < 1e-9
         assert not miscounted
 
     def test_smooth_laws(self) -> None:
@@ -316,14 +320,16 @@ def assert_close(found: list[float], want: list[float]) -> None:
         assert math.isclose(a, b, rel_tol=1e-13, abs_tol=1e-14), (found, want)
 
 
-def runge_kutta(names: str, law: str, given: dict[str, Any], locate: bool) -> list[float]:
+def under_sine(
+    names: str, law: str, given: dict[str, Any], locate: bool, method: str
+) -> list[float]:
     """One point of a sweep with a sine, with or without search for events."""
     wanted = names.split()
     requests = [(name, None, None) for name in wanted]
     options: dict[str, Any] = {
         "law": law,
         "drive": "sine",
-        "method": "runge_kutta",
+        "method": method,
         "locate": locate,
     }
     job = _core.Sweep([], list(given.items()), requests, None, **options)
@@ -337,10 +343,12 @@ class TestWithinOneStep:
 
     STEP = 1 / 101
     DIPS = (2e-4, 1e-5, 1e-6, 1e-7)
+    METHODS = ("runge_kutta", "dormand_prince_fixed", "dormand_prince")
 
+    @pytest.mark.parametrize("method", METHODS)
     @pytest.mark.parametrize("way", [1, -1])
     @pytest.mark.parametrize("depth", [*DIPS, *(-dip for dip in DIPS)])
-    def test_speed_that_dips_to_zero_and_rises(self, depth: float, way: int) -> None:
+    def test_speed_that_dips_to_zero_and_rises(self, depth: float, way: int, method: str) -> None:
         # v = v0 - A/w (1 - cos w t) is least at half the period; where it has
         # passed zero before, friction holds until then.
         circle, amplitude = 2 * math.pi, 3.0
@@ -348,11 +356,12 @@ class TestWithinOneStep:
         v0 = deepest * (1 - depth)
         given = {**UNIT, "mu_coulomb": 0.5, "start_speed": way * v0, "duration": 0.97}
         given |= {"drive_force": way * 0.5, "drive_amplitude": -way * amplitude}
-        given["time_step"] = self.STEP
+        given |= {"time_step": self.STEP, "tolerance": 1e-10}
         names = "stick_phases stuck_time final_speed final_position"
-        sticks, stuck, v, x = runge_kutta(names, "coulomb", given, locate=True)
-        missed = runge_kutta(names, "coulomb", given, locate=False)
-        assert missed[:2] == [0.0, 0.0]
+        sticks, stuck, v, x = under_sine(names, "coulomb", given, True, method)
+        if method != "dormand_prince":
+            missed = under_sine(names, "coulomb", given, False, method)
+            assert missed[:2] == [0.0, 0.0]
         fade = amplitude / circle * (1 - math.cos(circle * 0.97))
         path = amplitude / circle * (0.97 - math.sin(circle * 0.97) / circle)
         blur = 1e-7
@@ -366,15 +375,16 @@ class TestWithinOneStep:
         assert stuck == pytest.approx(0.5 - stop, rel=1e-3 + 1e-8 / depth)
         assert way * v == pytest.approx(deepest - fade, abs=blur)
 
+    @pytest.mark.parametrize("method", METHODS)
     @pytest.mark.parametrize("way", [1, -1])
     @pytest.mark.parametrize("excess", [1e-4, 1e-5, 1e-6, 1e-8, -1e-8, -1e-5])
-    def test_break_away_at_a_peak(self, excess: float, way: int) -> None:
+    def test_break_away_at_a_peak(self, excess: float, way: int, method: str) -> None:
         circle, size = 2 * math.pi, 1 + excess
         given = {**UNIT, "mu_coulomb": 0.5, "mu_static": 1.0, "duration": 0.4}
-        given |= {"drive_amplitude": way * size, "time_step": self.STEP}
+        given |= {"drive_amplitude": way * size, "time_step": self.STEP, "tolerance": 1e-10}
         names = "stuck_time stick_phases final_speed final_position"
-        stuck, sticks, v, x = runge_kutta(names, "static_coulomb", given, locate=True)
-        missed = runge_kutta(names, "static_coulomb", given, locate=False)
+        stuck, sticks, v, x = under_sine(names, "static_coulomb", given, True, method)
+        missed = under_sine(names, "static_coulomb", given, False, method)
         assert missed[0] == pytest.approx(0.4)
         assert missed[1:] == [0.0, 0.0, 0.0]
         assert sticks == 0.0
@@ -399,3 +409,32 @@ class TestWithinOneStep:
         run = ls.sweep(["stick_phases", "final_speed"], grid, law="quadratic", drive="sine")
         assert run["final_speed"].min() > 0.04
         assert np.count_nonzero(run["stick_phases"]) == 0
+
+
+class TestDenseOutput:
+    """Single trajectories of dry laws: samples are read, not stepped to."""
+
+    GIVEN: ClassVar = {**UNIT, "mu_static": 0.7, "mu_coulomb": 0.5, "stribeck_speed": 0.1} | {
+        "drive_amplitude": 1.1,
+        "drive_frequency": 1.5,
+        "duration": 2.0,
+        "tolerance": 1e-11,
+    }
+
+    def test_samples_do_not_move_one_another(self) -> None:
+        few, many = (
+            ls.simulate(law="stribeck", drive="sine", samples=n, **self.GIVEN) for n in (11, 10001)
+        )
+        assert few.method == many.method == "dormand_prince"
+        for field in ("x", "v", "force", "way"):
+            np.testing.assert_array_equal(getattr(few, field), getattr(many, field)[::1000])
+        assert 0.05 < np.mean(many.way == 0) < 0.95
+
+    def test_samples_are_those_of_small_steps(self) -> None:
+        dense = ls.simulate(law="stribeck", drive="sine", samples=2001, **self.GIVEN)
+        steps = ls.simulate(
+            law="stribeck", drive="sine", samples=2001, method="runge_kutta", **self.GIVEN
+        )
+        size = np.abs(steps.v).max()
+        assert np.abs(dense.v - steps.v).max() < 1e-9 * size
+        assert np.abs(dense.x - steps.x).max() < 1e-9 * size

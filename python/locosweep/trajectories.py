@@ -100,7 +100,8 @@ def simulate(
     grid : Grid, optional
         Axes and fixed values. Without it, all parameters come from ``fixed``.
     law, drive, method, table
-        As in `sweep`.
+        As in `sweep`; without a method dry laws that are not exact take adaptive
+        steps with dense output, which ``samples`` do not shorten.
     samples : int
         Evenly spread times from 0 to the duration at which motion is kept.
     threads, memory_limit, progress, token
@@ -140,6 +141,7 @@ def simulate(
         drive=drive,
         method=method,
         table=samples_of(table),
+        motion=True,
     )
     workers = _core.threads_to_use(whole("threads", threads))
     needed = 8 * _FIELDS * job.cells * count + job.working_bytes(workers)

@@ -11,7 +11,6 @@ use locosweep::physics::gait::{GAITS, Gait};
 use locosweep::sweep::Control;
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::Ordering;
 
 /// A gait: which segments move, phase by phase.
@@ -97,25 +96,21 @@ const NEVER: f64 = 1e300;
 struct Watched<'a> {
     trace: Trace,
     control: &'a Control,
-    /// When it last looked, s.
-    looked: f64,
 }
 
 impl Observer<f64> for Watched<'_> {
     const ON: bool = true;
 
     fn see(&mut self, now: &Now<f64>) {
-        if self.control.cancel.load(Ordering::Relaxed) {
-            // The engine has no way out but its end; whoever started it catches this one.
-            resume_unwind(Box::new("interrupted"));
-        }
-        self.looked = now.t;
         self.trace.see(now);
     }
 
     fn next(&self) -> f64 {
-        // A thousandth of the run so far: soon enough to stop, and costs nothing.
-        self.trace.next().min(1.001 * self.looked + 1e-6)
+        self.trace.next()
+    }
+
+    fn go_on(&self) -> bool {
+        !self.control.cancel.load(Ordering::Relaxed)
     }
 }
 
@@ -160,21 +155,17 @@ pub fn gait_run(
     let every = trace_every.filter(|every| *every > 0.0).unwrap_or(NEVER);
     let work = || {
         let trace = Trace::new(every);
-        let mut watched = Watched { trace, control: &control, looked: 0.0 };
+        let mut watched = Watched { trace, control: &control };
         let tally = match gait.schedule(run.segments, run.moving) {
             Ok(schedule) => {
                 let plan = Plan { schedule: &schedule, cycles: run.cycles };
-                let run = || simulate(&run.robot, &plan, &run.options, &mut watched);
-                match catch_unwind(AssertUnwindSafe(run)) {
-                    Ok(tally) => tally,
-                    Err(_) if control.cancel.load(Ordering::Relaxed) => {
-                        return Err(Error::Cancelled { done: 0, total: 1 });
-                    }
-                    Err(panic) => resume_unwind(panic),
-                }
+                simulate(&run.robot, &plan, &run.options, &mut watched)
             }
             Err(status) => GaitTally::none(0.0, status),
         };
+        if !Observer::<f64>::go_on(&watched) {
+            return Err(Error::Cancelled { done: 0, total: 1 });
+        }
         Ok((tally, watched.trace))
     };
     let (tally, trace) = enter(py, &control, 1, None, work)?;

@@ -53,9 +53,10 @@ pub struct Sweep {
 #[pymethods]
 impl Sweep {
     /// `requests` are (quantity, reduction or None, q or None). Law, drive, method
-    /// and table (times and values) count where a quantity is simulated.
+    /// and table (times and values) count where a quantity is simulated; `motion`
+    /// says that it is looked at itself, which prefers a method with dense output.
     #[new]
-    #[pyo3(signature = (axes, fixed, requests, over=None, *, law=None, drive=None, gait=None, method=None, locate=true, table=None))]
+    #[pyo3(signature = (axes, fixed, requests, over=None, *, law=None, drive=None, gait=None, method=None, locate=true, table=None, motion=false))]
     #[allow(clippy::too_many_arguments, clippy::type_complexity)]
     fn new(
         py: Python<'_>,
@@ -69,8 +70,9 @@ impl Sweep {
         method: Option<String>,
         locate: bool,
         table: Option<(PyReadonlyArray1<'_, f64>, PyReadonlyArray1<'_, f64>)>,
+        motion: bool,
     ) -> PyResult<Sweep> {
-        let mut choice = Choice { method, locate, ..Choice::default() };
+        let mut choice = Choice { method, locate, motion, ..Choice::default() };
         choice.law = law.unwrap_or(choice.law);
         choice.drive = drive.unwrap_or(choice.drive);
         choice.gait = gait.unwrap_or(choice.gait);

@@ -32,6 +32,7 @@ fn long() -> Vec<Case> {
     vec![
         Case::usual("static_viscous", DriveKind::Pulse).with(&short),
         sine("stribeck"),
+        sine("stribeck").by("dormand_prince_fixed"),
         sine("tanh").by("runge_kutta"),
         // Few enough steps for the drive to be worked out ahead.
         sine("tanh").by("runge_kutta").with(&[("duration", 0.9)]),
@@ -63,7 +64,7 @@ fn running_sweeps_stop_soon() {
 #[test]
 fn running_robots_stop_soon() {
     let mut late = String::new();
-    for (stiffness, cycles) in [(2e3, 100.0), (f64::INFINITY, 100.0)] {
+    for (stiffness, cycles) in [(2e3, 300.0), (f64::INFINITY, 1e3)] {
         let case = Case::usual("coulomb", DriveKind::Constant)
             .with(&[("stroke", 0.02), ("drive_limit", 3.0), ("segments", 6.0)])
             .with(&[("joint_stiffness", stiffness), ("cycles", cycles)])

@@ -7,6 +7,8 @@ fn allowed(method: &str) -> f64 {
     match method {
         "exact" => 1e-12,
         "runge_kutta" => 2e-3,
+        "dormand_prince" => 1e-4,
+        "dormand_prince_fixed" => 2e-3,
         "rosenbrock" => 1e-4,
         _ => 5e-2,
     }

@@ -1,6 +1,7 @@
 //! Simulated quantities: every law, drive, method and output of the registries
 //! through the engine.
 
+mod adaptive;
 mod bits;
 mod effort;
 mod energy;
@@ -120,6 +121,7 @@ fn methods(law: &LawEntry, drive: DriveKind) -> Vec<&'static str> {
     let fits = |method: Method| match method {
         Method::Exact => exact,
         Method::RungeKutta => law.kind != Kind::Bristle,
+        Method::DormandPrince | Method::DormandPrinceFixed => law.kind == Kind::Dry,
         Method::Rosenbrock | Method::RosenbrockFixed => law.kind != Kind::Dry,
     };
     Method::ALL.iter().filter(|m| fits(m.0)).map(|m| m.1).collect()

@@ -5,6 +5,7 @@ use locosweep::integrate::robot::{GaitTally, ensemble};
 use locosweep::physics::gait::{GAITS, Gait};
 use locosweep::physics::point::row;
 use locosweep::sweep::GaitOutput;
+use std::sync::atomic::AtomicBool;
 
 fn names() -> Vec<&'static str> {
     GaitOutput::ALL.iter().map(|output| output.info().name).collect()
@@ -39,7 +40,8 @@ fn sweeps_give_the_ensembles_own_numbers() {
         };
         let mut tallies: Vec<Option<GaitTally<f64>>> = vec![None; job.cells()];
         let level = Level::current().unwrap();
-        ensemble(level, *gait, job.cells(), &point, &mut |i, tally| tallies[i] = Some(tally));
+        let run_on = AtomicBool::new(false);
+        ensemble(level, *gait, job.cells(), &point, &run_on, &mut |i, t| tallies[i] = Some(t));
         let mut walk = 0;
         for (i, tally) in tallies.iter().enumerate() {
             let tally = tally.unwrap();

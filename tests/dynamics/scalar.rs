@@ -2,6 +2,7 @@
 
 use super::*;
 use locosweep::integrate::bristle::Rosenbrock;
+use locosweep::integrate::dormand_prince::DormandPrince;
 use locosweep::integrate::exact::Exact;
 use locosweep::integrate::runge_kutta::RungeKutta;
 use locosweep::integrate::smooth::{Ahead, Steps};
@@ -24,6 +25,12 @@ fn dry<Q: Dry>(segment: &Segment<f64>, values: &Values, method: &str) -> Tally<f
     let set = Q::set(&segment.contact, values);
     match method {
         "exact" => end(segment, Exact::<Q, f64, _> { segment, set, go_on }),
+        "dormand_prince" => {
+            end(segment, DormandPrince::<Q, _>::new(segment, set, (true, true), go_on))
+        }
+        "dormand_prince_fixed" => {
+            end(segment, DormandPrince::<Q, _>::new(segment, set, (false, true), go_on))
+        }
         _ => end(segment, RungeKutta::<Q, f64, _> { segment, set, locate: true, go_on }),
     }
 }
@@ -33,7 +40,7 @@ fn smooth<Q: Smooth>(segment: &Segment<f64>, values: &Values, method: &str) -> T
         return bristle::<Stiff<Q>>(segment, values, method);
     }
     let set = Q::set(&segment.contact, values);
-    end(segment, Steps::<Q, f64, _> { segment, set, sprung: true, ahead: Ahead(&[]), go_on })
+    end(segment, Steps::<Q, f64, _>::new(segment, set, true, Ahead(&[]), go_on))
 }
 
 fn bristle<Q: Bristle>(segment: &Segment<f64>, values: &Values, method: &str) -> Tally<f64> {

@@ -77,7 +77,10 @@ fn lanes_give_the_bits_of_a_single_robot_in_any_company() {
         assert!(alone.iter().filter(|t| t.status() == Status::Ok).count() > 30);
         for level in Level::available() {
             let mut out = vec![None; points.len()];
-            ensemble(level, *gait, points.len(), &|i| points[i], &mut |i, t| out[i] = Some(t));
+            let run_on = AtomicBool::new(false);
+            ensemble(level, *gait, points.len(), &|i| points[i], &run_on, &mut |i, t| {
+                out[i] = Some(t)
+            });
             for (a, b) in alone.iter().zip(&out) {
                 same(a, &b.unwrap());
             }

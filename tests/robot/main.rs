@@ -20,6 +20,7 @@ use locosweep::physics::robot::{Joint, Motor, Robot, Segment};
 use locosweep::physics::{Point, Quantity, Status, closed_form};
 use random::Random;
 use std::f64::consts::PI;
+use std::sync::atomic::AtomicBool;
 
 const G: f64 = 9.81;
 const M: f64 = 0.271;
@@ -52,7 +53,7 @@ fn tally(gait: Gait, given: Given) -> GaitTally<f64> {
     let point = row(given);
     let mut out = None;
     let level = *Level::available().last().unwrap();
-    ensemble(level, gait, 1, &|_| point, &mut |_, t| out = Some(t));
+    ensemble(level, gait, 1, &|_| point, &AtomicBool::new(false), &mut |_, t| out = Some(t));
     out.unwrap()
 }
 

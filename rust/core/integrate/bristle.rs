@@ -6,11 +6,14 @@
 //! three evaluations, one small linear system per step. Every lane has its own
 //! step size; none changes with its neighbours.
 
+mod system;
+
 use super::settle::Cubic;
 use super::{Advance, Clock, MOST_STIFF_STEPS, State, Tally};
 use crate::lane::Lane;
-use crate::physics::friction::{Bristle, MOST_STATES, Partials, Place};
+use crate::physics::friction::{Bristle, MOST_STATES, Place};
 use crate::physics::segment::Segment;
+use system::{Ledger, Solver};
 
 pub struct Rosenbrock<'a, 'b, Q: Bristle, L: Lane, F> {
     pub segment: &'b Segment<'a, L>,
@@ -332,121 +335,4 @@ fn cube_root<L: Lane>(x: L) -> L {
     let b = a.sqrt().sqrt();
     let c = b.sqrt().sqrt();
     (a * b) * (c * c.sqrt().sqrt())
-}
-
-/// How work and friction respond to speed and bristles over a step.
-struct Ledger<L> {
-    per_gamma: L,
-    work_x: L,
-    work_v: L,
-    heat_v: L,
-    heat_z: [L; MOST_STATES],
-}
-
-impl<L: Lane> Ledger<L> {
-    #[inline(always)]
-    fn new<Q: Bristle>(
-        segment: &Segment<L>,
-        partials: &Partials<L>,
-        (force, against): (L, L),
-        v: L,
-        gamma: L,
-    ) -> Self {
-        let mut heat_z = partials.force_z;
-        for part in heat_z.iter_mut().take(Q::STATES) {
-            *part = *part * v;
-        }
-        Ledger {
-            per_gamma: gamma.with(1.0) / gamma,
-            work_x: -(segment.spring * v),
-            work_v: force - segment.damper * v,
-            heat_v: partials.force_v.mul_add(v, against),
-            heat_z,
-        }
-    }
-
-    #[inline(always)]
-    fn solve<Q: Bristle>(&self, right: (L, L), k: &Vector<L>) -> (L, L) {
-        let work = self.work_x.mul_add(k[0], self.work_v.mul_add(k[1], right.0));
-        let mut heat = self.heat_v.mul_add(k[1], right.1);
-        for i in 0..Q::STATES {
-            heat = self.heat_z[i].mul_add(k[2 + i], heat);
-        }
-        (work * self.per_gamma, heat * self.per_gamma)
-    }
-}
-
-/// Solves (I/(dt/2) - J) k = r with the unknowns x, v and the bristles: dx
-/// follows from dv, and dv and the bristles are eliminated in order.
-struct Solver<L> {
-    gamma: L,
-    per_gamma: L,
-    /// d(acceleration)/dx.
-    pull_x: L,
-    /// Rows of the remaining system after elimination; see `new`.
-    lower: [[L; MOST_STATES + 1]; MOST_STATES + 1],
-}
-
-// Elimination reads best in rows and columns.
-#[allow(clippy::needless_range_loop)]
-impl<L: Lane> Solver<L> {
-    #[inline(always)]
-    fn new<Q: Bristle>(segment: &Segment<L>, partials: &Partials<L>, gamma: L) -> Self {
-        let zero = gamma.with(0.0);
-        let per_gamma = gamma.with(1.0) / gamma;
-        let n = Q::STATES;
-        let pull_x = -(segment.spring * segment.per_mass);
-        let mut m = [[zero; MOST_STATES + 1]; MOST_STATES + 1];
-        // Bristles first, the speed last: bristles are the stiff part, so their
-        // pivots are large.
-        for i in 0..n {
-            for j in 0..n {
-                m[i][j] = -partials.rate_z[i][j];
-            }
-            m[i][i] = m[i][i] + gamma;
-            m[i][n] = -partials.rate_v[i];
-            m[n][i] = partials.force_z[i] * segment.per_mass;
-        }
-        let drag = (partials.force_v + segment.damper) * segment.per_mass;
-        m[n][n] = (gamma + drag) - pull_x * per_gamma;
-        for p in 0..n {
-            let pivot = zero.with(1.0) / m[p][p];
-            for i in p + 1..=n {
-                let factor = m[i][p] * pivot;
-                for j in p + 1..=n {
-                    m[i][j] = (-factor).mul_add(m[p][j], m[i][j]);
-                }
-                m[i][p] = factor;
-            }
-            m[p][p] = pivot;
-        }
-        m[n][n] = zero.with(1.0) / m[n][n];
-        Solver { gamma, per_gamma, pull_x, lower: m }
-    }
-
-    #[inline(always)]
-    fn solve<Q: Bristle>(&self, right: &Vector<L>) -> Vector<L> {
-        let n = Q::STATES;
-        let zero = self.gamma.with(0.0);
-        let m = &self.lower;
-        let mut b = [zero; MOST_STATES + 1];
-        b[..n].copy_from_slice(&right[2..2 + n]);
-        b[n] = (self.pull_x * self.per_gamma).mul_add(right[0], right[1]);
-        for p in 0..n {
-            for i in p + 1..=n {
-                b[i] = (-m[i][p]).mul_add(b[p], b[i]);
-            }
-        }
-        for p in (0..=n).rev() {
-            for j in p + 1..=n {
-                b[p] = (-m[p][j]).mul_add(b[j], b[p]);
-            }
-            b[p] = b[p] * m[p][p];
-        }
-        let mut k = [zero; MOST_STATES + 2];
-        k[0] = (right[0] + b[n]) * self.per_gamma;
-        k[1] = b[n];
-        k[2..2 + n].copy_from_slice(&b[..n]);
-        k
-    }
 }

@@ -6,7 +6,9 @@
 //! are ends of its pieces, which no step crosses.
 
 pub mod bristle;
+pub mod dormand_prince;
 pub mod exact;
+mod ground;
 pub mod joined;
 pub mod replay;
 pub mod robot;
@@ -76,6 +78,8 @@ impl<L: Lane> State<L> {
 pub enum Method {
     Exact,
     RungeKutta,
+    DormandPrince,
+    DormandPrinceFixed,
     Rosenbrock,
     RosenbrockFixed,
 }
@@ -94,6 +98,12 @@ impl Method {
             "classical fourth-order steps of time_step with located events",
         ),
         (
+            Method::DormandPrince,
+            "dormand_prince",
+            "fifth-order steps, their size from tolerance (at rest time_step), with located events and dense output: dry laws, one trajectory at a time",
+        ),
+        (Method::DormandPrinceFixed, "dormand_prince_fixed", "the same with steps of time_step"),
+        (
             Method::Rosenbrock,
             "rosenbrock",
             "stiff third-order steps, their size from tolerance: bristle and smooth laws",
@@ -103,6 +113,11 @@ impl Method {
 
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|m| m.0 == self).map_or("", |m| m.1)
+    }
+
+    /// Whether it takes trajectories one by one, not in lanes.
+    pub fn is_scalar(self) -> bool {
+        matches!(self, Method::DormandPrince | Method::DormandPrinceFixed)
     }
 }
 
@@ -126,6 +141,18 @@ pub trait Advance<L: Lane> {
     #[inline(always)]
     fn elastic(&self, state: &State<L>) -> L {
         state.x.with(0.0)
+    }
+}
+
+impl<L: Lane> Advance<L> for Box<dyn Advance<L> + '_> {
+    fn advance(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) -> bool {
+        (**self).advance(state, tally, until)
+    }
+    fn steps(&self, duration: L) -> L {
+        (**self).steps(duration)
+    }
+    fn elastic(&self, state: &State<L>) -> L {
+        (**self).elastic(state)
     }
 }
 

@@ -5,10 +5,11 @@
 //! passed zero by its end (or dipped below it within), the stop is located, the
 //! segment rests or turns there, and the rest of the step follows.
 
-use super::settle::{Cubic, rise};
+use super::ground::Ground;
+use super::settle::Cubic;
 use super::{Advance, MOST_STEPS, State, Tally};
 use crate::lane::Lane;
-use crate::physics::friction::{Dry, Place};
+use crate::physics::friction::Dry;
 use crate::physics::segment::Segment;
 
 pub struct RungeKutta<'a, 'b, Q: Dry, L: Lane, F> {
@@ -76,23 +77,10 @@ impl<Q: Dry, L: Lane, F: FnMut() -> bool> Advance<L> for RungeKutta<'_, '_, Q, L
     }
 }
 
-impl<Q: Dry, L: Lane, F: FnMut() -> bool> RungeKutta<'_, '_, Q, L, F> {
+impl<'a, Q: Dry, L: Lane, F: FnMut() -> bool> RungeKutta<'a, '_, Q, L, F> {
     #[inline(always)]
-    fn place(&self, state: &State<L>, way: L, x: L, drive: L, t: L) -> Place<L> {
-        let forward = (x - state.x).max(x.with(0.0));
-        let swept = if Q::PLACED { state.swept + forward } else { state.swept };
-        Place { way, x, swept, drive, t }
-    }
-
-    /// Acceleration, drive force and resistance on lanes that slide.
-    #[inline(always)]
-    fn slope(&self, state: &State<L>, t: L, x: L, v: L) -> (L, L, L) {
-        let segment = self.segment;
-        let force = segment.force(t, &state.clock, x, v);
-        let place = self.place(state, state.way, x, force, t);
-        let against = Q::resistance(&self.set, state.way * v, &place);
-        let net = force - segment.pull_back(x) - state.way * against;
-        (net * segment.per_mass, force, against)
+    fn ground(&self) -> Ground<'a, '_, Q, L> {
+        Ground { segment: self.segment, set: &self.set }
     }
 
     /// One step of sliding from `state`.
@@ -131,7 +119,7 @@ impl<Q: Dry, L: Lane, F: FnMut() -> bool> RungeKutta<'_, '_, Q, L, F> {
                 v = sixth.mul_add(sum_a, v0);
                 x = sixth.mul_add(sum_v, x0);
             }
-            let (slope, force, against) = self.slope(state, state.t + reach, x, v);
+            let (slope, force, against) = self.ground().slope(state, state.t + reach, x, v);
             (a, u) = (slope, v);
             if stage == 0 {
                 start = a;
@@ -148,27 +136,6 @@ impl<Q: Dry, L: Lane, F: FnMut() -> bool> RungeKutta<'_, '_, Q, L, F> {
         }
         let (work, heat) = (sixth * work, state.way * (sixth * heat));
         Step { x, v, start, end: a, work, heat }
-    }
-
-    /// Force that friction would have to hold at rest, and by how much it
-    /// exceeds what it can.
-    #[inline(always)]
-    fn excess(&self, state: &State<L>, t: L) -> (L, L) {
-        t.apart(
-            #[inline(always)]
-            || self.excess_here(state, t),
-        )
-    }
-
-    #[inline(always)]
-    fn excess_here(&self, state: &State<L>, t: L) -> (L, L) {
-        let zero = t.with(0.0);
-        let force = self.segment.force(t, &state.clock, state.x, zero);
-        let push = force - self.segment.pull_back(state.x);
-        let place = Place { way: push.sign(), x: state.x, swept: zero, drive: force, t };
-        let holds = Q::holding(&self.set, &place);
-        let holds = holds.max(Q::resistance(&self.set, zero, &place));
-        (push, push.abs() - holds)
     }
 
     /// One step of `dt`, with whatever happens within.
@@ -238,9 +205,9 @@ impl<Q: Dry, L: Lane, F: FnMut() -> bool> RungeKutta<'_, '_, Q, L, F> {
         let mut used = left;
         let mut released = zero;
         if L::any(resting) {
-            let (push, over) = self.excess(state, state.t);
+            let (push, over) = self.ground().excess(state, state.t);
             let at_once = zero.lt(over);
-            let (wait, way) = self.wait(state, left);
+            let (wait, way) = self.ground().wait(state, left, self.locate);
             let wait = L::select(at_once, zero, wait);
             released = L::select(at_once, push.sign(), way);
             used = L::select(resting, wait, used);
@@ -259,7 +226,7 @@ impl<Q: Dry, L: Lane, F: FnMut() -> bool> RungeKutta<'_, '_, Q, L, F> {
                 take(self.segment, Q::PLACED, state, tally, &step, until, moving);
                 used = L::select(moving, until, used);
                 let now = State { t: state.t + used, ..*state };
-                let (push, over) = self.excess(&now, now.t);
+                let (push, over) = self.ground().excess(&now, now.t);
                 let goes = zero.lt(over);
                 let way = L::select(goes, push.sign(), zero);
                 let rests = L::and(stops, L::not(goes));
@@ -272,37 +239,6 @@ impl<Q: Dry, L: Lane, F: FnMut() -> bool> RungeKutta<'_, '_, Q, L, F> {
         }
         state.way = L::select(resting, released, state.way);
         used
-    }
-
-    /// Time until friction gives way within the next `left` seconds and the
-    /// direction then; all of `left` and 0 where it holds.
-    #[inline(always)]
-    fn wait(&self, state: &State<L>, left: L) -> (L, L) {
-        let zero = left.with(0.0);
-        let excess = |theta: L| self.excess(state, state.t + left * theta).1;
-        let one = left.with(1.0);
-        let end = excess(one);
-        if !self.locate {
-            // Seen at the end of the step only: the next one starts with it.
-            return (left, zero);
-        }
-        let (start, half) = (excess(zero), excess(one * 0.5));
-        // A peak between the ends, from the parabola through three points.
-        let bend = start + end - half * 2.0;
-        let tilt = end - start;
-        let peak = L::select(bend.lt(zero), (tilt / bend) * -0.25 + 0.5, one);
-        let inside = L::and(zero.lt(peak), peak.lt(one));
-        let peak = L::select(inside, peak, one);
-        let at_peak = excess(peak);
-        let reach = L::select(zero.lt(at_peak), peak, one);
-        let breaks = L::or(zero.lt(end), zero.lt(at_peak));
-        if !L::any(breaks) {
-            return (left, zero);
-        }
-        let theta = rise(reach, excess);
-        let wait = L::select(breaks, left * theta, left);
-        let (push, _) = self.excess(state, state.t + wait);
-        (wait, L::select(breaks, push.sign(), zero))
     }
 
     /// When the speed passes zero: from the cubic, then by Newton on the step

@@ -9,13 +9,29 @@ use crate::physics::friction::Smooth;
 use crate::physics::segment::Segment;
 
 pub struct Steps<'a, 'b, Q: Smooth, L: Lane, F> {
-    pub segment: &'b Segment<'a, L>,
-    pub set: Q::Set<L>,
-    /// Whether any trajectory is pulled by a spring.
-    pub sprung: bool,
-    pub ahead: Ahead<'b>,
-    pub go_on: F,
+    segment: &'b Segment<'a, L>,
+    set: Q::Set<L>,
+    sprung: bool,
+    ahead: Ahead<'b>,
+    go_on: F,
+    rest: Rest<L>,
+    /// Whether some lane's usual step is too long for its law near rest.
+    steep: bool,
 }
+
+/// The law near rest, where it is steepest.
+#[derive(Clone, Copy)]
+struct Rest<L> {
+    /// Slope of the resistance over the mass, 1/s.
+    rate: L,
+    /// Speed at which that slope would reach the static level.
+    width: L,
+}
+
+/// A step times a rate beyond which Runge-Kutta steps amplify what should decay.
+const STABLE: f64 = 2.8;
+/// Far below every speed over which a law rises, m/s.
+const SLOWEST: f64 = 1e-12;
 
 /// Drive forces at start, middle and end of every step, where these are the
 /// same for all trajectories; empty where they are not.
@@ -71,7 +87,36 @@ impl<Q: Smooth, L: Lane, F: FnMut() -> bool> Advance<L> for Steps<'_, '_, Q, L, 
 /// A step that would leave less than a rounding error takes it along.
 pub const LAST: f64 = 1.0 + 1e-9;
 
-impl<Q: Smooth, L: Lane, F: FnMut() -> bool> Steps<'_, '_, Q, L, F> {
+impl<'a, 'b, Q: Smooth, L: Lane, F: FnMut() -> bool> Steps<'a, 'b, Q, L, F> {
+    /// `sprung`: whether any trajectory is pulled by a spring.
+    #[inline(always)]
+    pub fn new(
+        segment: &'b Segment<'a, L>,
+        set: Q::Set<L>,
+        sprung: bool,
+        ahead: Ahead<'b>,
+        go_on: F,
+    ) -> Steps<'a, 'b, Q, L, F> {
+        let slope = Q::force(&set, segment.mass.with(SLOWEST)) * (1.0 / SLOWEST);
+        let rate = slope * segment.per_mass;
+        let level = segment.contact.holding.max(segment.contact.coulomb);
+        // A little early: the last step of a run may be longer by a rounding error.
+        let steep = L::any(rate.with(0.99 * STABLE).lt(segment.step * rate));
+        let rest = Rest { rate, width: level / slope };
+        Steps { segment, set, sprung, ahead, go_on, rest, steep }
+    }
+
+    /// Lanes whose step of `dt` jumps out of, into or over the law's rise at rest,
+    /// which it is too long to follow; `low` and `high` bound its speeds.
+    #[inline(always)]
+    fn jumps(&self, dt: L, low: L, high: L) -> L::Mask {
+        let Rest { rate, width } = self.rest;
+        let long = rate.with(STABLE).lt(dt * rate);
+        let meets = L::and(low.lt(width), (-width).lt(high));
+        let leaves = width.lt(high - low);
+        L::and(long, L::and(meets, leaves))
+    }
+
     /// All lanes in the same steps, without a spring, from start to end.
     #[inline(always)]
     fn in_step(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) -> bool {
@@ -109,6 +154,7 @@ impl<Q: Smooth, L: Lane, F: FnMut() -> bool> Steps<'_, '_, Q, L, F> {
         let (mut a, mut u) = (zero, v0);
         let (mut start, mut sum_a, mut sum_v) = (zero, zero, zero);
         let mut first_change = zero;
+        let (mut low, mut high) = (v0, v0);
         let (mut work, mut heat) = (zero, zero);
         for stage in 0..4usize {
             let reach = if stage == 3 {
@@ -119,6 +165,9 @@ impl<Q: Smooth, L: Lane, F: FnMut() -> bool> Steps<'_, '_, Q, L, F> {
                 half
             };
             let v = reach.mul_add(a, v0);
+            if self.steep {
+                (low, high) = (low.min(v), high.max(v));
+            }
             let drive = forces[stage.div_ceil(2)];
             let force = if self.sprung {
                 let x = reach.mul_add(u, x0);
@@ -139,8 +188,8 @@ impl<Q: Smooth, L: Lane, F: FnMut() -> bool> Steps<'_, '_, Q, L, F> {
                 first_change = (a - start).abs();
             } else if stage == 2 {
                 // The step times the law's steepness over the mass, from how two
-                // stages disagree; beyond 2.8 the method is unstable.
-                let steep = (first_change * 1.4).lt((a - before).abs());
+                // stages disagree.
+                let steep = (first_change * (0.5 * STABLE)).lt((a - before).abs());
                 let large = (a.abs() * 1e-6).lt(first_change);
                 let rough = L::and(steep, large);
                 tally.rough = L::select(rough, tally.rough + 1.0, tally.rough);
@@ -152,6 +201,11 @@ impl<Q: Smooth, L: Lane, F: FnMut() -> bool> Steps<'_, '_, Q, L, F> {
         }
         let v = sixth.mul_add(sum_a, v0);
         let x = sixth.mul_add(sum_v, x0);
+        if self.steep {
+            // No stage need meet a rise that the step jumps over.
+            let jumps = self.jumps(dt, low.min(v), high.max(v));
+            tally.rough = L::select(jumps, tally.rough + 1.0, tally.rough);
+        }
         if tally.watch.energy {
             tally.spend(sixth * work, sixth * heat);
         }

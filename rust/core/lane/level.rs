@@ -75,6 +75,21 @@ pub trait Task {
     fn run<P: Pack>(self, token: P::Token) -> Self::Output;
 }
 
+/// What plain numbers are packs of, at every level: they are fused everywhere.
+pub fn scalar_token() -> <f64 as Pack>::Token {
+    let found = fearless_simd::Level::new();
+    #[cfg(target_arch = "x86_64")]
+    match found.as_sse2() {
+        Some(simd) => simd,
+        None => unreachable!("every x86-64 processor has SSE2"),
+    }
+    #[cfg(target_arch = "aarch64")]
+    match found {
+        fearless_simd::Level::Neon(simd) => simd,
+        _ => unreachable!("every arm64 processor has NEON"),
+    }
+}
+
 /// Runs `task` with the widest pack that pays at `level`.
 ///
 /// AVX-512 has 32 registers of eight numbers, so up to four vectors fit; AVX2

@@ -14,7 +14,7 @@ pub mod stream;
 pub mod trig;
 mod wide;
 
-pub use level::{Level, Task, run};
+pub use level::{Level, Task, run, scalar_token};
 pub use wide::{Pack, Pack1, Pack2, Pack4};
 
 use std::ops::{Add, Div, Mul, Neg, Sub};

@@ -176,7 +176,7 @@ params! {
     Duration "duration" r"T" ["s"] Some(1.0), 1e-9 => 1e9, real, None,
         "time that is simulated";
     TimeStep "time_step" r"h" ["s"] Some(1e-3), 1e-12 => 1e6, real, None,
-        "step of the fixed-step methods";
+        "step of the fixed-step methods; of dormand_prince the first one, and at rest";
     Tolerance "tolerance" r"\epsilon" ["1"] Some(1e-6), 1e-14 => 0.1, real, None,
         "relative local error that the adaptive methods aim at";
     StartPosition "start_position" r"x_0" ["m"] Some(0.0), -1e6 => 1e6, real, None,

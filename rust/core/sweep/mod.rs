@@ -2,6 +2,7 @@
 //! per cell out, over threads and SIMD lanes, with the same bits whatever their
 //! number.
 
+mod chunks;
 mod columns;
 mod gait_outputs;
 mod grid;
@@ -14,10 +15,12 @@ mod registry;
 pub mod replay;
 mod run;
 mod runs;
+mod scalar;
 mod simulation;
 mod trace;
 mod trajectories;
 
+pub use chunks::Buffer;
 pub use gait_outputs::GaitOutput;
 pub use grid::{Axis, Grid};
 pub use job::{Job, Request};
@@ -25,6 +28,6 @@ pub use outputs::Output;
 pub use pool::threads_to_use;
 pub use reduce::Reduce;
 pub use registry::{Entry, QUANTITIES};
-pub use run::{Buffer, Control, DEFAULT_CHUNK, FRESH_CHUNK, Options, run};
+pub use run::{Control, DEFAULT_CHUNK, FRESH_CHUNK, Options, run};
 pub use simulation::Choice;
 pub use trace::{Traces, trace};

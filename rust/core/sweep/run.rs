@@ -1,6 +1,7 @@
 //! Running a job: chunks of cells over threads, blocks within a chunk, kernels
 //! on a block. No cell's result depends on where those cuts fall.
 
+use super::chunks::{Buffer, Chunk, cut};
 use super::columns::{BLOCK, Cursor, PADDING, Vary, is_wide};
 use super::grid::Axis;
 use super::job::{Job, Request};
@@ -8,7 +9,7 @@ use super::kernel::{FoldAll, FoldBest, Kept, Rivals};
 use super::pool::pool;
 use super::reduce::{Reduce, quantile};
 use super::registry::{Closed, Entry, Points, Search, Way};
-use super::runs::{RUN_BLOCK, RUN_CHUNK, Runs};
+use super::runs::{RUN_BLOCK, Runs};
 use crate::error::{Error, Result};
 use crate::lane::{self, Level, stream};
 use crate::physics::closed_form::TIE;
@@ -26,38 +27,6 @@ const PATIENCE: usize = 1 << 16;
 /// Results beyond this many bytes do not stay in caches anyway.
 const STREAMED: usize = 8 << 20;
 
-/// Where a result goes.
-pub enum Buffer<'a> {
-    F64(&'a mut [f64]),
-    F32(&'a mut [f32]),
-    /// Status codes of the same cells.
-    Status(&'a mut [u8]),
-}
-
-impl<'a> Buffer<'a> {
-    fn len(&self) -> usize {
-        match self {
-            Buffer::F64(to) => to.len(),
-            Buffer::F32(to) => to.len(),
-            Buffer::Status(to) => to.len(),
-        }
-    }
-
-    fn split(self, at: usize) -> (Buffer<'a>, Buffer<'a>) {
-        macro_rules! halves {
-            ($kind:path, $to:ident) => {{
-                let (a, b) = $to.split_at_mut(at);
-                ($kind(a), $kind(b))
-            }};
-        }
-        match self {
-            Buffer::F64(to) => halves!(Buffer::F64, to),
-            Buffer::F32(to) => halves!(Buffer::F32, to),
-            Buffer::Status(to) => halves!(Buffer::Status, to),
-        }
-    }
-}
-
 #[derive(Debug, Clone, Copy)]
 pub struct Options {
     pub threads: usize,
@@ -74,13 +43,6 @@ pub struct Options {
 pub struct Control {
     pub cancel: AtomicBool,
     pub done: AtomicU64,
-}
-
-struct Chunk<'a> {
-    start: usize,
-    len: usize,
-    /// With the number of its request.
-    buffers: Vec<(usize, Buffer<'a>)>,
 }
 
 /// Fills the buffers, each with the result of the request it names.
@@ -126,29 +88,6 @@ pub fn run(
         return Err(Error::Cancelled { done, total: job.evaluations() });
     }
     Ok(())
-}
-
-fn cut<'a>(job: &Job, buffers: Vec<(usize, Buffer<'a>)>, chunk: usize) -> Vec<Chunk<'a>> {
-    // A reduction does the work of all rivals per cell: smaller chunks keep all
-    // threads busy to the end.
-    let chunk = if job.simulates() { chunk.min(RUN_CHUNK) } else { chunk };
-    let cells = (chunk / job.rival_count().max(1)).max(PADDING).min(chunk.max(1));
-    let mut chunks = Vec::with_capacity(job.cells().div_ceil(cells));
-    let mut rest = buffers;
-    let mut start = 0;
-    while start < job.cells() {
-        let len = cells.min(job.cells() - start);
-        let (mut now, mut later) = (Vec::new(), Vec::new());
-        for (request, buffer) in rest {
-            let (a, b) = buffer.split(len);
-            now.push((request, a));
-            later.push((request, b));
-        }
-        chunks.push(Chunk { start, len, buffers: now });
-        rest = later;
-        start += len;
-    }
-    chunks
 }
 
 /// One thread's view of the job and its scratch memory.

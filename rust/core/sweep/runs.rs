@@ -10,14 +10,12 @@ use crate::integrate::Watch;
 use crate::integrate::robot::ensemble;
 use crate::lane::Level;
 use crate::physics::Status;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 /// Cells that are simulated together.
 pub const RUN_BLOCK: usize = 256;
 /// Cells of a chunk: trajectories take longer than formulas.
 pub const RUN_CHUNK: usize = 1024;
-/// Robots between two looks at the flag that stops a run: one pack.
-const PATIENCE: usize = 16;
 
 /// First cell, cells, and the place of the rival.
 pub type Place = (usize, usize, usize);
@@ -90,7 +88,7 @@ impl Runs {
         len: usize,
     ) {
         let Some(simulation) = &job.simulation else { return };
-        let len = len.next_multiple_of(PADDING);
+        let (count, len) = (len, len.next_multiple_of(PADDING));
         self.fates.resize(len, 0.0);
         for (_, values) in &mut self.outputs {
             values.resize(len, f64::NAN);
@@ -101,6 +99,7 @@ impl Runs {
                 columns,
                 simulation,
                 watch: self.watch,
+                count,
                 len,
                 outputs: &mut self.outputs,
                 fates: &mut self.fates,
@@ -116,21 +115,14 @@ impl Runs {
         for (_, values) in &mut self.gaits {
             values.resize(len, f64::NAN);
         }
-        for first in (0..len).step_by(PATIENCE) {
-            if cancel.load(Ordering::Relaxed) {
-                return;
+        ensemble(level, gait, len, &|i| columns.row(i), cancel, &mut |i, tally| {
+            self.statuses[i] = tally.status();
+            for (output, values) in &mut self.gaits {
+                // Beyond what a double holds is no value.
+                let value = output.of(&tally);
+                values[i] = if value.is_finite() { value } else { f64::NAN };
             }
-            let count = PATIENCE.min(len - first);
-            let point = |i: usize| columns.row(first + i);
-            ensemble(level, gait, count, &point, &mut |i, tally| {
-                self.statuses[first + i] = tally.status();
-                for (output, values) in &mut self.gaits {
-                    // Beyond what a double holds is no value.
-                    let value = output.of(&tally);
-                    values[first + i] = if value.is_finite() { value } else { f64::NAN };
-                }
-            });
-        }
+        });
     }
 
     /// Why cell `i` of the last block has no value.

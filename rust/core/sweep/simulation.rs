@@ -24,6 +24,8 @@ pub struct Choice {
     /// `None`: the best one for law and drive.
     pub method: Option<String>,
     pub locate: bool,
+    /// Whether the motion itself is wanted, of few trajectories.
+    pub motion: bool,
     /// Samples of the drive `table`.
     pub times: Vec<f64>,
     pub values: Vec<f64>,
@@ -37,6 +39,7 @@ impl Default for Choice {
             gait: "single".to_owned(),
             method: None,
             locate: true,
+            motion: false,
             times: Vec::new(),
             values: Vec::new(),
         }
@@ -69,6 +72,7 @@ impl Simulation {
         let exact = law.linear && drive.is_stepwise() && !sprung;
         let method = match (law.kind, exact) {
             (Kind::Dry, true) => Method::Exact,
+            (Kind::Dry, false) if choice.motion => Method::DormandPrince,
             (Kind::Dry, false) => Method::RungeKutta,
             // Smoothing makes laws steep at rest: explicit steps would have to be
             // as short as that.
@@ -149,6 +153,7 @@ fn allowed(name: &str, kind: Kind, exact: bool) -> Result<Method> {
     let known = Method::ALL.iter().filter(|(method, _, _)| match method {
         Method::Exact => kind == Kind::Dry && exact,
         Method::RungeKutta => kind != Kind::Bristle,
+        Method::DormandPrince | Method::DormandPrinceFixed => kind == Kind::Dry,
         Method::Rosenbrock | Method::RosenbrockFixed => kind != Kind::Dry,
     });
     let known: Vec<_> = known.collect();

@@ -69,6 +69,7 @@ pub fn trace(job: &Job, stations: &[f64], options: Options, control: &Control) -
                             columns: cursor.at(cell, Vary::ANY),
                             simulation,
                             watch,
+                            count: now,
                             len: padded,
                             outputs: &mut [],
                             fates: &mut fates,

@@ -3,6 +3,7 @@
 
 use super::columns::Columns;
 use super::outputs::Output;
+use super::scalar::{dormand_prince, one_by_one};
 use super::simulation::Simulation;
 use crate::error::Result;
 use crate::for_each_law;
@@ -26,7 +27,9 @@ pub struct Stretch<'a> {
     pub columns: Columns<'a>,
     pub simulation: &'a Simulation,
     pub watch: Watch,
-    /// Cells, a multiple of the widest pack.
+    /// Cells that count, and how many there are with those that fill the widest
+    /// pack.
+    pub count: usize,
     pub len: usize,
     /// What is wanted, with a buffer of `len` each.
     pub outputs: &'a mut [(Output, Vec<f64>)],
@@ -55,7 +58,13 @@ macro_rules! kernels {
         const KERNELS: &[Kernel] = &[$(kernels!(@$kind $law)),+];
     };
     (@dry $law:ident) => {
-        |level, stretch| run(level, DryRuns::<$law> { stretch, law: PhantomData })
+        |level, stretch| {
+            if stretch.simulation.method.is_scalar() {
+                one_by_one(stretch, dormand_prince::<$law>);
+            } else {
+                run(level, DryRuns::<$law> { stretch, law: PhantomData });
+            }
+        }
     };
     (@smooth $law:ident) => {
         |level, stretch| {
@@ -80,7 +89,7 @@ pub fn kernel_of(name: &str) -> Result<(&'static LawEntry, Kernel)> {
 }
 
 /// The parameters of the cells from `start` on, a pack of them.
-struct Cells<'a, P: Pack> {
+pub(super) struct Cells<'a, P: Pack> {
     token: P::Token,
     columns: Columns<'a>,
     start: usize,
@@ -99,7 +108,7 @@ impl<P: Pack> Given<P> for Cells<'_, P> {
 
 /// Runs the packs of a stretch, each by `one`.
 #[inline(always)]
-fn each_pack<P: Pack>(
+pub(super) fn each_pack<P: Pack>(
     token: P::Token,
     mut stretch: Stretch,
     mut one: impl FnMut(&Cells<P>, &Segment<P>, &mut Visit<P>) -> Tally<P>,
@@ -107,7 +116,7 @@ fn each_pack<P: Pack>(
     let simulation = stretch.simulation;
     let dry = simulation.law.kind == Kind::Dry;
     let mut start = 0;
-    while start + P::LANES <= stretch.len && !stretch.cancel.load(Ordering::Relaxed) {
+    while start < stretch.count && !stretch.cancel.load(Ordering::Relaxed) {
         let cells = Cells { token, columns: stretch.columns, start };
         let segment = P::splat(token, 0.0).apart(
             #[inline(always)]
@@ -163,7 +172,7 @@ impl Fate {
 }
 
 /// Stores states at stations, where that is wanted.
-struct Visit<'a, 'b, 'c, P> {
+pub(super) struct Visit<'a, 'b, 'c, P> {
     trace: Option<&'b mut Trace<'a>>,
     len: usize,
     start: usize,
@@ -173,7 +182,7 @@ struct Visit<'a, 'b, 'c, P> {
 
 impl<P: Pack> Visit<'_, '_, '_, P> {
     #[inline(always)]
-    fn drive(&mut self, method: impl Advance<P>, watch: Watch) -> Tally<P> {
+    pub fn drive(&mut self, method: impl Advance<P>, watch: Watch) -> Tally<P> {
         let (segment, len, start, dry) = (self.segment, self.len, self.start, self.dry);
         let stations = self.trace.as_ref().map_or(&[][..], |trace| trace.stations);
         let trace = &mut self.trace;
@@ -251,7 +260,7 @@ impl<Q: Smooth> Task for SmoothRuns<'_, Q> {
             |cells, segment, visit| {
                 let set = Q::set(&segment.contact, cells);
                 let (ahead, sprung) = (Ahead(ahead), simulation.sprung);
-                visit.drive(Steps::<Q, P, _> { segment, set, sprung, ahead, go_on }, watch)
+                visit.drive(Steps::<Q, P, _>::new(segment, set, sprung, ahead, go_on), watch)
             },
         );
     }

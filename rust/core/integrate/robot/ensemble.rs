@@ -1,12 +1,13 @@
 //! Many robots, one per lane. Lanes that run together share segment count,
 //! movers and cycles, so points are grouped by them.
 
-use super::{GaitTally, Plan, RunOptions, simulate, simulate_lanes};
+use super::{GaitTally, Now, Observer, Plan, RunOptions, simulate, simulate_lanes};
 use crate::lane::{Lane, Level, Pack, Task, run};
 use crate::physics::friction::Given;
 use crate::physics::gait::{Gait, Schedule};
 use crate::physics::point::COLUMNS;
 use crate::physics::{ParamId, Robot, Status};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// All columns of one point (see `physics::point::row`).
 pub type Row = [f64; COLUMNS];
@@ -48,19 +49,37 @@ fn schedule(gait: Gait, key: Key) -> Result<Schedule, Status> {
     gait.schedule(key.1 as usize, key.2 as usize)
 }
 
-/// Lanes of elastic robots that share `key`.
-#[inline(always)]
-fn together<L: Lane>(schedule: &Schedule, key: Key, given: &impl Given<L>) -> GaitTally<L> {
-    let robot = Robot::uniform(given, key.1 as usize);
-    let plan = Plan { schedule, cycles: key.3 as usize };
-    simulate_lanes(&robot, &plan, &options(given))
+/// Sees nothing of a run but whether it is still wanted.
+#[derive(Clone, Copy)]
+struct Flag<'a>(&'a AtomicBool);
+
+impl<L> Observer<L> for Flag<'_> {
+    const ON: bool = false;
+    fn see(&mut self, _: &Now<L>) {}
+    #[inline(always)]
+    fn go_on(&self) -> bool {
+        !self.0.load(Ordering::Relaxed)
+    }
 }
 
-fn alone(schedule: &Schedule, key: Key, row: &Row) -> GaitTally<f64> {
+/// Lanes of elastic robots that share `key`.
+#[inline(always)]
+fn together<L: Lane>(
+    schedule: &Schedule,
+    key: Key,
+    given: &impl Given<L>,
+    mut flag: impl Observer<L>,
+) -> GaitTally<L> {
+    let robot = Robot::uniform(given, key.1 as usize);
+    let plan = Plan { schedule, cycles: key.3 as usize };
+    simulate_lanes(&robot, &plan, &options(given), &mut flag)
+}
+
+fn alone(schedule: &Schedule, key: Key, row: &Row, mut flag: impl Observer<f64>) -> GaitTally<f64> {
     let given = Lanes { like: 0.0, rows: &[row] };
     let robot = Robot::uniform(&given, key.1 as usize);
     let plan = Plan { schedule, cycles: key.3 as usize };
-    simulate(&robot, &plan, &options(&given), &mut ())
+    simulate(&robot, &plan, &options(&given), &mut flag)
 }
 
 /// One robot per lane, whatever the lanes have in common. The more of them
@@ -92,13 +111,15 @@ pub fn gait_tally<L: Lane>(gait: Gait, given: &impl Given<L>) -> GaitTally<L> {
                 members.iter().for_each(|i| done[*i] = Some(none));
             }
             Ok(schedule) if shared.0 => {
-                members.iter().for_each(|i| done[*i] = Some(alone(&schedule, shared, &rows[*i])));
+                members
+                    .iter()
+                    .for_each(|i| done[*i] = Some(alone(&schedule, shared, &rows[*i], ())));
             }
             Ok(schedule) => {
                 // Lanes of other groups run along as copies.
                 let pick = |i: usize| if keys[i] == shared { &rows[i] } else { &rows[first] };
                 let picked: Vec<&Row> = (0..rows.len()).map(pick).collect();
-                let all = together(&schedule, shared, &Lanes { like, rows: &picked });
+                let all = together(&schedule, shared, &Lanes { like, rows: &picked }, ());
                 members.iter().for_each(|i| done[*i] = Some(all.lane(*i)));
             }
         }
@@ -111,6 +132,7 @@ struct Packs<'a, F> {
     key: Key,
     members: &'a [usize],
     point: &'a (dyn Fn(usize) -> Row + Sync),
+    flag: Flag<'a>,
     each: F,
 }
 
@@ -125,7 +147,7 @@ impl<F: FnMut(usize, GaitTally<f64>)> Task for Packs<'_, F> {
             let last = rows.len() - 1;
             let rows: Vec<&Row> = (0..P::LANES).map(|i| &rows[i.min(last)]).collect();
             let given = Lanes { like: P::splat(token, 0.0), rows: &rows };
-            let all = together(self.schedule, self.key, &given);
+            let all = together(self.schedule, self.key, &given, self.flag);
             for (lane, i) in members.iter().enumerate() {
                 (self.each)(*i, all.lane(lane));
             }
@@ -134,14 +156,17 @@ impl<F: FnMut(usize, GaitTally<f64>)> Task for Packs<'_, F> {
 }
 
 /// Runs the robots of the points 0 to `count`, and hands each result to `each`
-/// with the number of its point, in no particular order.
+/// with the number of its point, in no particular order. Once `cancel` is up runs
+/// end at once, without results.
 pub fn ensemble(
     level: Level,
     gait: Gait,
     count: usize,
     point: &(dyn Fn(usize) -> Row + Sync),
+    cancel: &AtomicBool,
     each: &mut dyn FnMut(usize, GaitTally<f64>),
 ) {
+    let flag = Flag(cancel);
     let mut order: Vec<(Key, usize)> = (0..count).map(|i| (key(&point(i)), i)).collect();
     order.sort_unstable();
     for group in order.chunk_by(|a, b| a.0 == b.0) {
@@ -150,12 +175,12 @@ pub fn ensemble(
         match schedule(gait, shared) {
             Err(status) => members.iter().for_each(|i| each(*i, GaitTally::none(0.0, status))),
             Ok(schedule) if shared.0 => {
-                members.iter().for_each(|i| each(*i, alone(&schedule, shared, &point(*i))));
+                members.iter().for_each(|i| each(*i, alone(&schedule, shared, &point(*i), flag)));
             }
             Ok(schedule) => {
                 let each = |i, tally| each(i, tally);
                 let (schedule, members) = (&schedule, &members[..]);
-                run(level, Packs { schedule, key: shared, members, point, each });
+                run(level, Packs { schedule, key: shared, members, point, flag, each });
             }
         }
     }

@@ -200,7 +200,7 @@ impl Flow {
         let n = state.x.len();
         loop {
             let t = (state.observer.next() - state.ledger.time).max(0.0);
-            if t > dt {
+            if t > dt || !state.observer.go_on() {
                 return;
             }
             let at = |i: usize| state.x[i] + state.v[i] * t + self.drift[i].path(t);

@@ -109,10 +109,7 @@ impl<O: Observer<f64>> Ideal<'_, O> {
         let groups = Flow::roles(self, phase);
         let mut events = 0;
         while self.joints.iter().any(|j| j.drive != Drive::Locked) {
-            events += 1;
-            if events > MOST_EVENTS {
-                return Err(Status::TooManySteps);
-            }
+            self.may_go_on(&mut events)?;
             let flow = self.flow();
             let (dt, happened) = self.next(&flow, f64::INFINITY);
             if dt.is_infinite() {
@@ -133,10 +130,7 @@ impl<O: Observer<f64>> Ideal<'_, O> {
         }
         let mut left = if phase.rests { options.dwell } else { 0.0 };
         while left > 0.0 {
-            events += 1;
-            if events > MOST_EVENTS {
-                return Err(Status::TooManySteps);
-            }
+            self.may_go_on(&mut events)?;
             let flow = self.flow();
             let (dt, happened) = self.next(&flow, left);
             self.go(&flow, &groups, dt, false);
@@ -144,6 +138,15 @@ impl<O: Observer<f64>> Ideal<'_, O> {
             left -= dt;
         }
         Ok(())
+    }
+
+    fn may_go_on(&self, events: &mut usize) -> Result<(), Status> {
+        *events += 1;
+        match (self.observer.go_on(), *events <= MOST_EVENTS) {
+            (false, _) => Err(Status::NotFinite),
+            (_, false) => Err(Status::TooManySteps),
+            _ => Ok(()),
+        }
     }
 
     pub fn length(&self, j: usize) -> f64 {

@@ -9,6 +9,7 @@ mod given;
 mod ideal;
 mod motion;
 mod outputs;
+mod roles;
 mod step;
 mod stick;
 mod tally;
@@ -47,7 +48,8 @@ pub struct Plan<'a> {
     pub cycles: usize,
 }
 
-/// Runs one robot; `observer` may be a [`Trace`], or `()`.
+/// Runs one robot; `observer` may be a [`Trace`], or `()`. A run that it calls off has
+/// no result.
 pub fn simulate<O: Observer<f64>>(
     robot: &Robot<f64>,
     plan: &Plan,
@@ -68,6 +70,11 @@ pub fn simulate<O: Observer<f64>>(
 
 /// Runs robots with elastic joints, one per lane.
 #[inline(always)]
-fn simulate_lanes<L: Lane>(robot: &Robot<L>, plan: &Plan, options: &RunOptions<L>) -> GaitTally<L> {
-    step::run(robot, plan, options, &mut ())
+fn simulate_lanes<L: Lane, O: Observer<L>>(
+    robot: &Robot<L>,
+    plan: &Plan,
+    options: &RunOptions<L>,
+    observer: &mut O,
+) -> GaitTally<L> {
+    step::run(robot, plan, options, observer)
 }

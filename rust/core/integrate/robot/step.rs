@@ -6,6 +6,7 @@
 //! 1/2 (second order) where the step resolves it, towards 1 (which damps it
 //! out) where it does not, so no stiffness asks for a smaller step.
 
+use super::roles::Roles;
 use super::stick::Step;
 use super::tally::{End, GaitTally, Ledger};
 use super::trace::{Now, Observer};
@@ -17,14 +18,6 @@ use crate::physics::robot::{MOST_SEGMENTS, Robot};
 
 /// Most steps of one stretch, beyond which a run is refused.
 const MOST_STEPS: f64 = 1e7;
-
-/// A phase, prepared.
-struct Roles<L> {
-    /// Ends of the runs of moving segments.
-    movers: Vec<(usize, usize)>,
-    /// Ends of the runs of anchors, and one over what each can hold.
-    anchors: Vec<(usize, usize, L)>,
-}
 
 /// Steps of equal length under constant command rates.
 struct Stretch<'a, L> {
@@ -98,12 +91,15 @@ pub(super) fn run<L: Lane, O: Observer<L>>(
         state.command[j] = state.start[j];
     }
     let all: Vec<Roles<L>> =
-        (0..schedule.phases.len()).map(|p| roles(robot, schedule, p)).collect();
+        (0..schedule.phases.len()).map(|p| Roles::of(robot, schedule, p)).collect();
     let mut moved = zero;
     for _ in 0..plan.cycles {
         for (p, role) in all.iter().enumerate() {
             state.phase = p;
             state.phase(schedule, role, options);
+            if !state.observer.go_on() {
+                return GaitTally::none(zero, Status::NotFinite);
+            }
         }
         moved = moved.max(state.ledger.time);
         let (x, ledger) = (&state.x, &mut state.ledger);
@@ -137,24 +133,6 @@ fn stiffest<L: Lane>(robot: &Robot<L>) -> L {
     // A segment between two joints, its neighbours in opposite phase.
     let (per_mass, four) = (mass.with(1.0) / mass, 4.0);
     (stiffness * per_mass * four).sqrt() + damping * per_mass * four
-}
-
-fn roles<L: Lane>(robot: &Robot<L>, schedule: &Schedule, p: usize) -> Roles<L> {
-    let phase = &schedule.phases[p];
-    let one = robot.gravity.with(1.0);
-    let held = |group: (usize, usize)| {
-        let mut sum = robot.gravity.with(0.0);
-        for i in group.0..=group.1 {
-            let segment = &robot.segments[i];
-            sum = sum + robot.levels(i, phase, one).back_hold - segment.pull;
-        }
-        // Anchors that hold nothing are overloaded without bound.
-        (group.0, group.1, sum.with(1.0) / sum.max(sum.with(0.0)))
-    };
-    Roles {
-        movers: Schedule::groups(phase, true),
-        anchors: Schedule::groups(phase, false).into_iter().map(held).collect(),
-    }
 }
 
 impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
@@ -215,7 +193,7 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
         let half = count.with(0.5);
         self.prepare(schedule, stretch.h, stretch.theta);
         let mut left = count;
-        while L::any(left.gt(half)) {
+        while L::any(left.gt(half)) && self.observer.go_on() {
             let waiting = L::any((one - left).gt(half)).then(|| self.saved());
             self.advance(stretch, count - left);
             if let Some(saved) = waiting {

@@ -25,6 +25,11 @@ pub trait Observer<L> {
     fn next(&self) -> f64 {
         f64::INFINITY
     }
+    /// Whether the run is still wanted; asked at every step. One that is not ends
+    /// at once and has no result.
+    fn go_on(&self) -> bool {
+        true
+    }
 }
 
 impl<L> Observer<L> for () {

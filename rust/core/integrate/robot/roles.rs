@@ -1,0 +1,33 @@
+//! Who moves and who anchors in each phase of a gait, and what anchors can hold.
+
+use crate::lane::Lane;
+use crate::physics::gait::Schedule;
+use crate::physics::robot::Robot;
+
+/// A phase, prepared.
+pub(super) struct Roles<L> {
+    /// Ends of the runs of moving segments.
+    pub movers: Vec<(usize, usize)>,
+    /// Ends of the runs of anchors, and one over what each can hold.
+    pub anchors: Vec<(usize, usize, L)>,
+}
+
+impl<L: Lane> Roles<L> {
+    pub fn of(robot: &Robot<L>, schedule: &Schedule, p: usize) -> Roles<L> {
+        let phase = &schedule.phases[p];
+        let one = robot.gravity.with(1.0);
+        let held = |group: (usize, usize)| {
+            let mut sum = robot.gravity.with(0.0);
+            for i in group.0..=group.1 {
+                let segment = &robot.segments[i];
+                sum = sum + robot.levels(i, phase, one).back_hold - segment.pull;
+            }
+            // Anchors that hold nothing are overloaded without bound.
+            (group.0, group.1, sum.with(1.0) / sum.max(sum.with(0.0)))
+        };
+        Roles {
+            movers: Schedule::groups(phase, true),
+            anchors: Schedule::groups(phase, false).into_iter().map(held).collect(),
+        }
+    }
+}
