@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from diagnosis_case import EFFECTS, NOMINAL, made
 from matplotlib.figure import Figure
 
 import locosweep as ls
+from diagnosis_case import EFFECTS, NOMINAL, made
 from locosweep.cli import main
 from locosweep.diagnosis import Diagnosis, folder
 from locosweep.diagnosis.model_file import write_augmented
@@ -117,7 +117,9 @@ class TestSave:
 
 class TestReport:
     def test_numbers_that_json_has_not_become_null(self):
-        text = report_text({"a": np.float64("nan"), "b": [np.inf, np.int64(3)], "c": np.arange(2.0)})
+        text = report_text(
+            {"a": np.float64("nan"), "b": [np.inf, np.int64(3)], "c": np.arange(2.0)}
+        )
         assert json.loads(text) == {"a": None, "b": [None, 3], "c": [0.0, 1.0]}
 
     def test_attributes_are_the_report(self, found):
@@ -177,7 +179,7 @@ class TestPage:
         assert "\u0007" not in text
 
     @pytest.mark.parametrize("status", ["none", "unexplained", "ambiguous"])
-    def test_other_verdicts(self, found, tmp_path, status):
+    def test_other_verdicts(self, tmp_path, status):
         effects = EFFECTS if status == "ambiguous" else {}
         one = made(tmp_path, effects=effects)
         one.report["verdict"]["status"] = status
@@ -354,7 +356,7 @@ class TestCommand:
             "explained: lubricant_buildup (probability 0.97)", found.summary, "d/report.html"
         ]  # fmt: skip
         assert err == f"locosweep: note: {found.warnings[0]}\n"
-        (arguments, options), = asked
+        ((arguments, options),) = asked
         assert arguments == (Path("r.csv"), Path("n.toml"))
         assert options == {"holdout": ["2", "3", "4"], "max_effects": 2, "seed": 5,
                            "columns": {"drive": "tau"}, "units": {"x": "mm"}, "threads": 1,

@@ -20,10 +20,8 @@ PUSH = np.where((T > 0.05) & (T < 0.4), 0.62, 0.0)
 BOTH = PUSH - np.where((T > 0.7) & (T < 1.0), 0.7, 0.0)
 
 
-def planned(*drives, slopes=None):
-    slopes = slopes or [None] * len(drives)
-    return [Run(str(i), T, d, slope_deg=s) for i, (d, s) in enumerate(zip(drives, slopes,
-                                                                          strict=True))]  # fmt: skip
+def planned(*drives):
+    return [Run(str(i), T, drive) for i, drive in enumerate(drives)]
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +42,7 @@ class TestPlan:
         np.testing.assert_allclose(rows @ rows.T, np.eye(4), atol=1e-9)
         signals = plan.signals([("viscous_friction", {"c": 0.1})])
         assert np.abs(signals @ rows.T).max() < 1e-9 * np.abs(signals).max()
-        assert (project(project(signals, rows), rows) == pytest.approx(project(signals, rows)))
+        assert project(project(signals, rows), rows) == pytest.approx(project(signals, rows))
 
     def test_nominal_effects_have_no_signal(self):
         plan = Plan(ROBOT, planned(PUSH), NOISE)
@@ -57,7 +55,9 @@ class TestPlan:
 
     def test_signals_are_in_units_of_the_noise(self):
         drift = ("sensor_drift", {"b": 1e-3})
-        fine, coarse = (Plan(ROBOT, planned(PUSH), {"x": sd}).signals([drift]) for sd in (1e-5, 1e-4))
+        fine, coarse = (
+            Plan(ROBOT, planned(PUSH), {"x": sd}).signals([drift]) for sd in (1e-5, 1e-4)
+        )
         assert np.linalg.norm(fine) == pytest.approx(10 * np.linalg.norm(coarse), rel=1e-3)
 
     def test_strengths_have_the_length_asked_for(self):
@@ -144,8 +144,9 @@ class TestTwins:
 
     def test_less_noise_shows_smaller_effects(self, one_way):
         finer = ls.distinguish(ROBOT, planned(PUSH), noise={"x": 1e-5})
-        ratio = one_way.seen_from["coulomb_error"][0]["d_mu"] / (
-            finer.seen_from["coulomb_error"][0]["d_mu"]
+        ratio = (
+            one_way.seen_from["coulomb_error"][0]["d_mu"]
+            / (finer.seen_from["coulomb_error"][0]["d_mu"])
         )
         assert ratio == pytest.approx(10.0, rel=0.1)
 

@@ -170,7 +170,9 @@ def _planned(
     for point in itertools.product(*given.values()):
         chosen_values = dict(zip(given, point, strict=True))
         run = simulate(Grid(**fixed, **chosen_values), **options, samples=samples)
-        label = ", ".join(f"{name}={chosen_values[name]:g}" for name in several) or str(simulation.drive)
+        label = ", ".join(f"{name}={chosen_values[name]:g}" for name in several) or str(
+            simulation.drive
+        )
         found.append(Run(label, run.t, run.force / gain))
     return found
 
