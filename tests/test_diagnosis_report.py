@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from diagnosis_case import EFFECTS, NOMINAL, made
 from matplotlib.figure import Figure
 
 import locosweep as ls
+from diagnosis_case import EFFECTS, NOMINAL, made
 from locosweep.cli import main
 from locosweep.diagnosis import Diagnosis, folder
 from locosweep.diagnosis.model_file import write_augmented
@@ -179,7 +179,7 @@ class TestPage:
         assert "\u0007" not in text
 
     @pytest.mark.parametrize("status", ["none", "unexplained", "ambiguous"])
-    def test_other_verdicts(self, found, tmp_path, status):
+    def test_other_verdicts(self, tmp_path, status):
         effects = EFFECTS if status == "ambiguous" else {}
         one = made(tmp_path, effects=effects)
         one.report["verdict"]["status"] = status

@@ -20,10 +20,8 @@ PUSH = np.where((T > 0.05) & (T < 0.4), 0.62, 0.0)
 BOTH = PUSH - np.where((T > 0.7) & (T < 1.0), 0.7, 0.0)
 
 
-def planned(*drives, slopes=None):
-    slopes = slopes or [None] * len(drives)
-    return [Run(str(i), T, d, slope_deg=s) for i, (d, s) in enumerate(zip(drives, slopes,
-                                                                          strict=True))]  # fmt: skip
+def planned(*drives):
+    return [Run(str(i), T, drive) for i, drive in enumerate(drives)]
 
 
 @pytest.fixture(scope="module")

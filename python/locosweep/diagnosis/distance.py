@@ -195,7 +195,8 @@ class Plan:
 
 
 def _sizes(rows: Floats) -> Floats:
-    return np.sqrt(np.einsum("ij,ij->i", rows, rows))
+    sizes: Floats = np.sqrt(np.einsum("ij,ij->i", rows, rows))
+    return sizes
 
 
 def strengths(

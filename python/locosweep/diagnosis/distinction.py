@@ -303,9 +303,10 @@ def _noise(
         if sd is None and not step:
             raise InputError(f"the noise of {name} is not known: the model's [sensor] table has no "
                              f"{kind}_noise, and noise has no {name}")  # fmt: skip
-        total = float(np.hypot(float(sd or 0.0), float(step) / np.sqrt(12.0)))
-        if not np.isfinite(total) or total <= 0.0:
-            raise InputError(f"noise of {name} is {total!r}: allowed is a number above 0")
+        deviation = float(sd or 0.0)
+        total = float(np.hypot(deviation, float(step) / np.sqrt(12.0)))
+        if not np.isfinite(total) or deviation < 0.0 or total == 0.0:
+            raise InputError(f"noise of {name} is {deviation!r}: allowed is a number above 0")
         found[name] = total
     return found
 

@@ -176,7 +176,7 @@ def families(rig: Rig, *, force_level: bool = False) -> dict[str, Family]:
         Family("lubricant_buildup", _scaled("k_b", r.force / r.travel), -1.0, 10.0),
         Family("drive_saturation", lambda u, _: {"F_max": r.force * (1.0 - u)}, 0.0, 1.0),
         Family("drive_lag", _scaled("T", r.duration), 0.0, 1.0),
-        Family("drive_delay", _scaled("T", r.duration), -0.3, 0.3),
+        Family("drive_delay", _scaled("T", r.duration), 0.0, 0.3),
         Family("drive_deadzone", _scaled("d", r.force), 0.0, 1.0),
         Family("drive_gain_error", _scaled("e", 1.0), -1.0, 10.0),
         Family("back_emf", _scaled("k_e", drag), least, 10.0),
@@ -191,7 +191,7 @@ def families(rig: Rig, *, force_level: bool = False) -> dict[str, Family]:
         Family("anchor_slip", slip, 0.0, 0.99, (Shape("ratio", (0.9,), 0.1, 1.0),)),
         Family("sensor_scale", _scaled("e", 1.0), -0.95, 10.0),
         Family("sensor_drift", _scaled("b", r.travel / r.duration), -10.0, 10.0),
-        Family("sensor_delay", _scaled("T", r.duration), -0.3, 0.3),
+        Family("sensor_delay", _scaled("T", r.duration), 0.0, 0.3),
     ]  # fmt: skip
     by_name = {family.name: family for family in found}
     return {record.name: by_name[record.name] for record in effects()}

@@ -28,7 +28,7 @@ _MOST = 24
 
 _BINS = 240
 _STRIPS = "YlGnBu"
-_REGIME_COLOURS = ("#f2f2f2", "#333333", "#a6cee3", "#e3b778", "#8c6bb1")
+_REGIME_COLOURS = ("#f2f2f2", "#1a1a1a", "#a6cee3", "#c26a00", "#5e3c99")
 _RIM = withStroke(linewidth=3.2, foreground="white")
 _VARIABLES = {
     "v": ("velocity $v$", "m/s", "rad/s"),

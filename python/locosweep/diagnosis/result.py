@@ -217,7 +217,7 @@ def report_text(report: dict[str, Any]) -> str:
     --------
     >>> from locosweep.diagnosis.result import report_text
     >>> report_text({"before": 0.1, "after": float("nan")})
-    '{\\n  "before": 0.1,\\n  "after": null\\n}\\n'
+    '{\n  "before": 0.1,\n  "after": null\n}\n'
     """
     return json.dumps(_plain(report), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
 
