@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
+from locosweep.cli.blind import blind_check
 from locosweep.cli.gaiting import gait
 from locosweep.cli.laws import laws
 from locosweep.cli.listing import (
@@ -59,7 +60,7 @@ def group() -> None:
 
 for _command in (
     heatmap, sweep, simulate, gait, optimum, plot, reproduce, quantities, parameters, laws, drives,
-    methods, reductions, statuses,
+    methods, reductions, statuses, blind_check,
 ):  # fmt: skip
     group.add_command(_command)
 
