@@ -29,6 +29,8 @@ PYTHON_ORDER = [
     {"engine"},
     {"trajectories", "replay", "gait"},
     {"plot"},
+    {"diagnosis"},
+    {"blindcheck"},
     {"reproduce", "spec"},
     {"cli"},
 ]

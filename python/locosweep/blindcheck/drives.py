@@ -33,7 +33,7 @@ class Shape:
 
 
 def sample_times(rng: Generator, rate: float, duration: float, *, jitter: bool) -> Floats:
-    """Times of the samples, s from 0, in whole microseconds."""
+    """Draw the times of the samples, s from 0, in whole microseconds."""
     t = np.arange(round(duration * rate) + 1) / rate
     if jitter:
         t[1:-1] += rng.uniform(-0.3, 0.3, t.size - 2) / rate
@@ -41,7 +41,7 @@ def sample_times(rng: Generator, rate: float, duration: float, *, jitter: bool) 
     return times
 
 
-def _levels(rng: Generator, t: Floats, starts: Floats, levels: Floats) -> Floats:
+def _levels(t: Floats, starts: Floats, levels: Floats) -> Floats:
     at = np.searchsorted(starts, t, side="right") - 1
     return np.where(at >= 0, levels[np.maximum(at, 0)], 0.0)
 
@@ -54,22 +54,22 @@ def _wave(rng: Generator, kind: str, t: Floats, way: float) -> Floats:
     if kind == "steps":
         starts = np.cumsum(rng.uniform(0.05, 0.35, 40) * end / 3)
         levels = np.where(np.arange(40) % 2 == 0, rng.uniform(0.6, 1.0, 40) * signs, 0.0)
-        return _levels(rng, t, starts, levels)
+        return _levels(t, starts, levels)
     if kind == "staircase":
         count = int(rng.integers(4, 9))
         starts = np.linspace(0.05, 0.95, count + 1)[:-1] * end
         levels = rng.permutation(np.linspace(0.3, 1.0, count)) * signs[:count]
         if rng.random() < 0.5:
             levels = np.sort(levels)
-        return _levels(rng, t, starts, levels)
+        return _levels(t, starts, levels)
     if kind == "ramp":
         count = int(rng.integers(1, 4))
         phase = (t / end * count) % 1.0
         sign = signs[np.minimum((t / end * count).astype(int), count - 1)]
-        return sign * np.clip(1.3 * phase - 0.05, 0.0, 1.0) * (phase < 0.85)
+        ramp: Floats = sign * np.clip(1.3 * phase - 0.05, 0.0, 1.0) * (phase < 0.85)
+        return ramp
     if kind == "triangle":
-        count = float(rng.integers(1, 4))
-        phase = (t / end * count) % 1.0
+        phase = (t / end * float(rng.integers(1, 4))) % 1.0
         if both:
             return np.interp(phase, [0.0, 0.25, 0.75, 1.0], [0.0, 1.0, -1.0, 0.0])
         return np.interp(phase, [0.0, 0.5, 1.0], [0.0, 1.0, 0.0])
@@ -99,7 +99,8 @@ def _wave(rng: Generator, kind: str, t: Floats, way: float) -> Floats:
         ]
         wave = np.sum(waves, axis=0)
         wave /= np.abs(wave).max()
-    return wave if both else 0.5 * (1.0 + wave)
+    whole: Floats = wave if both else 0.5 * (1.0 + wave)
+    return whole
 
 
 def draw_shape(rng: Generator, kind: str, t: Floats, *, one_way: bool) -> Shape:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -71,7 +71,7 @@ class Experiment:
     def read(self, worlds: Sequence[World], step: float, threads: int) -> list[list[Readings]]:
         """Run all drives in all worlds: what the sensors would read without noise."""
         runs = [(drive.t, drive.command, drive.slope_deg) for drive in self.drives]
-        jobs = []
+        jobs: list[Any] = []
         for world in worlds:
             true = self.rig.true(world.shifts)
             for i, drive in enumerate(self.drives):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -82,7 +83,7 @@ def _share(
 
 def _statistic(
     name: str,
-    values: Sequence[float],
+    values: Sequence[float] | Sequence[tuple[float, float]],
     statistic: Callable[[np.ndarray], float],
     target: str = "",
     reaches: Callable[[float], bool] | None = None,
@@ -114,7 +115,7 @@ def calibration_error(pairs: np.ndarray) -> float:
     for b in np.unique(bins):
         inside = pairs[bins == b]
         error += inside.shape[0] * abs(float(inside[:, 0].mean() - inside[:, 1].mean()))
-    return error / pairs.shape[0]
+    return error / len(pairs)
 
 
 def _counts(case: Judged) -> bool:
@@ -146,12 +147,18 @@ def figures(judged: Sequence[Judged]) -> list[Figure]:
     seen = [c for c in gaps if c.d >= PLAIN]
     return [
         _share(
-            "a gap where there is none", (c.status != "none" for c in gap_free),
+            "a gap where there is none",
+            (c.status != "none" for c in gap_free),
             "<= 0.03, upper bound <= 0.045",
             lambda value, _, high: value <= 0.03 and high <= 0.045,
         ),
         _share("a cause where there is no gap", (c.named for c in gap_free)),
-        _share("detected, d >= 6", (c.status != "none" for c in gaps if c.d >= 6.0), ">= 0.90", _at_least(0.90)),
+        _share(
+            "detected, d >= 6",
+            (c.status != "none" for c in gaps if c.d >= 6.0),
+            ">= 0.90",
+            _at_least(0.90),
+        ),
         _share("detected, d >= 10", (c.status != "none" for c in seen), ">= 0.99", _at_least(0.99)),
         _share("right class, single effect", (c.right for c in single), ">= 0.97", _at_least(0.97)),
         _share(
@@ -159,45 +166,69 @@ def figures(judged: Sequence[Judged]) -> list[Figure]:
             (c.right for c in seen if c.kind == "one" and not c.mismatch),
         ),
         _share(
-            "exact name where the class has one member", (c.exact for c in single if c.alone),
-            ">= 0.95", _at_least(0.95),
+            "exact name where the class has one member",
+            (c.exact for c in single if c.alone),
+            ">= 0.95",
+            _at_least(0.95),
         ),
         _share("both of two effects", (c.right for c in pairs), ">= 0.85", _at_least(0.85)),
-        _share("at least one of two effects", (c.one_right for c in pairs), ">= 0.98", _at_least(0.98)),
         _share(
-            "outside the list: unexplained", (c.status == "unexplained" for c in alien),
-            ">= 0.90", _at_least(0.90),
+            "at least one of two effects", (c.one_right for c in pairs), ">= 0.98", _at_least(0.98)
         ),
-        _share("outside the list: a wrong name", (c.named for c in alien), "<= 0.05", _at_most(0.05)),
         _share(
-            "a single name where a rival is nearer than 2 sigma", (c.single_name for c in twins),
-            "<= 0.01", _at_most(0.01),
+            "outside the list: unexplained",
+            (c.status == "unexplained" for c in alien),
+            ">= 0.90",
+            _at_least(0.90),
+        ),
+        _share(
+            "outside the list: a wrong name", (c.named for c in alien), "<= 0.05", _at_most(0.05)
+        ),
+        _share(
+            "a single name where a rival is nearer than 2 sigma",
+            (c.single_name for c in twins),
+            "<= 0.01",
+            _at_most(0.01),
         ),
         _statistic(
             "mean probability on the true class",
             [c.probability if c.right else 0.0 for c in detected],
-            lambda a: float(a.mean()), ">= 0.92", lambda value: value >= 0.92,
+            lambda a: float(a.mean()),
+            ">= 0.92",
+            lambda value: value >= 0.92,
         ),
         _statistic(
-            "expected calibration error", stated, calibration_error, "<= 0.05",
+            "expected calibration error",
+            stated,
+            calibration_error,
+            "<= 0.05",
             lambda value: value <= 0.05,
         ),
         _statistic(
-            "stated less fresh shrink, mean", biases, lambda a: float(a.mean()), "within 0.02",
+            "stated less fresh shrink, mean",
+            biases,
+            lambda a: float(a.mean()),
+            "within 0.02",
             lambda value: abs(value) <= 0.02,
         ),
         _share(
-            "fresh shrink inside the stated interval", inside, "0.85 to 0.95",
+            "fresh shrink inside the stated interval",
+            inside,
+            "0.85 to 0.95",
             lambda value, _low, _high: 0.85 <= value <= 0.95,
         ),
         _statistic(
-            "parameter error, median", errors, lambda a: float(np.median(a)), "<= 0.02",
+            "parameter error, median",
+            errors,
+            lambda a: float(np.median(a)),
+            "<= 0.02",
             lambda value: value <= 0.02,
         ),
         _share(
             "location of the gap right",
             (None if c.window_share is None else c.window_share >= 0.5 for c in seen),
-            ">= 0.95", _at_least(0.95),
+            ">= 0.95",
+            _at_least(0.95),
         ),
         _share("site right", (c.site_right for c in effects), ">= 0.95", _at_least(0.95)),
         _share("another law: right class", (c.right for c in forms), ">= 0.90", _at_least(0.90)),
@@ -207,7 +238,7 @@ def figures(judged: Sequence[Judged]) -> list[Figure]:
             lambda a: float(np.median(a)),
         ),
         _share("diagnoses that failed", (bool(c.error) for c in judged)),
-    ]  # fmt: skip
+    ]
 
 
 _SIZES = (0.0, 3.0, 6.0, 10.0, 20.0, 40.0, 100.0, math.inf)
@@ -216,7 +247,7 @@ _SIZES = (0.0, 3.0, 6.0, 10.0, 20.0, 40.0, 100.0, math.inf)
 def power(judged: Sequence[Judged]) -> list[tuple[float, float, Figure, Figure]]:
     """Share detected and share right by size: lower and upper size, two figures."""
     rows = []
-    for low, high in zip(_SIZES, _SIZES[1:], strict=False):
+    for low, high in itertools.pairwise(_SIZES):
         inside = [c for c in judged if c.kind != "none" and low <= c.d < high]
         if inside:
             seen = _share("detected", (c.status != "none" for c in inside))

@@ -48,7 +48,7 @@ class Sensors:
     stated: tuple[str, ...] = ()
 
     def deviation(self, channel: str) -> float:
-        """Standard deviation of a channel, rounding included."""
+        """Return the standard deviation of a channel, rounding included."""
         if channel in ("x", "x_rear"):
             return float(np.hypot(self.position_noise, self.position_resolution / np.sqrt(12.0)))
         return {
@@ -179,7 +179,7 @@ def draw_sensors(rng: Generator, rig: Rig, travel: float, speed: float, force: f
     power = force * speed * log_uniform(rng, 5e-3, 5e-2)
     if rig.motor:
         channels = (*channels, "power")
-    stated = (
+    stated: tuple[str, ...] = (
         "position_noise",
         "position_resolution",
         "force_noise",

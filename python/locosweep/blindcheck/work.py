@@ -36,7 +36,7 @@ def code_digest(*parts: str) -> str:
 
 @contextlib.contextmanager
 def pool_of(processes: int) -> Iterator[ProcessPoolExecutor]:
-    """Processes that end at once with Ctrl-C or an error in one of them."""
+    """Yield processes that end at once with Ctrl-C or an error in one of them."""
     context = multiprocessing.get_context("spawn")
     # One thread each: as many processes as threads were asked for.
     names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "POLARS_MAX_THREADS")
