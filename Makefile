@@ -21,6 +21,7 @@ run: $(VENV)/built
 
 test: $(VENV)/built lint
 	cargo test --release --locked
+	cargo test --release --locked -p locosweep-reality
 	$(BIN)/python -m pytest --doctest-modules python/locosweep tests
 	cargo bench --locked --bench sweep -- --test
 	cargo bench --locked --bench dynamics -- --test

@@ -30,6 +30,7 @@ PYTHON_ORDER = [
     {"trajectories", "replay", "gait"},
     {"plot"},
     {"diagnosis"},
+    {"blindcheck"},
     {"reproduce", "spec"},
     {"cli"},
 ]

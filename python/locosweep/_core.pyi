@@ -1,7 +1,7 @@
 from _typeshed import Incomplete, SupportsGetItem
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["CancelToken", "Drive", "Effect", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "drives", "effect_parameter_count", "effects", "file_choices", "file_keys", "gait_outputs", "gait_parameters", "gait_run", "gaits", "laws", "methods", "parameters", "quantities", "reductions", "simd_level", "simd_levels", "statuses", "threads_to_use", "version"]
+__all__ = ["CancelToken", "Drive", "Effect", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "drives", "effect_parameter_count", "effects", "file_choices", "file_keys", "gait_outputs", "gait_parameters", "gait_run", "gaits", "laws", "methods", "parameters", "quantities", "reality_forms", "reality_run", "reductions", "simd_level", "simd_levels", "statuses", "threads_to_use", "version"]
 
 @final
 class CancelToken:
@@ -410,6 +410,22 @@ def parameters() -> list[Parameter]:
 def quantities() -> list[Quantity]:
     """
     All quantities, in the order of their equations.
+    """
+
+def reality_forms() -> list[tuple[str, str, list[str]]]:
+    """
+    All laws of the blind check: cause, form, parameters. The form `law` is the
+    one that the cause's name stands for, `outside` is nobody's cause.
+    """
+
+def reality_run(runs: SupportsGetItem[int, tuple[Incomplete, Incomplete, SupportsFloat | SupportsIndex]], jobs: SupportsGetItem[int, tuple[SupportsIndex, dict[str, SupportsFloat | SupportsIndex], SupportsGetItem[int, tuple[str, str, dict[str, SupportsFloat | SupportsIndex]]], tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex], SupportsFloat | SupportsIndex, SupportsIndex]], threads: SupportsIndex, token: CancelToken | None = None) -> list[list[Incomplete]]:
+    """
+    Run drives through realities: what the sensors would read, without noise.
+
+    `runs` are (times in s from 0, drive, slope in degrees); each job is (run,
+    rig, effects as (name, form, parameters), start position and speed, longest
+    step in s, seed of what is random in it). Returns x, v, x_rear and force for
+    each job.
     """
 
 def reductions() -> list[tuple[str, str]]:

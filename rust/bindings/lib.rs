@@ -3,6 +3,7 @@
 mod arrays;
 mod door;
 mod gait;
+mod reality;
 mod replay;
 mod sweep;
 mod tables;
@@ -16,6 +17,8 @@ mod _core {
         GaitOutputRecord, GaitParameter, GaitRecord, GaitResult, gait_outputs, gait_parameters,
         gait_run, gaits,
     };
+    #[pymodule_export]
+    use super::reality::{reality_forms, reality_run};
     #[pymodule_export]
     use super::replay::{EffectRecord, Replay, effect_parameter_count, effects};
     #[pymodule_export]

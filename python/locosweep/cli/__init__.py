@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
+from locosweep.cli.blind import blind_check
 from locosweep.cli.diagnosing import diagnose
 from locosweep.cli.distinguishing import distinguish
 from locosweep.cli.gaiting import gait
@@ -60,8 +61,8 @@ def group() -> None:
 
 
 for _command in (
-    heatmap, sweep, simulate, gait, diagnose, distinguish, optimum, plot, reproduce, quantities,
-    parameters, laws, drives, methods, reductions, statuses,
+    heatmap, sweep, simulate, gait, diagnose, distinguish, blind_check, optimum, plot, reproduce,
+    quantities, parameters, laws, drives, methods, reductions, statuses,
 ):  # fmt: skip
     group.add_command(_command)
 

@@ -1,0 +1,292 @@
+"""The blind check: its cases, its seal, and its judgement on made-up reports."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from locosweep.blindcheck import casefiles, metrics, pictures, tables
+from locosweep.blindcheck.cases import draw_case
+from locosweep.blindcheck.experiment import World
+from locosweep.blindcheck.judge import Judged, judge, window_share
+from locosweep.errors import DataFileError
+from locosweep.files import load_robot
+from locosweep.measured import load_runs
+from locosweep.replay import replay_runs
+
+
+def effect(name: str, *accepted: str, d: float = 50.0, **more: Any) -> dict[str, Any]:
+    return {
+        "name": name, "form": "law", "parameters": {}, "d": d, "d_name": d,
+        "accepted": [name, *accepted], "distances": {}, **more,
+    }  # fmt: skip
+
+
+def truth(kind: str, *effects: dict[str, Any], **more: Any) -> dict[str, Any]:
+    accepted = [[a] for a in effects[0]["accepted"]] if len(effects) == 1 else []
+    if len(effects) == 2:
+        accepted = [[effects[0]["name"], effects[1]["name"]]]
+    return {
+        "case": "case_0000", "kind": kind, "plan": {"mode": "both"}, "channels": ["x"],
+        "effects": list(effects), "accepted": accepted, "mismatch": False, "d": 50.0, **more,
+    }  # fmt: skip
+
+
+def report(status: str, *classes: list[str], p: float = 0.9, **more: Any) -> dict[str, Any]:
+    return {
+        "verdict": {
+            "status": status, "effects": [c[0] for c in classes], "probability": p,
+            "equivalent": [list(c) for c in classes],
+        },
+        "gap": {"channel": "x", "shrink": 0.9, "shrink_ci": [0.8, 0.95]},
+        "where": {"site": "friction", "windows": []},
+        "candidates": [],
+        **more,
+    }  # fmt: skip
+
+
+LAG, VISCOUS = "drive_lag", "viscous_friction"
+
+
+@pytest.mark.parametrize(
+    ("known", "said", "right"),
+    [
+        (truth("none", d=0.0), report("none"), True),
+        (truth("none", d=0.0), report("unexplained"), False),
+        (truth("none", d=0.0), report("explained", [LAG]), False),
+        (truth("one", effect(VISCOUS)), report("explained", [VISCOUS]), True),
+        (truth("one", effect(VISCOUS)), report("none"), False),
+        (truth("one", effect(VISCOUS)), report("unexplained"), False),
+        (truth("one", effect(VISCOUS)), report("explained", [LAG]), False),
+        (truth("one", effect(VISCOUS)), report("ambiguous", ["back_emf", VISCOUS]), True),
+        (truth("one", effect(VISCOUS, "back_emf")), report("explained", ["back_emf"]), True),
+        (truth("one", effect(VISCOUS)), report("explained", [VISCOUS], [LAG]), False),
+        (truth("two", effect(VISCOUS), effect(LAG)), report("explained", [LAG], [VISCOUS]), True),
+        (truth("two", effect(VISCOUS), effect(LAG)), report("explained", [LAG]), False),
+        (
+            truth("two", effect(VISCOUS), effect(LAG)),
+            report("ambiguous", [LAG, "drive_delay"], ["back_emf", VISCOUS]), True,
+        ),
+        (truth("two", effect(VISCOUS), effect(LAG)), report("explained", [VISCOUS, LAG]), False),
+        (truth("outside", outside={"name": "tether"}), report("unexplained"), True),
+        (truth("outside", outside={"name": "tether"}), report("explained", [LAG]), False),
+    ],
+)  # fmt: skip
+def test_verdicts_are_judged(known: dict[str, Any], said: dict[str, Any], right: bool) -> None:
+    assert judge(known, said).right is right
+
+
+def test_a_failed_diagnosis_is_wrong_and_says_why() -> None:
+    found = judge(truth("one", effect(VISCOUS)), None, error="ValueError: no")
+    assert not found.right
+    assert found.status == "error"
+    assert tables.wrong_cases([found]) == [
+        "case_0000  viscous_friction, d 50, apart from others 50: failed: ValueError: no"
+    ]
+
+
+def test_half_a_pair_counts_as_one_right() -> None:
+    pair = truth("two", effect(VISCOUS), effect(LAG))
+    assert judge(pair, report("explained", [LAG])).one_right
+    assert not judge(pair, report("explained", ["sensor_scale"])).one_right
+    assert not judge(pair, report("unexplained")).one_right
+
+
+def test_a_single_name_for_twins_is_an_overclaim() -> None:
+    twins = effect(VISCOUS, "back_emf", distances={VISCOUS: 0.0, "back_emf": 1.5})
+    found = judge(truth("one", twins), report("explained", [VISCOUS]))
+    assert found.twin
+    assert found.single_name
+    assert not judge(truth("one", twins), report("ambiguous", [VISCOUS, "back_emf"])).single_name
+    # The wider effect is no rival of its own limit.
+    coulomb = effect("coulomb_error", distances={"friction_drift": 0.1})
+    assert not judge(truth("one", coulomb), report("explained", ["coulomb_error"])).twin
+    far = effect(VISCOUS, distances={"back_emf": 2.5})
+    assert not judge(truth("one", far), report("explained", [VISCOUS])).twin
+
+
+def test_parameters_are_judged_where_the_name_is_right() -> None:
+    known = truth("one", effect(LAG, parameters={"T": 0.02}))
+    row = {"effects": [LAG], "parameters": {LAG: {"T": {"value": 0.0202}}}}
+    assert judge(known, report("explained", [LAG], candidates=[row])).parameters == pytest.approx(
+        [0.01]
+    )
+    assert judge(known, report("explained", [VISCOUS], candidates=[row])).parameters == ()
+
+
+def test_windows_are_held_against_where_the_gap_is() -> None:
+    cells = [["r0", 0.0, 1.0, 9.0], ["r0", 1.0, 2.0, 1.0], ["r1", 0.0, 1.0, 0.0]]
+    known = truth("one", effect(LAG), gap_cells=cells)
+
+    def share(*windows: tuple[str, float, float]) -> float | None:
+        rows = [{"run": r, "t0": a, "t1": b} for r, a, b in windows]
+        return window_share(known, report("none", where={"site": None, "windows": rows}))
+
+    assert share(("r0", 0.0, 1.0)) == pytest.approx(1.0)
+    assert share(("r0", 1.0, 2.0)) == pytest.approx(1.0 / 9.0)
+    assert share(("r1", 0.0, 1.0)) == 0.0
+    assert share() is None
+
+
+def test_wilson_is_the_textbooks() -> None:
+    assert metrics.wilson(0, 0)[0] != metrics.wilson(0, 0)[0]
+    assert metrics.wilson(10, 10) == pytest.approx((0.7225, 1.0), abs=1e-4)
+    assert metrics.wilson(81, 263) == pytest.approx((0.2553, 0.3662), abs=1e-4)
+
+
+def made_up() -> list[Judged]:
+    """100 of each: gap-free (2 false), single (3 wrong), pairs (10 half), outside (8 named)."""
+    found = [
+        Judged(f"free_{i}", "none", "none", status="none", right=True, probability=0.95)
+        for i in range(98)
+    ]
+    found += [
+        Judged(
+            f"free_{i}", "none", "none", said=LAG, status="explained", named=True, probability=0.5
+        )
+        for i in (98, 99)
+    ]
+    one = Judged(
+        "one", "one", VISCOUS, d=30.0, d_name=20.0, said=VISCOUS, status="explained",
+        probability=0.97,
+        right=True, exact=True, named=True, site_right=True, window_share=0.9, parameters=(0.01,),
+        claimed=0.9, interval=(0.85, 0.95), fresh=0.89, seconds=2.0,
+    )  # fmt: skip
+    wrong = replace(one, said=LAG, right=False, exact=False, parameters=(), site_right=False)
+    found += [one] * 97 + [wrong] * 3
+    pair = replace(one, kind="two", family=f"{VISCOUS}+{LAG}", one_right=True, alone=False)
+    found += [pair] * 90 + [replace(pair, right=False)] * 10
+    alien = Judged("out", "outside", "tether", d=30.0, d_name=20.0, said="unexplained",
+                   status="unexplained",
+                   right=True, probability=0.9)  # fmt: skip
+    found += [alien] * 92 + [
+        replace(alien, said=LAG, status="explained", named=True, right=False)
+    ] * 8
+    return found
+
+
+def test_figures_are_what_the_cases_say() -> None:
+    rows = {f.name: f for f in metrics.figures(made_up())}
+    free = rows["a gap where there is none"]
+    assert (free.value, free.count) == (0.02, 100)
+    assert free.high == pytest.approx(0.0700, abs=1e-3)
+    assert free.met is False
+    assert rows["right class, single effect"].value == 0.97
+    assert rows["right class, single effect"].met
+    assert rows["exact name where the class has one member"].value == 0.97
+    assert rows["both of two effects"].value == 0.9
+    assert rows["at least one of two effects"].value == 1.0
+    assert rows["outside the list: unexplained"].value == 0.92
+    assert rows["outside the list: a wrong name"].met is False
+    assert rows["detected, d >= 10"].value == 1.0
+    assert rows["stated less fresh shrink, mean"].value == pytest.approx(0.01)
+    assert rows["fresh shrink inside the stated interval"].value == 1.0
+    assert rows["parameter error, median"].value == pytest.approx(0.01)
+    assert rows["mean probability on the true class"].value == pytest.approx(0.97 * 187 / 200)
+    assert rows["another law: right class"].count == 0
+    assert math.isnan(rows["another law: right class"].value)
+    text = tables.as_text(made_up())
+    assert "MISSED" in text
+    assert "viscous_friction -> drive_lag: 3" in text
+
+
+def test_calibration_error_of_sure_and_wrong_is_large() -> None:
+    sure = np.array([[0.95, 1.0]] * 95 + [[0.95, 0.0]] * 5)
+    assert metrics.calibration_error(sure) == pytest.approx(0.0, abs=1e-12)
+    assert metrics.calibration_error(np.array([[0.95, 0.0]] * 10)) == pytest.approx(0.95)
+
+
+def test_json_holds_no_infinities() -> None:
+    text = json.dumps(tables.as_json(made_up(), {"seed": 1}), allow_nan=False)
+    assert json.loads(text)["seed"] == 1
+
+
+@pytest.mark.parametrize("name", sorted(pictures.PICTURES))
+def test_pictures_draw_any_outcome(name: str, tmp_path: Path) -> None:
+    for judged in (made_up(), made_up()[:3], []):
+        ax = pictures.PICTURES[name](judged)
+        figure = ax.get_figure(root=True)
+        assert figure is not None
+        figure.savefig(tmp_path / name)
+        assert ax.get_xlabel()
+        assert ax.get_ylabel()
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("cases")
+    names = []
+    for index, free in ((2, False), (0, True), (1, True)):
+        name = casefiles.case_name(index, gap_free=free)
+        casefiles.write_case(draw_case(1, index, gap_free=free), name, out, [1, int(free), index])
+        names.append(name)
+    casefiles.seal(out, names)
+    return out
+
+
+def test_same_seed_same_bytes(folder: Path, tmp_path: Path) -> None:
+    casefiles.write_case(
+        draw_case(1, 0, gap_free=True, threads=2), "free_0000", tmp_path, [1, 1, 0]
+    )
+    for path in sorted((tmp_path / "free_0000").iterdir()):
+        assert path.read_bytes() == (folder / "free_0000" / path.name).read_bytes()
+    for path in sorted((tmp_path / "sealed" / "free_0000").iterdir()):
+        assert path.read_bytes() == (folder / "sealed" / "free_0000" / path.name).read_bytes()
+    assert draw_case(1, 0, gap_free=True).truth != draw_case(2, 0, gap_free=True).truth
+
+
+def test_gap_free_cases_have_no_gap_but_noise(folder: Path) -> None:
+    for name in ("free_0000", "free_0001"):
+        robot = load_robot(folder / name / "nominal.toml")
+        assert not any(key.startswith("uncertainty") for key in robot.other)
+        case = draw_case(1, int(name[-1]), gap_free=True)
+        assert case.world == World()
+        runs, notices = load_runs(casefiles.runs_file(folder / name))
+        assert notices == []
+        starts = [d.start for d in case.experiment.drives]
+        plain = [
+            replace(r, channels={"x": np.full(r.t.size, x), "v": np.full(r.t.size, v)})
+            for r, (x, v) in zip(runs, starts, strict=True)
+        ]
+        replayed = replay_runs(robot, plain)
+        measured = np.concatenate([r.channels["x"] for r in runs])
+        spread = np.std(replayed["x"].to_numpy() - measured)
+        assert spread == pytest.approx(case.experiment.sensors.deviation("x"), rel=0.1)
+
+
+def test_nothing_of_the_truth_lies_open(folder: Path) -> None:
+    for name in ("case_0002", "free_0000"):
+        files = {path.name for path in (folder / name).iterdir()}
+        assert files <= {"runs.csv", "runs.parquet", "nominal.toml"}
+
+
+def test_a_changed_truth_is_refused(folder: Path) -> None:
+    known = casefiles.read_truth(folder, "free_0001")
+    assert known["kind"] == "none"
+    path = folder / "sealed" / "free_0001" / "truth.json"
+    before = path.read_bytes()
+    path.write_bytes(before.replace(b'"none"', b'"one"', 1))
+    with pytest.raises(DataFileError, match="altered since it was sealed"):
+        casefiles.read_truth(folder, "free_0001")
+    path.write_bytes(before)
+    assert hashlib.sha256(before).hexdigest() == casefiles.digest(path)
+
+
+def test_strength_meets_its_size() -> None:
+    """A case with an effect has the size it says, by the nuisances' own projection."""
+    for index in range(20):
+        case = draw_case(3, index)
+        if case.kind == "one":
+            break
+    entry = case.truth["effects"][0]
+    assert entry["d"] > 0.8
+    assert entry["name"] in entry["accepted"]
+    assert entry["d_name"] <= entry["d"] + 1e-9
+    assert entry["distances"][entry["name"]] <= entry["d"] + 1e-9
