@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from locosweep._core import CancelToken as CancelToken
+    from locosweep.characteristic import FrictionFit as FrictionFit
+    from locosweep.characteristic import fit_friction as fit_friction
     from locosweep.engine import sweep as sweep
     from locosweep.errors import Cancelled as Cancelled
     from locosweep.errors import DataFileError as DataFileError
@@ -45,6 +47,7 @@ _HOMES = {
     "Cancelled": "errors",
     "DataFileError": "errors",
     "Drive": "registry",
+    "FrictionFit": "characteristic",
     "GaitRun": "gait",
     "GaitSpec": "gait_spec",
     "Grid": "grid",
@@ -62,6 +65,7 @@ _HOMES = {
     "Trajectories": "trajectories",
     "drives": "registry",
     "effects": "replay",
+    "fit_friction": "characteristic",
     "gaits": "gait",
     "laws": "registry",
     "load": "files",

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
+from locosweep.cli.friction import friction
 from locosweep.cli.gaiting import gait
 from locosweep.cli.laws import laws
 from locosweep.cli.listing import (
@@ -58,8 +59,8 @@ def group() -> None:
 
 
 for _command in (
-    heatmap, sweep, simulate, gait, optimum, plot, reproduce, quantities, parameters, laws, drives,
-    methods, reductions, statuses,
+    heatmap, sweep, simulate, gait, friction, optimum, plot, reproduce, quantities, parameters,
+    laws, drives, methods, reductions, statuses,
 ):  # fmt: skip
     group.add_command(_command)
 
