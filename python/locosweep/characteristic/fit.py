@@ -33,6 +33,9 @@ _SCOUTS = ("coulomb", "coulomb_viscous", "stribeck")
 
 _CONFIDENCE = 0.95
 
+_NOTHING_LEFT = 1.1
+"""What laws without bristles leave over the noise, up to which bristles explain no more."""
+
 
 def fit_friction(
     data: str | os.PathLike[str] | pl.DataFrame | Mapping[str, object],
@@ -95,7 +98,8 @@ def fit_friction(
     of blocks several correlation lengths long (Liang and Zeger 1986), so noise with a
     memory and what a law cannot follow both widen the intervals. First a few simple
     laws decide whether levels follow the load and whether the sensor has an offset
-    and a share of the load; then all laws are fitted with that.
+    and a share of the load; then all laws are fitted with that, bristle laws (which take
+    longest) only where the others leave more than noise or where they are named.
 
     Examples
     --------
@@ -128,7 +132,17 @@ def fit_friction(
     if not candidates:
         told = "; ".join(f"{name}: {why}" for name, why in skipped.items())
         raise InputError(f"none of these laws can be fitted to the data: {told}")
-    outcomes = run(candidates)
+    outcomes = []
+    if laws is None:
+        plain = [c for c in candidates if _kinds()[c.law] != "bristle"]
+        outcomes = run(plain)
+        if _ranked(ready, plain, outcomes)[0].held_out_rms <= _NOTHING_LEFT * ready.force_noise:
+            gone = [c.law for c in candidates if c not in plain]
+            skipped |= dict.fromkeys(gone, "laws without bristles leave nothing but noise")
+            candidates = plain
+        else:
+            candidates = [*plain, *(c for c in candidates if c not in plain)]
+    outcomes += run(candidates[len(outcomes) :])
     fitted = _ranked(ready, candidates, outcomes)
     chosen, equal, no_better = choose(fitted)
     shrink, left = shrink_of(ready, chosen), left_over(ready, chosen)
@@ -154,6 +168,10 @@ def fit_friction(
             "seed": seed,
         },
     )
+
+
+def _kinds() -> dict[str, str]:
+    return {law.name: law.kind for law in all_laws()}
 
 
 def _terms(
@@ -184,7 +202,7 @@ def _candidates(
     """Every law with the terms found, and without what the sensor adds."""
     load, offset, gain = terms
     sensors = dict.fromkeys([(offset, gain), (False, False)])
-    kinds = {law.name: law.kind for law in all_laws()}
+    kinds = _kinds()
     found = []
     for name in wanted:
         for own_offset, own_gain in sensors:

@@ -3,7 +3,7 @@
 
 use crate::describe::nearest;
 use crate::error::{Error, Result};
-use crate::physics::friction::{Kind, LawEntry};
+use crate::physics::friction::LawEntry;
 use crate::physics::params::ParamId;
 
 /// What presses the surfaces together, so how friction levels follow the load.
@@ -198,7 +198,7 @@ impl Candidate {
     pub fn free(&self, scales: &Scales) -> Vec<Free> {
         let mut all: Vec<Free> = ParamId::all()
             .filter(|id| self.law.info.params.contains(&id.param().name))
-            .filter_map(|id| free(id, scales, self.law.kind))
+            .filter_map(|id| free(id, scales))
             .collect();
         if self.pressing == Pressing::Affine {
             let load = scales.load;
@@ -217,7 +217,7 @@ impl Candidate {
     }
 }
 
-fn free(id: ParamId, scales: &Scales, kind: Kind) -> Option<Free> {
+fn free(id: ParamId, scales: &Scales) -> Option<Free> {
     use ParamId as P;
     let Scales { force, speed, slowest, track, duration, interval, normal, drive, .. } = *scales;
     let length = track.1 - track.0;
@@ -252,7 +252,6 @@ fn free(id: ParamId, scales: &Scales, kind: Kind) -> Option<Free> {
         P::ModelicaDecay => Free::decades(what, 0.3 / speed, 1.0 / slow),
         P::BristleStiffness => Free::decades(what, force / length, force / (way * 0.01)),
         P::BristleDamping => Free::decades(what, force / speed * 1e-4, force / speed * 30.0),
-        P::Attraction => Free::decades(what, force / duration, force / (interval * 0.01)),
         P::DwellTime => Free::decades(what, interval, duration),
         P::RippleLength => {
             let free = Free::decades(what, (length / 60.0).max(way * 2.0), length * 2.0);
@@ -265,10 +264,10 @@ fn free(id: ParamId, scales: &Scales, kind: Kind) -> Option<Free> {
         P::TrackLength => Free::decades(what, length * 0.5, length * 2.0),
         P::PatchStart => Free { edge: true, ..Free::range(what, track.0, track.1) },
         P::PatchLength => Free { edge: true, ..Free::decades(what, length / 50.0, length) },
-        // Without end the damping does not fade, and dry laws have none.
+        // The damping does not fade; the rate at which elements follow a level that
+        // falls hardly shows.
         _ => return None,
     };
-    let _ = kind;
     let (low, high) = match id {
         // Levels count under the normal force of the data, which may be 1 N.
         P::MuStatic | P::MuCoulomb => (least, f64::INFINITY),

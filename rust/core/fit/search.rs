@@ -8,14 +8,56 @@ use crate::physics::friction::imposed::Motion;
 use crate::physics::friction::{Kind, Values};
 use crate::physics::params::ParamId;
 
-/// Rows on which starts are compared.
-const SCREENED: usize = 1500;
-/// Starts that are followed on those rows, and then on all.
-const FOLLOWED: usize = 4;
-const KEPT: usize = 2;
-/// Steps of a search, and of one that begins where another ended.
-const STEPS: usize = 60;
-const FEW_STEPS: usize = 15;
+/// How much is spent on a search.
+struct Effort {
+    /// Rows on which starts are compared, and rows that are fitted to.
+    screened: usize,
+    fitted: usize,
+    /// Starts for each parameter that is spread.
+    starts: usize,
+    /// Steps from each start, of a search, and of one that begins where another ended.
+    first_steps: usize,
+    steps: usize,
+    few_steps: usize,
+    /// Starts that are followed on the screened rows, and then on all.
+    followed: usize,
+    kept: usize,
+    /// Relative fall of the sum of squares that is none.
+    settled: f64,
+    tries: usize,
+}
+
+const THOROUGH: Effort = Effort {
+    screened: 1500,
+    fitted: usize::MAX,
+    starts: 16,
+    first_steps: 5,
+    steps: 60,
+    few_steps: 15,
+    followed: 4,
+    kept: 2,
+    settled: 1e-9,
+    tries: 12,
+};
+
+/// A bristle law is integrated, to a tolerance: each look takes as long as a
+/// hundred at another law, and says no more than that tolerance.
+const SPARING: Effort = Effort {
+    screened: 400,
+    fitted: 1200,
+    starts: 4,
+    first_steps: 2,
+    steps: 25,
+    few_steps: 6,
+    followed: 2,
+    kept: 1,
+    settled: 1e-6,
+    tries: 6,
+};
+
+fn effort(kind: Kind) -> &'static Effort {
+    if kind == Kind::Bristle { &SPARING } else { &THOROUGH }
+}
 
 /// A candidate and some rows of the data.
 struct Model<'a> {
@@ -50,12 +92,34 @@ impl<'a> Model<'a> {
         Model { measured, candidate, free, motions, rows, stop }
     }
 
-    /// Keeps the rows that `keep` says, of run, number and fold.
-    fn only(&mut self, keep: impl Fn(usize, usize, u8) -> bool) {
-        for ((i, run), rows) in self.measured.runs.iter().enumerate().zip(&mut self.rows) {
+    fn effort(&self) -> &'static Effort {
+        effort(self.candidate.law.kind)
+    }
+
+    /// All rows of every run.
+    fn whole(&mut self) {
+        for (run, rows) in self.measured.runs.iter().zip(&mut self.rows) {
+            rows.clone_from(&run.rows);
+        }
+    }
+
+    /// About so many of the rows that are fitted to, or all of them: with `without`
+    /// those outside that fold.
+    ///
+    /// A bristle law has to be taken along the motion anyway: of it the first part
+    /// of each run. Of other laws any row will do.
+    fn fitted_to(&mut self, most: usize, without: Option<u8>) {
+        let in_turn = folds(self.measured) > 1;
+        let first = self.candidate.law.kind == Kind::Bristle;
+        let fits = |fold: u8| in_turn || fold == FITTED;
+        let all = self.measured.runs.iter().flat_map(|run| &run.folds);
+        let share = all.filter(|fold| fits(**fold)).count().div_ceil(most).max(1);
+        for (run, rows) in self.measured.runs.iter().zip(&mut self.rows) {
+            let part = run.rows.len().div_ceil(share);
             let numbered = run.rows.iter().zip(&run.folds).enumerate();
             *rows = numbered
-                .filter(|(k, (_, fold))| keep(i, *k, **fold))
+                .filter(|(k, _)| if first { *k < part } else { k % share == 0 })
+                .filter(|(_, (_, fold))| fits(**fold) && Some(**fold) != without)
                 .map(|(_, (row, _))| *row)
                 .collect();
         }
@@ -124,8 +188,11 @@ impl Residuals for Model<'_> {
     }
 
     fn settled(&self) -> f64 {
-        // What is integrated to a tolerance cannot settle beyond it.
-        if self.candidate.law.kind == Kind::Bristle { 1e-6 } else { 1e-9 }
+        self.effort().settled
+    }
+
+    fn tries(&self) -> usize {
+        self.effort().tries
     }
 
     fn stop(&self) -> bool {
@@ -154,8 +221,7 @@ fn starts(free: &[Free], kind: Kind) -> Vec<Vec<f64>> {
     let count = match (spread.len(), rough, kind) {
         (0, ..) => 1,
         (_, true, _) => 400,
-        (n, _, Kind::Bristle) => 4 * n,
-        (n, ..) => 16 * n,
+        (n, ..) => effort(kind).starts * n,
     };
     let point = |k: usize| {
         let value = |(i, f): (usize, &Free)| {
@@ -176,19 +242,19 @@ pub fn fit(
 ) -> Outcome {
     let free = candidate.free(scales);
     let mut model = Model::new(measured, candidate, &free, stop);
+    let effort = model.effort();
     let best = search(&mut model);
-    model.only(|_, _, fold| fold == FITTED || folds(measured) > 1);
-    let fitted = finish(&mut model, best, STEPS);
+    let fitted = finish(&mut model, best, effort.steps);
+    let (found, freedom, memory, rms) = worth(&mut model, &fitted);
     // What is said of held-out samples comes from fits that never saw them.
     let mut held_out = vec![f64::NAN; measured.rows().count()];
     for fold in 0..folds(measured) as u8 {
-        let without = if folds(measured) > 1 {
-            model.only(|_, _, f| f != fold);
-            finish(&mut model, fitted.clone(), FEW_STEPS)
-        } else {
-            fitted.clone()
-        };
-        model.only(|_, _, _| true);
+        let mut without = fitted.clone();
+        if folds(measured) > 1 {
+            model.fitted_to(effort.fitted, Some(fold));
+            without = finish(&mut model, without, effort.few_steps);
+        }
+        model.whole();
         let all = model.predicted(&without.u);
         let of = measured.runs.iter().flat_map(|run| &run.folds);
         for ((to, from), f) in held_out.iter_mut().zip(all).zip(of) {
@@ -197,8 +263,7 @@ pub fn fit(
             }
         }
     }
-    let (found, freedom, memory, rms) = worth(&mut model, &fitted);
-    model.only(|_, _, _| true);
+    model.whole();
     let predicted = model.predicted(&fitted.u);
     Outcome { found, freedom, memory, rms, settled: fitted.settled, predicted, held_out }
 }
@@ -213,43 +278,27 @@ fn every(free: &[Free], keep: impl Fn(&Free) -> bool) -> Vec<usize> {
     (0..free.len()).filter(|i| keep(&free[*i])).collect()
 }
 
+/// Finds where to go on from, and leaves the rows that are fitted to in use.
 fn search(model: &mut Model) -> Minimum {
-    let free = model.free;
+    let (free, effort) = (model.free, model.effort());
     let inner = every(free, |f| matches!(f.start, Start::Inner(_)));
-    let kind = model.candidate.law.kind;
-    let points = starts(free, kind);
-    let in_turn = folds(model.measured) > 1;
-    let counts: Vec<usize> = model.measured.runs.iter().map(|run| run.rows.len()).collect();
-    let total: usize = counts.iter().sum();
-    let share = (total / SCREENED).max(1);
-    // A bristle law has to be taken along the motion anyway: the first part of
-    // each run. Of the others any row will do.
-    model.only(|run, k, fold| {
-        let part =
-            if kind == Kind::Bristle { k < counts[run].div_ceil(share) } else { k % share == 0 };
-        part && (in_turn || fold == FITTED)
-    });
-    // Each look at a bristle law takes as long as a hundred at another.
-    let (few, followed, kept) = match kind {
-        Kind::Bristle => (3, FOLLOWED - 1, 1),
-        _ => (5, FOLLOWED, KEPT),
-    };
-    let mut begun: Vec<Minimum> =
-        points.iter().map(|point| minimise(model, point, &inner, few)).collect();
-    begun.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    begun.truncate(followed);
     let smooth = every(free, |f| !f.edge);
-    let mut followed: Vec<Minimum> =
-        begun.iter().map(|from| minimise(model, &from.u, &smooth, STEPS / 2)).collect();
-    followed.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    followed.truncate(kept);
-    if share > 1 {
-        model.only(|_, _, fold| in_turn || fold == FITTED);
-        followed =
-            followed.iter().map(|from| minimise(model, &from.u, &smooth, STEPS / 2)).collect();
-        followed.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    }
-    followed.swap_remove(0)
+    let points = starts(free, model.candidate.law.kind);
+    let best = |mut found: Vec<Minimum>, most: usize| {
+        found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        found.truncate(most);
+        found
+    };
+    model.fitted_to(effort.screened, None);
+    let begun = points.iter().map(|u| minimise(model, u, &inner, effort.first_steps)).collect();
+    let begun = best(begun, effort.followed);
+    let follow =
+        |model: &mut Model, from: &Minimum| minimise(model, &from.u, &smooth, effort.steps / 2);
+    let followed = begun.iter().map(|from| follow(model, from)).collect();
+    let kept = best(followed, effort.kept);
+    model.fitted_to(effort.fitted, None);
+    let kept = kept.iter().map(|from| follow(model, from)).collect();
+    best(kept, 1).swap_remove(0)
 }
 
 /// Takes a search to its end on the rows in use.
@@ -268,8 +317,6 @@ fn finish(model: &mut Model, from: Minimum, steps: usize) -> Minimum {
 /// Values with their uncertainty, its degrees of freedom, the memory of the
 /// residuals and their root mean square, on the rows that are fitted to.
 fn worth(model: &mut Model, fitted: &Minimum) -> (Vec<Found>, f64, f64, f64) {
-    let in_turn = folds(model.measured) > 1;
-    model.only(|_, _, fold| in_turn || fold == FITTED);
     let free = model.free;
     let residuals = model.at(&fitted.u);
     let runs = model.lengths();

@@ -14,6 +14,10 @@ pub trait Residuals {
     fn settled(&self) -> f64 {
         1e-10
     }
+    /// Shorter steps that are tried where one does not help.
+    fn tries(&self) -> usize {
+        12
+    }
     /// True to stop early.
     fn stop(&self) -> bool;
 }
@@ -109,7 +113,7 @@ pub fn minimise(
         let square = gram(&j);
         let right = DVector::from_iterator(loose.len(), loose.iter().map(|k| -pull[*k]));
         let mut fell = None;
-        for _ in 0..12 {
+        for _ in 0..model.tries() {
             let mut damped = square.clone();
             for i in 0..loose.len() {
                 damped[(i, i)] *= 1.0 + damping;
