@@ -71,7 +71,7 @@ def planted(law, given, *, seed=1, noise=NOISE, dwell=False, load=None, count=12
     t, x, v = motion(count, dwell=dwell)
     drive = 3.0 * np.sin(0.9 * t)
     known = _names(law)
-    values = {"mu_coulomb": 0.6, "viscous": 1.0} | given
+    values = {"mu_static": 0.6, "mu_coulomb": 0.6, "viscous": 1.0} | given
     pairs = [(name, float(value)) for name, value in values.items() if name in known]
     normal = np.ones_like(t) if load is None else load
     force = _core.imposed_force(law, pairs, t, x, v, normal, drive, 1e-5)

@@ -258,7 +258,7 @@ pub fn imposed_force<'py>(
     }
     let mut motion = Motion::new(t, x, v, drive, rest_speed);
     motion.normal = normal;
-    let force = enter_briefly(py, || Ok(fit::imposed(law, &values, &motion)))?;
+    let force = enter_briefly(py, || fit::imposed(law, &values, &motion))?;
     Ok(force.into_pyarray(py))
 }
 

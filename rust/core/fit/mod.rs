@@ -191,9 +191,11 @@ fn check(measured: &Measured) -> Result<()> {
 
 /// The force of a law at every sample of an imposed motion, under the normal
 /// force given in it.
-pub fn imposed(law: &LawEntry, given: &[(ParamId, f64)], motion: &Motion) -> Vec<f64> {
+pub fn imposed(law: &LawEntry, given: &[(ParamId, f64)], motion: &Motion) -> Result<Vec<f64>> {
+    let values = Values::of(given);
+    law.check(&values)?;
     let rows: Vec<usize> = (0..motion.len()).collect();
     let mut force = vec![0.0; rows.len()];
-    (law.imposed)(&Values::of(given), motion, &rows, &mut force);
-    force
+    (law.imposed)(&values, motion, &rows, &mut force);
+    Ok(force)
 }

@@ -323,11 +323,19 @@ fn worth(model: &mut Model, fitted: &Minimum) -> (Vec<Found>, f64, f64, f64) {
     let memory = memory(&residuals, &runs);
     let bounded = |i: usize| {
         let (low, high) = free[i].bounds();
-        let near = 1e-6 * if (high - low).is_finite() { high - low } else { 1.0 };
-        fitted.u[i] <= low + near || fitted.u[i] >= high - near
+        // Scaled values are about one where they matter.
+        fitted.u[i] <= low + 1e-6 || fitted.u[i] >= high - 1e-6
     };
-    let moved: Vec<usize> = (0..free.len()).filter(|i| !free[*i].edge && !bounded(*i)).collect();
-    let slopes = jacobian(model, &fitted.u, &residuals, &moved, true);
+    let smooth = every(free, |f| !f.edge);
+    let slopes = jacobian(model, &fitted.u, &residuals, &smooth, true);
+    let idle = |i: usize| {
+        smooth.iter().position(|s| *s == i).is_some_and(|k| slopes.column(k).norm() == 0.0)
+    };
+    // A bound takes a parameter's freedom away, unless nothing depends on it.
+    let bounded = |i: usize| bounded(i) && !idle(i);
+    let kept: Vec<usize> = (0..smooth.len()).filter(|k| !bounded(smooth[*k])).collect();
+    let moved: Vec<usize> = kept.iter().map(|k| smooth[*k]).collect();
+    let slopes = slopes.select_columns(&kept);
     let spread = uncertainty(&slopes, &residuals, &blocks(&runs, memory));
     let found = (0..free.len()).map(|i| {
         let value = free[i].outer(fitted.u[i]);

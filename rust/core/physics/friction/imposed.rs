@@ -4,7 +4,7 @@
 
 use super::entry::Values;
 use super::{Bristle, Contact, Dry, Law, MOST_STATES, Place, Smooth};
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{LU, Matrix4, U4, Vector4};
 
 /// Imposed motion of one run, sample by sample.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -190,7 +190,8 @@ fn deflect<B: Bristle>(
         let (tried, error) = attempt::<B>(set, z, (v, rise), h, &usual);
         let fine = error <= 1.0;
         if fine || h <= span * SMALLEST {
-            *z = tried;
+            // Across a kink at the smallest step the method may overshoot.
+            *z = if fine { tried } else { creep::<B>(set, z, rise.mul_add(h, v), h) };
             at = if h >= left { span } else { at + h };
         }
         // Error falls with the square of the step. What the end of an interval
@@ -217,22 +218,11 @@ fn attempt<B: Bristle>(
     let partials = B::partials(set, v, z);
     let rate = Vector4::from(B::rates(set, v, z));
     let drift = Vector4::from(partials.rate_v) * (rise * h * GAMMA);
-    let apart =
-        (0..MOST_STATES).all(|i| (0..MOST_STATES).all(|j| i == j || partials.rate_z[i][j] == 0.0));
-    let damped = Matrix4::from_fn(|i, j| {
-        let same = if i == j { 1.0 } else { 0.0 };
-        same - GAMMA * h * partials.rate_z[i][j]
-    });
-    // Most laws have one state, or several that do not see each other.
-    let whole = if apart { None } else { Some(damped.lu()) };
-    let solve = |right: Vector4<f64>| match &whole {
-        None => right.component_div(&damped.diagonal()),
-        Some(whole) => whole.solve(&right).unwrap_or_else(|| Vector4::from_element(f64::NAN)),
-    };
-    let k1 = solve(rate + drift);
+    let solve = Damped::new(&partials.rate_z, h * GAMMA);
+    let k1 = solve.at(rate + drift);
     let middle = Vector4::from(*z) + k1 * h;
     let ahead = Vector4::from(B::rates(set, rise.mul_add(h, v), &middle.into()));
-    let k2 = solve(ahead - k1 * 2.0 - drift);
+    let k2 = solve.at(ahead - k1 * 2.0 - drift);
     let next = Vector4::from(*z) + (k1 * 3.0 + k2) * (0.5 * h);
     let mut error: f64 = 0.0;
     for i in 0..B::STATES {
@@ -241,4 +231,38 @@ fn attempt<B: Bristle>(
         error = if off.is_nan() { f64::INFINITY } else { error.max(off) };
     }
     (next.into(), error)
+}
+
+/// One step of the linearly implicit Euler method, which does not overshoot.
+fn creep<B: Bristle>(
+    set: &B::Set<f64>,
+    z: &[f64; MOST_STATES],
+    v: f64,
+    h: f64,
+) -> [f64; MOST_STATES] {
+    let solve = Damped::new(&B::partials(set, v, z).rate_z, h);
+    (Vector4::from(*z) + solve.at(Vector4::from(B::rates(set, v, z))) * h).into()
+}
+
+/// The system I - h J.
+struct Damped {
+    diagonal: Vector4<f64>,
+    /// Where states see each other; most laws have one, or several apart.
+    whole: Option<LU<f64, U4, U4>>,
+}
+
+impl Damped {
+    fn new(slopes: &[[f64; MOST_STATES]; MOST_STATES], h: f64) -> Damped {
+        let m = Matrix4::from_fn(|i, j| if i == j { 1.0 } else { 0.0 } - h * slopes[i][j]);
+        let all = 0..MOST_STATES;
+        let coupled = all.clone().any(|i| all.clone().any(|j| i != j && m[(i, j)] != 0.0));
+        Damped { diagonal: m.diagonal(), whole: coupled.then(|| m.lu()) }
+    }
+
+    fn at(&self, right: Vector4<f64>) -> Vector4<f64> {
+        match &self.whole {
+            None => right.component_div(&self.diagonal),
+            Some(m) => m.solve(&right).unwrap_or_else(|| Vector4::from_element(f64::NAN)),
+        }
+    }
 }
