@@ -14,7 +14,7 @@ CORE = ROOT / "rust" / "core"
 PYTHON = ROOT / "python" / "locosweep"
 
 # Lowest first; modules in one row may not use each other unless named in RUST_WITHIN.
-RUST_ORDER = [{"describe", "error"}, {"lane"}, {"physics"}, {"integrate"}, {"sweep"}]
+RUST_ORDER = [{"describe", "error"}, {"lane"}, {"physics"}, {"integrate"}, {"sweep"}, {"fit"}]
 # What a record of a parameter refuses with is an error, and an error says a name's neighbour.
 RUST_WITHIN = {("describe", "error"), ("error", "describe"), ("lane", "error")}
 
@@ -32,6 +32,7 @@ PYTHON_ORDER = [
     {"diagnosis"},
     {"blindcheck"},
     {"reproduce", "spec"},
+    {"characteristic"},
     {"cli"},
 ]
 # Conveniences of a result that reach up, each inside a function.

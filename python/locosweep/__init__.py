@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from locosweep._core import CancelToken as CancelToken
+    from locosweep.characteristic import FrictionFit as FrictionFit
+    from locosweep.characteristic import fit_friction as fit_friction
     from locosweep.diagnosis.distinction import Distinction as Distinction
     from locosweep.diagnosis.distinction import distinguish as distinguish
     from locosweep.diagnosis.pipeline import diagnose as diagnose
@@ -51,6 +53,7 @@ _HOMES = {
     "Diagnosis": "diagnosis.result",
     "Distinction": "diagnosis.distinction",
     "Drive": "registry",
+    "FrictionFit": "characteristic",
     "GaitRun": "gait",
     "GaitSpec": "gait_spec",
     "Grid": "grid",
@@ -70,6 +73,7 @@ _HOMES = {
     "distinguish": "diagnosis.distinction",
     "drives": "registry",
     "effects": "replay",
+    "fit_friction": "characteristic",
     "gaits": "gait",
     "laws": "registry",
     "load": "files",

@@ -2,6 +2,7 @@ from _typeshed import Incomplete, SupportsGetItem
 from typing import Any, SupportsFloat, SupportsIndex, final
 
 __all__ = ["CancelToken", "Drive", "Effect", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "drives", "effect_parameter_count", "effects", "file_choices", "file_keys", "gait_outputs", "gait_parameters", "gait_run", "gaits", "laws", "methods", "parameters", "quantities", "reality_forms", "reality_run", "reductions", "simd_level", "simd_levels", "statuses", "threads_to_use", "version"]
+__all__ = ["CancelToken", "Drive", "Effect", "FrictionCandidate", "FrictionData", "FrictionOutcome", "FrictionParameter", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "derivative", "drives", "effect_parameter_count", "effects", "file_choices", "file_keys", "gait_outputs", "gait_parameters", "gait_run", "gaits", "imposed_force", "laws", "methods", "noise", "parameters", "pressings", "quantities", "rank_fits", "reductions", "simd_level", "simd_levels", "spikes", "statuses", "threads_to_use", "version"]
 
 @final
 class CancelToken:
@@ -61,6 +62,106 @@ class Effect:
         """
         friction, drive, body, environment or sensor.
         """
+
+@final
+class FrictionCandidate:
+    """
+    A friction law to fit, how its levels follow the load, and what the force
+    sensor adds.
+    """
+    def __new__(cls, /, law: str, load: str = "constant", *, offset: bool = False, gain: bool = False) -> FrictionCandidate: ...
+    def __repr__(self, /) -> str: ...
+    @property
+    def gain(self, /) -> bool: ...
+    @property
+    def law(self, /) -> str: ...
+    @property
+    def load(self, /) -> str: ...
+    @property
+    def offset(self, /) -> bool: ...
+
+@final
+class FrictionData:
+    """
+    Measured motion and friction force, run by run.
+    """
+    def __new__(cls, /, runs: SupportsGetItem[int, tuple[Incomplete, Incomplete, Incomplete, Incomplete, Incomplete, Incomplete, Incomplete, Incomplete]], normal: SupportsFloat | SupportsIndex, rest_speed: SupportsFloat | SupportsIndex) -> FrictionData:
+        """
+        Each run is (t, x, v, drive, load, force, rows, folds): columns of one
+        length, the samples that count, and the fold of each of these, 255 where it
+        is only fitted to. `normal` is the normal force in N where no load gives
+        it; up to `rest_speed` (m/s) a sample is at rest.
+        """
+    def fit(self, /, candidates: SupportsGetItem[int, FrictionCandidate], threads: SupportsIndex, progress: Any | None = None, token: CancelToken | None = None) -> list[FrictionOutcome]:
+        """
+        Fit every candidate; what is found has their order.
+        """
+    def lacks(self, /, candidate: FrictionCandidate) -> str | None:
+        """
+        Why a candidate cannot be fitted to these data; None if it can.
+        """
+
+@final
+class FrictionOutcome:
+    """
+    A candidate as fitted.
+    """
+    @property
+    def freedom(self, /) -> float:
+        """
+        Independent pieces of data beyond the parameters.
+        """
+    @property
+    def held_out(self, /) -> Incomplete:
+        """
+        The same by fits that never saw the row; NaN where there is none.
+        """
+    @property
+    def memory(self, /) -> float:
+        """
+        Rows that carry as much as one independent one.
+        """
+    @property
+    def parameters(self, /) -> list[FrictionParameter]: ...
+    @property
+    def predicted(self, /) -> Incomplete:
+        """
+        Force at every row, N.
+        """
+    @property
+    def rms(self, /) -> float:
+        """
+        Root mean square of the residuals of the rows fitted to, N.
+        """
+    @property
+    def settled(self, /) -> bool:
+        """
+        Whether the search came to rest.
+        """
+
+@final
+class FrictionParameter:
+    """
+    A parameter as a fit found it.
+    """
+    @property
+    def bounded(self, /) -> bool:
+        """
+        At an end of the range that was searched.
+        """
+    @property
+    def meaning(self, /) -> str: ...
+    @property
+    def name(self, /) -> str: ...
+    @property
+    def std(self, /) -> float:
+        """
+        inf where the data say nothing of it, NaN where it has none.
+        """
+    @property
+    def unit(self, /) -> str: ...
+    @property
+    def value(self, /) -> float: ...
 
 @final
 class Gait:
@@ -345,6 +446,12 @@ def characteristic(law: str, given: SupportsGetItem[int, tuple[str, SupportsFloa
     laws, else what friction holds against a forward push.
     """
 
+def derivative(t: Incomplete, y: Incomplete, order: SupportsIndex) -> tuple[Incomplete, float, float, int]:
+    """
+    Derivative of order 1 or 2 of noisy samples, the standard deviation of their
+    noise, that of the derivative, and the samples of the window that was used.
+    """
+
 def drives() -> list[Drive]:
     """
     All drives.
@@ -392,6 +499,16 @@ def gaits() -> list[Gait]:
     All gaits.
     """
 
+def imposed_force(law: str, given: SupportsGetItem[int, tuple[str, SupportsFloat | SupportsIndex]], t: Incomplete, x: Incomplete, v: Incomplete, normal: Incomplete, drive: Incomplete, rest_speed: SupportsFloat | SupportsIndex = 0.0) -> Incomplete:
+    """
+    Signed friction force of a law at every sample of an imposed motion, under
+    the normal force in N given at each sample.
+
+    States of a bristle law are integrated along it; of a dry law at rest, so up
+    to `rest_speed`, it is what the law holds in the direction in which the motion
+    goes on.
+    """
+
 def laws() -> list[Law]:
     """
     All friction laws.
@@ -402,9 +519,19 @@ def methods() -> list[tuple[str, str]]:
     Name and meaning of every method of simulation.
     """
 
+def noise(t: Incomplete, y: Incomplete) -> float:
+    """
+    Standard deviation of white noise on samples of something smooth.
+    """
+
 def parameters() -> list[Parameter]:
     """
     All parameters of the closed forms.
+    """
+
+def pressings() -> list[tuple[str, str]]:
+    """
+    Name and meaning of every way in which friction levels may follow the load.
     """
 
 def quantities() -> list[Quantity]:
@@ -426,6 +553,11 @@ def reality_run(runs: SupportsGetItem[int, tuple[Incomplete, Incomplete, Support
     rig, effects as (name, form, parameters), start position and speed, longest
     step in s, seed of what is random in it). Returns x, v, x_rear and force for
     each job.
+def rank_fits(residuals: SupportsGetItem[int, Incomplete], lengths: SupportsGetItem[int, SupportsIndex]) -> list[tuple[float, float, bool]]:
+    """
+    Of several fits, given the residuals of each on the same samples in runs of
+    `lengths`: root mean square, distance from the best in standard deviations, and
+    whether it cannot be told from the best.
     """
 
 def reductions() -> list[tuple[str, str]]:
@@ -441,6 +573,12 @@ def simd_level() -> str:
 def simd_levels() -> list[str]:
     """
     SIMD levels that this machine runs, lowest first.
+    """
+
+def spikes(values: Incomplete, times: SupportsFloat | SupportsIndex) -> list[int]:
+    """
+    Numbers of the samples that stand alone, further from the median of their
+    neighbours than `times` the spread of such distances.
     """
 
 def statuses() -> list[tuple[int, str, str]]:

@@ -2,6 +2,7 @@
 
 mod arrays;
 mod door;
+mod fit;
 mod gait;
 mod reality;
 mod replay;
@@ -12,6 +13,11 @@ use pyo3::prelude::pymodule;
 
 #[pymodule]
 mod _core {
+    #[pymodule_export]
+    use super::fit::{
+        FrictionCandidate, FrictionData, FrictionOutcome, FrictionParameter, derivative,
+        imposed_force, noise, pressings, rank_fits, spikes,
+    };
     #[pymodule_export]
     use super::gait::{
         GaitOutputRecord, GaitParameter, GaitRecord, GaitResult, gait_outputs, gait_parameters,

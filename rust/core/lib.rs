@@ -5,6 +5,7 @@
 
 pub mod describe;
 pub mod error;
+pub mod fit;
 pub mod integrate;
 pub mod lane;
 pub mod physics;

@@ -19,6 +19,7 @@ import click
 from locosweep.cli.blind import blind_check
 from locosweep.cli.diagnosing import diagnose
 from locosweep.cli.distinguishing import distinguish
+from locosweep.cli.friction import friction
 from locosweep.cli.gaiting import gait
 from locosweep.cli.laws import laws
 from locosweep.cli.listing import (
@@ -61,8 +62,8 @@ def group() -> None:
 
 
 for _command in (
-    heatmap, sweep, simulate, gait, diagnose, distinguish, blind_check, optimum, plot, reproduce,
-    quantities, parameters, laws, drives, methods, reductions, statuses,
+    heatmap, sweep, simulate, gait, diagnose, distinguish, friction, blind_check, optimum, plot,
+    reproduce, quantities, parameters, laws, drives, methods, reductions, statuses,
 ):  # fmt: skip
     group.add_command(_command)
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from locosweep.gait import GaitRun
 
-__all__ = ["gait"]
+__all__ = ["gait", "refuse_full"]
 
 
 @click.command()
@@ -42,7 +42,7 @@ def gait(ctx: click.Context, spec: Path, out: Path, force: bool, samples: int, j
 
     given = GaitSpec.load(spec)
     if not force:
-        _refuse_full(out)
+        refuse_full(out)
     try:
         run = given.run(samples=samples)
     except InputError as error:
@@ -55,7 +55,8 @@ def gait(ctx: click.Context, spec: Path, out: Path, force: bool, samples: int, j
         click.echo("\n".join([*map(str, files), told]))
 
 
-def _refuse_full(out: Path) -> None:
+def refuse_full(out: Path) -> None:
+    """Refuse a folder that holds something."""
     try:
         full = out.exists() and any(out.iterdir())
     except OSError as error:

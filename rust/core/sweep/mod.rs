@@ -9,7 +9,7 @@ mod grid;
 mod job;
 mod kernel;
 mod outputs;
-mod pool;
+pub mod pool;
 mod reduce;
 mod registry;
 pub mod replay;

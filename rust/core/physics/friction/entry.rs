@@ -1,5 +1,6 @@
 //! The laws as one table: what each is, and its functions for a single contact.
 
+use super::imposed::{self, Motion};
 use super::*;
 use crate::describe::nearest;
 use crate::error::{Error, Result};
@@ -72,6 +73,9 @@ pub struct LawEntry {
     /// The largest force in direction `place.way` that does not start motion: 0
     /// for a smooth law, the steady force of the slowest sliding for bristles.
     pub holding: fn(&Values, &Place<f64>) -> f64,
+    /// The signed force at some samples of an imposed motion, under the normal
+    /// force given there; of a dry law at rest what it holds.
+    pub imposed: fn(&Values, &Motion, &[usize], &mut [f64]),
 }
 
 impl LawEntry {
@@ -113,6 +117,7 @@ impl LawEntry {
                 way * D::resistance(&set::<D>(values), v.abs(), &Place::start(way))
             },
             holding: |values, place| D::holding(&set::<D>(values), place),
+            imposed: imposed::dry::<D>,
         }
     }
 
@@ -126,6 +131,7 @@ impl LawEntry {
             resistance: |values, speed, _, _| S::force(&set::<S>(values), speed),
             steady: |values, v| S::force(&set::<S>(values), v),
             holding: |_, _| 0.0,
+            imposed: imposed::smooth::<S>,
         }
     }
 
@@ -142,6 +148,7 @@ impl LawEntry {
             },
             steady: steady::<B>,
             holding: |values, place| place.way * steady::<B>(values, place.way * SLOWEST),
+            imposed: imposed::bristle::<B>,
         }
     }
 }

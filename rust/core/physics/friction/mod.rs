@@ -20,6 +20,7 @@ mod entry;
 mod fall;
 mod gonthier;
 mod hess_soom;
+pub mod imposed;
 mod load_friction;
 mod load_viscous;
 mod lugre;
@@ -165,7 +166,12 @@ impl<L: Lane> Contact<L> {
     pub fn of(given: &impl Given<L>) -> Self {
         let weight = given.get(ParamId::Mass) * given.get(ParamId::Gravity);
         let across = given.get(ParamId::SlopeDeg) * given.derived(ParamId::CornerDeg);
-        let normal = weight.mul_add(across, given.get(ParamId::WallForce));
+        Contact::under(weight.mul_add(across, given.get(ParamId::WallForce)), given)
+    }
+
+    /// Under a normal force that is given.
+    #[inline(always)]
+    pub fn under(normal: L, given: &impl Given<L>) -> Self {
         Contact {
             normal,
             coulomb: given.get(ParamId::MuCoulomb) * normal,
