@@ -17,7 +17,9 @@ run: $(VENV)/built
 	$(BIN)/locosweep heatmap mean_velocity --robot examples/locosnake.toml \
 	  --set drive_limit=inf --x slope_deg=0:25:1000 --y mu_static=0.1:1:1000 \
 	  --best-over segments=2:128 --out $(OUT)/optimal_segments.png
-	@echo "locosweep: the paper's figures and table, the paper's gait in gait/, and the map of the best segment count lie in $(CURDIR)/$(OUT)"
+	$(BIN)/locosweep reproduce gap --out $(OUT)/gap
+	$(BIN)/locosweep diagnose $(OUT)/gap/runs.csv --nominal $(OUT)/gap/nominal.toml --out $(OUT)/diagnosis --force
+	@echo "locosweep: the paper's figures and table, the paper's gait in gait/, and the map of the best segment count lie in $(CURDIR)/$(OUT); the diagnosis of the paper's own gap is $(CURDIR)/$(OUT)/diagnosis/report.html"
 
 test: $(VENV)/built lint
 	cargo test --release --locked

@@ -193,7 +193,7 @@ def plot(
 
 
 @click.command()
-@click.argument("figures", default="all", metavar="[2|3|4|5|10|12|13|all]")
+@click.argument("figures", default="all", metavar="[2|3|4|5|10|12|13|all|gap]")
 @click.option(
     "--out",
     required=True,
@@ -207,8 +207,17 @@ def reproduce(figures: str, out: Path, robot: Path | None, json_: bool) -> None:
     """Draw the paper's figures and check the numbers it states.
 
     The figures use the paper's values; a robot file is held against what the
-    paper says of its robot.
+    paper says of its robot. With `gap`, runs of the paper's robot are written whose
+    reality has a weaker actuator and a lubricant that builds up: an example for
+    diagnose.
     """
+    if figures == "gap":
+        from locosweep.blindcheck.paper_gap import paper_gap
+
+        written = paper_gap(out)
+        files = [str(path) for path in written]
+        click.echo(as_json({"files": files}) if json_ else _paths(*written))
+        return
     from locosweep import reproduce as paper
     from locosweep.files import load_robot
     from locosweep.progress import Meter
