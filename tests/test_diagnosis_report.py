@@ -263,6 +263,14 @@ class TestPictures:
         assert found_unit == unit
         assert {"m": 1.0, "mm": 1e3, "µm": 1e6}[unit] == pytest.approx(factor)
 
+    def test_a_rotary_bench_turns(self, tmp_path):
+        one = made(tmp_path)
+        one.nominal.other["bench.kind"] = "rotary"
+        labels = [ax.get_ylabel() for ax in pictures(one)["runs_large.png"].axes]
+        assert any(text.endswith("rad]") for text in labels)
+        assert any(text.endswith("rad/s]") for text in labels)
+        assert any(text.endswith("N m]") for text in labels)
+
     def test_labels(self):
         assert label("$5") == r"\$5"
         assert label("a\nb\u202e") == "a□b□"

@@ -137,6 +137,15 @@ class TestTwins:
         assert "anchor_slip" in found.names
         assert found.rivals("anchor_slip") == []
 
+    def test_a_rotary_bench(self):
+        robot = Robot({"mass": 0.15, "segments": 1.0},
+                      {"surface.coulomb_force": 0.3, "bench.kind": "rotary",
+                       "bench.gravity_torque": 3.0})  # fmt: skip
+        found = ls.distinguish(robot, planned(2.0 * BOTH), noise={"x": 2e-3})
+        assert set(found.unseen) >= {"anchor_slip", "slope_error"}
+        assert list(found.seen_from["coulomb_error"][0]) == ["d_force"]
+        assert "back_emf" in found.rivals("viscous_friction")
+
     def test_same_bits_for_every_number_of_threads(self, one_way):
         again = ls.distinguish(ROBOT, planned(PUSH), noise=NOISE, threads=2)
         assert (again.distances == one_way.distances).all()
