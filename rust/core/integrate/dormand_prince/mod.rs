@@ -136,7 +136,8 @@ impl<'a, 'b, Q: Dry, F: FnMut() -> bool> DormandPrince<'a, 'b, Q, F> {
         let theta = ((t - begin.t) / dt).clamp(0.0, 1.0);
         let x = x.at(theta);
         // Rounding must not turn what is about to stop.
-        let v = begin.way * (begin.way * v.at(theta)).max(0.0);
+        let along = begin.way * v.at(theta);
+        let v = if along < 0.0 { 0.0 } else { begin.way * along };
         let forward = if begin.way > 0.0 { x - begin.x } else { 0.0 };
         State { t, x, v, swept: begin.swept + forward, ..*begin }
     }
@@ -205,10 +206,10 @@ impl<'a, 'b, Q: Dry, F: FnMut() -> bool> DormandPrince<'a, 'b, Q, F> {
             let mut step = self.attempt(if cut { longest } else { self.next });
             let mut stops = false;
             // What is steep about rest may show only in the step that ends there.
-            if step.error <= 1.0 {
-                if let Some(stopped) = self.stopped(&step) {
-                    (step, stops) = (stopped, true);
-                }
+            if step.error <= 1.0
+                && let Some(stopped) = self.stopped(&step)
+            {
+                (step, stops) = (stopped, true);
             }
             if step.error <= 1.0 {
                 self.adapt(&step, cut || stops);
@@ -248,7 +249,9 @@ impl<'a, 'b, Q: Dry, F: FnMut() -> bool> DormandPrince<'a, 'b, Q, F> {
 
     fn give_up(&mut self, tally: &mut Tally<f64>) {
         tally.lost += 1.0;
-        self.front.t = self.segment.duration;
+        let none = Quartic::constant(f64::NAN);
+        self.leg = Leg { begin: self.front, dt: 1.0, x: none, v: none };
+        self.front = State { t: self.segment.duration, x: f64::NAN, v: f64::NAN, ..self.front };
     }
 
     #[inline(never)]
@@ -267,9 +270,9 @@ impl<'a, 'b, Q: Dry, F: FnMut() -> bool> DormandPrince<'a, 'b, Q, F> {
         let (mut along, mut faster): (Slopes, Slopes) = ([0.0; 7], [0.0; 7]);
         let (mut x, mut v) = (x0, v0);
         let (mut work, mut heat) = (0.0, 0.0);
-        for i in 0..NODES.len() {
+        for (i, node) in NODES.into_iter().enumerate() {
             (x, v) = (pair::stage(i, x0, dt, &along), pair::stage(i, v0, dt, &faster));
-            let (slope, force, against) = self.slope(t + NODES[i] * dt, x, v);
+            let (slope, force, against) = self.slope(t + node * dt, x, v);
             (along[i], faster[i]) = (v, slope);
             if let Some(weight) = WEIGHTS.get(i) {
                 work += weight * (force * v);
