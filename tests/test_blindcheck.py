@@ -16,6 +16,7 @@ from locosweep.blindcheck import casefiles, metrics, pictures, tables
 from locosweep.blindcheck.cases import draw_case
 from locosweep.blindcheck.experiment import World
 from locosweep.blindcheck.judge import Judged, judge, window_share
+from locosweep.cli import main
 from locosweep.errors import DataFileError
 from locosweep.files import load_robot
 from locosweep.measured import load_runs
@@ -290,3 +291,52 @@ def test_strength_meets_its_size() -> None:
     assert entry["name"] in entry["accepted"]
     assert entry["d_name"] <= entry["d"] + 1e-9
     assert entry["distances"][entry["name"]] <= entry["d"] + 1e-9
+
+
+def test_a_small_check_from_end_to_end(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "check"
+    given = ["blind-check", "--cases", "3", "--gap-free", "2", "--seed", "11", "--out", str(out)]
+    assert main(given) == 0
+    said = capsys.readouterr()
+    assert "a gap where there is none" in said.out
+    assert "truths sealed" in said.err
+    made = {path.name for path in out.iterdir()}
+    assert {"sealed.json", "table.txt", "metrics.json", "wrong.txt", *pictures.PICTURES} <= made
+    found = json.loads((out / "metrics.json").read_text())
+    assert [case["case"] for case in found["cases"]] == [
+        "case_0000", "case_0001", "case_0002", "free_0000", "free_0001",
+    ]  # fmt: skip
+    assert not any(case["error"] for case in found["cases"])
+    assert main(given) == 2
+    assert "--force" in capsys.readouterr().err
+    # What is there of the same code is kept, and says the same.
+    kept = {path: path.stat().st_mtime_ns for path in out.rglob("outcome.json")}
+    assert len(kept) == 5
+    assert main([*given, "--force", "--quiet"]) == 0
+    assert capsys.readouterr().err == ""
+    assert {path: path.stat().st_mtime_ns for path in out.rglob("outcome.json")} == kept
+    assert json.loads((out / "metrics.json").read_text())["figures"] == found["figures"]
+
+
+def test_nothing_to_draw_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["blind-check", "--cases", "0", "--out", str(tmp_path)]) == 2
+    assert "at least one case" in capsys.readouterr().err
+
+
+def test_a_failing_diagnosis_is_an_outcome(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import locosweep.diagnosis
+    from locosweep.blindcheck import check
+
+    def fails(*_: object, **__: object) -> None:
+        raise ValueError("no\nsuch luck")
+
+    monkeypatch.setattr(locosweep.diagnosis, "diagnose", fails)
+    outcome = check._diagnose(folder / "free_0000", tmp_path / "kept", 0, "code")
+    assert outcome.error == "ValueError: no such luck"
+    # The same files and code: the record is kept; other code: it is done again.
+    again = check._diagnose(folder / "free_0000", tmp_path / "kept", 0, "code")
+    assert again == outcome
+    other = check._diagnose(folder / "free_0000", tmp_path / "kept", 0, "other")
+    assert other.seconds != outcome.seconds

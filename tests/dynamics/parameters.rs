@@ -74,8 +74,10 @@ fn expected<'a>(law: &'a LawEntry, drive: DriveKind, method: &'a str) -> BTreeSe
     let mut all: BTreeSet<&str> = RUN.into_iter().collect();
     all.extend(ParamId::all().filter(|id| law.uses(*id)).map(|id| id.param().name));
     all.extend(drive.info().params);
-    all.insert(if method == "rosenbrock" { "tolerance" } else { "time_step" });
-    // The adaptive method begins with a hundredth of the step.
+    if ["rosenbrock", "dormand_prince"].contains(&method) {
+        all.insert("tolerance");
+    }
+    // Adaptive methods begin with the step, or a part of it.
     all.insert("time_step");
     all
 }
@@ -85,7 +87,12 @@ fn every_parameter_of_every_law() {
     let mut faults = String::new();
     for law in LAWS {
         for method in methods(law, DriveKind::Sine) {
-            let case = sprung(Case::usual(law.info.name, DriveKind::Sine).by(method));
+            let mut case = sprung(Case::usual(law.info.name, DriveKind::Sine).by(method));
+            if method == "dormand_prince" {
+                // Friction along the way keeps steps below `time_step`: one beyond which
+                // the tolerance asks for less.
+                case = case.with(&[("tolerance", 1e-12)]);
+            }
             faults += &report(&[case], &expected(law, DriveKind::Sine, method));
         }
     }

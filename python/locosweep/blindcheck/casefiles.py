@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from locosweep.blindcheck.experiment import FINE, Experiment, World
+from locosweep.errors import DataFileError
+from locosweep.files import replacing
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -190,7 +192,8 @@ def seal(out: Path, names: Iterable[str]) -> Path:
         for name in names
     }
     path = out / SEAL
-    path.write_text(json.dumps(hashes, indent=1, sort_keys=True))
+    with replacing(path) as temporary:
+        temporary.write_text(json.dumps(hashes, indent=1, sort_keys=True))
     return path
 
 
@@ -202,8 +205,6 @@ def read_truth(out: Path, name: str) -> dict[str, Any]:
     DataFileError
         It is not what was sealed.
     """
-    from locosweep.errors import DataFileError
-
     sealed = json.loads((out / SEAL).read_text())
     for file, known in sealed[name].items():
         path = out / "sealed" / name / file

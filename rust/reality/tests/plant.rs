@@ -148,7 +148,7 @@ fn a_spring_swings_at_its_own_frequency_against_a_head_at_rest() {
     let spring = effect("transmission_compliance", "law", &[("k", k), ("d", 0.0), ("m_d", m_d)]);
     // From loaded by 1 N to 1.5 N and back at most 2 N: the head stays.
     let found = run(&rig(), &[spring], &samples(|t| if t < 0.1 { 1.0 } else { 1.5 }));
-    let omega = (k / m_d as f64).sqrt();
+    let omega = f64::sqrt(k / m_d);
     let at = |i: usize| {
         let t = (f64::from(i as u32) * 0.005 - 0.1).max(0.0);
         1.5 - 0.5 * (omega * t).cos()
@@ -185,7 +185,7 @@ fn the_body_slides_under_the_reaction_to_the_drive() {
 fn a_pendulum_swings_at_its_own_frequency() {
     let pendulum = Rig { coulomb_force: Some(0.0), gravity_torque: Some(3.0), mass: 0.05, ..rig() };
     let found = simulate(&pendulum, &[], &samples(|_| 0.0), (1e-3, 0.0), STEP, 0);
-    let omega = (3.0 / 0.05 as f64).sqrt();
+    let omega = f64::sqrt(3.0 / 0.05);
     assert!(worst(&found.x, |i| 1e-3 * (omega * f64::from(i as u32) * 0.005).cos()) < 1e-7);
 }
 
