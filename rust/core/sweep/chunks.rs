@@ -13,7 +13,7 @@ pub enum Buffer<'a> {
 }
 
 impl<'a> Buffer<'a> {
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         match self {
             Buffer::F64(to) => to.len(),
             Buffer::F32(to) => to.len(),

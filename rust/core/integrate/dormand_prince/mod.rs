@@ -168,7 +168,7 @@ impl<'a, 'b, Q: Dry, F: FnMut() -> bool> DormandPrince<'a, 'b, Q, F> {
                 self.front.way = push.signum();
             }
         }
-        let mut longest = if self.adaptive { left } else { self.to_next_mark(left) };
+        let mut longest = if self.adaptive { left } else { self.until_mark(left) };
         if Q::PLACED || self.front.way == 0.0 {
             // What lies along the way, or in the drive's course, may be short.
             longest = longest.min(self.segment.step);
@@ -184,7 +184,7 @@ impl<'a, 'b, Q: Dry, F: FnMut() -> bool> DormandPrince<'a, 'b, Q, F> {
     }
 
     /// Time to the end of a step on the even grid of fixed steps.
-    fn to_next_mark(&mut self, left: f64) -> f64 {
+    fn until_mark(&mut self, left: f64) -> f64 {
         let (from, step) = (self.row.0, self.segment.step);
         let mut to = from + (self.row.1 + 1.0) * step - self.front.t;
         if to <= 1e-9 * step {
