@@ -132,8 +132,11 @@ def law_figure(fit: FrictionFit) -> Figure:
         ax.barh(at, law.held_out_rms, height=0.7, color=colour, hatch=hatch, edgecolor="white")
         behind = "tie" if law.tied else f"{law.sigmas:.1f} s.d. behind"
         text = "chosen" if law is fit.chosen else behind
-        ax.text(law.held_out_rms, at, f" {text}, {len(law.parameters)} parameters",
-                va="center", fontsize=7.5)  # fmt: skip
+        count = len(law.parameters)
+        # White behind the words, which the line of the noise may cross.
+        ax.text(law.held_out_rms * 1.01, at, f"{text}, {count} parameter{'s' * (count != 1)}",
+                va="center", fontsize=7.5, zorder=5,
+                bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0})  # fmt: skip
     ax.axvline(fit.noise, color="black", linestyle="--", linewidth=1.2, label="sensor noise")
     ax.set_yticks(place, [law.name for law in laws], fontsize=8)
     widest = max(law.held_out_rms for law in laws)
