@@ -30,6 +30,8 @@ _MISMATCH = 1 / 3
 """Share of single effects that follow another law than their name's."""
 _MOST_SAMPLES = 16000
 """Of all runs of a case."""
+_LEAST, _MOST = 0.8, 600.0
+"""Sizes outside are drawn anew: an effect that sets in at once cannot be made small."""
 _NO_SENSORS = Sensors(1.0, 1.0)
 """Sensors that do not matter yet."""
 
@@ -299,7 +301,8 @@ def _try_case(rng: Generator, kind: str, *, exact: bool, threads: int) -> Case |
         name, form, parameters = cause.effect(strength)
         chosen.append((name, form, _rounded(parameters)))
         gaps.append(gap)
-    if min(np.linalg.norm(gap) for gap in gaps) < 0.8:
+    sizes = [float(np.linalg.norm(gap)) for gap in gaps]
+    if min(sizes) < _LEAST or max(sizes) > _MOST:
         return None
     world = World(shifts, tuple(chosen))
     case = Case(kind, experiment, check, world, truth)
@@ -401,7 +404,7 @@ def _outside(rng: Generator, case: Case, nuisances: Nuisances, scale: Scale) -> 
     cause = draw_cause(rng, scale, name, "outside")
     strength, gap = _strength(nuisances, cause, _target(rng))
     d = float(np.linalg.norm(gap))
-    if d < 0.8:
+    if not _LEAST <= d <= _MOST:
         return None
     parameters = _rounded(cause.effect(strength)[2])
     absent = _absent(case.experiment.rig)
