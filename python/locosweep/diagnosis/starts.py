@@ -122,7 +122,7 @@ def _table(
             "c": (False, viscosity, _SIGNED, -s.viscous, inf, 0.0),
         },
         "quadratic_drag": {
-            "c2": (False, viscosity / s.speed, _SIGNED, -inf, inf, 0.0),
+            "c2": (False, viscosity / s.speed, _POSITIVE, 0.0, inf, 0.0),
         },
         "stribeck_friction": {
             "F_s": (False, s.level, (1.03, 1.1, 1.4), 0.0, 20 * s.force, s.level),
@@ -175,7 +175,7 @@ def _table(
             "a": (False, 1.0, (-0.3, -0.1, -0.01, 0.01, 0.1, 0.3), -1.0, 10.0, 0.0),
             "T": (True, 1.0, slow, 0.01 * s.duration, 10 * s.duration, _NONE),
         },
-        "lubricant_buildup": {"k_b": (False, s.force / s.travel, _SIGNED, -inf, inf, 0.0)},
+        "lubricant_buildup": {"k_b": (False, s.force / s.travel, _POSITIVE, 0.0, inf, 0.0)},
         "drive_saturation": {
             "F_max": (
                 True,

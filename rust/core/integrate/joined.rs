@@ -32,8 +32,9 @@ const LIGHTEST: f64 = 1e-3;
 /// Fastest oscillation of the joint, rad/s: what is stiffer gives way by less
 /// than a micrometre under a newton at these masses.
 const FASTEST: f64 = 5e4;
-/// Events that one step may hold before its trajectory is given up.
-const MOST_EVENTS: u32 = 100;
+/// Events that one step may hold before its trajectory is given up: a heap of
+/// lubricant that levels out at every stop can make a stiff joint chatter.
+const MOST_EVENTS: u32 = 20;
 
 impl<'a, 'b, Q: Dry, L: Lane> Joined<'a, 'b, Q, L> {
     pub fn new(
@@ -193,7 +194,14 @@ impl<'a, 'b, Q: Dry, L: Lane> Joined<'a, 'b, Q, L> {
         while L::any(zero.lt(left)) {
             events += 1;
             if events > MOST_EVENTS {
-                tally.lost = L::select(zero.lt(left), tally.lost + 1.0, tally.lost);
+                let open = zero.lt(left);
+                tally.lost = L::select(open, tally.lost + 1.0, tally.lost);
+                // Nothing happens to what is not a number any more.
+                let nothing = zero.with(f64::NAN);
+                state.x = L::select(open, nothing, state.x);
+                state.v = L::select(open, nothing, state.v);
+                let (x, v) = self.side;
+                self.side = (L::select(open, nothing, x), L::select(open, nothing, v));
                 break;
             }
             // What rests may be free to go at once.
