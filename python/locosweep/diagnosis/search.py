@@ -26,6 +26,8 @@ _STARTS = 3
 _PARTNERS = 8
 """Further effects that are fitted beside those found, after the scan of all."""
 _BEAM = 4
+_NEAR = 30.0
+"""Fits that leave this many times more than the best are not worth leaps."""
 _RIPPLES = ("position_dependent_friction",)
 _SMALL = 1e-3
 _DENSE = 161
@@ -117,7 +119,9 @@ class Search:
             fit.done = False
         steps = 30 if self.nuisances.shares else 15
         fit_all(self.problem, close, steps=steps)
-        self._leap(sorted(close, key=_chi2)[:_CLOSE], steps)
+        close.sort(key=_chi2)
+        near = [f for f in close if f.chi2 < _NEAR * close[0].chi2]
+        self._leap(near[: _CLOSE if base is None else _CLOSE // 2], steps)
         found: dict[frozenset[str], Fit] = {}
         for fit in best:
             key = frozenset(fit.model.names)
