@@ -29,6 +29,8 @@ than one of two hundred sets of runs.
 TIE = 12.0
 """Difference in chi2 below which two explanations tie: effects that lie 2 deviations
 apart differ by less in 99 of 100 sets of runs."""
+_FAR = 30.0
+"""Single effects that leave this many times more than the best are no part of a pair."""
 _WIDE = 12
 """Single effects that are tried as part of a pair."""
 _CARRIED = 6
@@ -102,7 +104,7 @@ def choose(search: Search, most: int) -> Choice:
         deeper = sorted(search.deepen(seeds, len(seeds)), key=lambda fit: total(search, fit))
         if rest and deeper and count == 2 and _rest(problem, deeper[0]):
             # The parts of a pair need not stand first when each is tried alone.
-            more = [s for s in _seeds(level, _WIDE) if s not in seeds]
+            more = [s for s in _seeds(level, _WIDE) if s not in seeds and s.chi2 < _FAR * best.chi2]
             deeper += search.deepen(more, len(more))
             deeper.sort(key=lambda fit: total(search, fit))
         if not deeper or total(search, found) - total(search, deeper[0]) < GAIN:

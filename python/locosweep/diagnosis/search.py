@@ -26,6 +26,8 @@ _STARTS = 3
 _PARTNERS = 8
 """Further effects that are fitted beside those found, after the scan of all."""
 _BEAM = 4
+_ROWS = 24
+"""Starts of a further effect beside others."""
 _NEAR = 30.0
 """Fits that leave this many times more than the best are not worth leaps."""
 _RIPPLES = ("position_dependent_friction",)
@@ -88,6 +90,7 @@ class Search:
             if name in _RIPPLES:
                 rows = np.vstack([self._ripples(base), rows])
             if base is not None:
+                rows = rows[:: -(-len(rows) // _ROWS)]
                 rows = np.hstack([np.tile(base.parameters, (len(rows), 1)), rows])
             fits.extend(start_fits(self.nuisances, self.model((*held, name)), rows))
             known = base or self.none
