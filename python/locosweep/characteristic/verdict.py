@@ -78,7 +78,14 @@ def _not_refuted(data: Prepared, laws: list[FittedLaw]) -> list[FittedLaw]:
     memory = laws[int(np.argmin(left))].memory
     pieces = force.size / max(memory, 1.0)
     costs = [schwarz(rms, pieces, len(law.parameters)) for rms, law in zip(left, laws, strict=True)]
-    return [law for law, cost in zip(laws, costs, strict=True) if not cost > min(costs) + _REFUTED]
+    best = int(np.argmin(costs))
+    most = len(laws[best].parameters)
+    # More parameters than needed are no evidence against a law.
+    return [
+        law
+        for law, cost in zip(laws, costs, strict=True)
+        if len(law.parameters) > most or not cost > costs[best] + _REFUTED
+    ]
 
 
 def shrink_of(data: Prepared, law: FittedLaw) -> float:
