@@ -54,6 +54,10 @@ PLANTED = {
                  "bristle_damping": 4.0, "dwell_time": 0.5},
 }  # fmt: skip
 
+# Where the search ends beside the planted values (docs/friction.md, known limits): what is
+# left then, over the noise.
+NOT_FOUND = {"brown_mcphee": 12.0, "lugre": 6.0, "elasto_plastic": 7.0, "maxwell_slip": 7.0}
+
 
 def motion(count=1200, *, dwell=False):
     """Back and forth at many speeds; with rests where `dwell`."""
@@ -102,7 +106,17 @@ def _ramps(rest):
 
 
 class TestRecovery:
-    @pytest.mark.parametrize("law", [law.name for law in ls.laws()])
+    @pytest.mark.parametrize("law", sorted(NOT_FOUND))
+    def test_a_search_that_ends_elsewhere_claims_no_values(self, law):
+        data, _ = planted(law, PLANTED[law])
+        own = ls.fit_friction(data, laws=[law]).chosen
+        assert own.rms < NOT_FOUND[law] * NOISE
+        assert own.held_out_rms < NOT_FOUND[law] * NOISE
+        for name in ("mu_static", "mu_coulomb", "viscous"):
+            assert own.parameters[name].std is None
+            assert own.parameters[name].interval is None
+
+    @pytest.mark.parametrize("law", [law.name for law in ls.laws() if law.name not in NOT_FOUND])
     def test_every_law_is_found_again(self, law):
         t = motion()[0]
         load = 1.0 + 0.6 * np.sin(0.37 * t) if law == "load_viscous" else None
@@ -274,6 +288,11 @@ class TestVerdict:
         fit = ls.fit_friction(data, laws=["coulomb"])
         assert fit.chosen.parameters["mu_coulomb"].value == pytest.approx(0.6, rel=0.02)
         assert any("stand alone" in notice for notice in fit.notices)
+
+    def test_a_break_away_is_no_fault(self):
+        data, _ = planted("static_coulomb", PLANTED["static_coulomb"], dwell=True)
+        fit = ls.fit_friction(data, laws=["static_coulomb"])
+        assert not any("stand alone" in notice for notice in fit.notices)
 
 
 @pytest.fixture

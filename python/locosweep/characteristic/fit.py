@@ -9,9 +9,9 @@ import numpy as np
 
 from locosweep import _core
 from locosweep.characteristic.data import read_friction
-from locosweep.characteristic.prepare import Prepared, prepare
+from locosweep.characteristic.prepare import Prepared, fitted_only, prepare
 from locosweep.characteristic.result import FittedLaw, FittedParameter, FrictionFit
-from locosweep.characteristic.verdict import choose, left_over, shrink_of, summary_of
+from locosweep.characteristic.verdict import choose, left_over, schwarz, shrink_of, summary_of
 from locosweep.datafile import checksum
 from locosweep.errors import InputError
 from locosweep.registry import laws as all_laws
@@ -30,6 +30,9 @@ __all__ = ["fit_friction"]
 
 _SCOUTS = ("coulomb", "coulomb_viscous", "stribeck")
 """Laws that decide how load and sensor enter, before the others are fitted."""
+
+_SCOUTED_ROWS = 600
+"""Samples that these laws are compared at."""
 
 _CONFIDENCE = 0.95
 
@@ -123,28 +126,30 @@ def fit_friction(
     job = ready.core()
     workers = _core.threads_to_use(threads)
 
-    def run(candidates: list[_core.FrictionCandidate]) -> list[FrictionOutcome]:
+    def run(
+        job: _core.FrictionData, candidates: list[_core.FrictionCandidate]
+    ) -> list[FrictionOutcome]:
         return job.fit(candidates, workers, progress, token)
 
-    load, offset, gain = _terms(ready, run)
+    terms = _terms(ready, run)
     skipped: dict[str, str] = {}
-    candidates = _candidates(job, wanted, (load, offset, gain), skipped)
+    candidates = _candidates(job, wanted, terms, ready.loaded, skipped)
     if not candidates:
         told = "; ".join(f"{name}: {why}" for name, why in skipped.items())
         raise InputError(f"none of these laws can be fitted to the data: {told}")
     outcomes = []
     if laws is None:
         plain = [c for c in candidates if _kinds()[c.law] != "bristle"]
-        outcomes = run(plain)
+        outcomes = run(job, plain)
         if _ranked(ready, plain, outcomes)[0].held_out_rms <= _NOTHING_LEFT * ready.force_noise:
             gone = [c.law for c in candidates if c not in plain]
             skipped |= dict.fromkeys(gone, "laws without bristles leave nothing but noise")
             candidates = plain
         else:
             candidates = [*plain, *(c for c in candidates if c not in plain)]
-    outcomes += run(candidates[len(outcomes) :])
+    outcomes += run(job, candidates[len(outcomes) :])
     fitted = _ranked(ready, candidates, outcomes)
-    chosen, equal, no_better = choose(fitted)
+    chosen, equal, no_better = choose(ready, fitted)
     shrink, left = shrink_of(ready, chosen), left_over(ready, chosen)
     source = None if not isinstance(data, str) and not hasattr(data, "__fspath__") else data
     return FrictionFit(
@@ -175,21 +180,29 @@ def _kinds() -> dict[str, str]:
 
 
 def _terms(
-    data: Prepared, run: Callable[[list[_core.FrictionCandidate]], list[FrictionOutcome]]
+    data: Prepared,
+    run: Callable[[_core.FrictionData, list[_core.FrictionCandidate]], list[FrictionOutcome]],
 ) -> tuple[str, bool, bool]:
-    """How load and sensor enter: the simplest terms that tie with the best ones."""
+    """How load and sensor enter, by the Schwarz criterion over a few simple laws.
+
+    Told on what is fitted to alone, of which every load counts: one load held out
+    between the others cannot tell an offset from a share of the load. Pieces of data are
+    those that are independent beside the law that leaves least.
+    """
+    seen = fitted_only(data, _SCOUTED_ROWS)
     loads = [name for name, _ in _core.pressings()] if data.loaded else ["constant"]
     gains = (False, True) if data.loaded else (False,)
-    grid = [(load, offset, gain) for load in loads for offset in (False, True) for gain in gains]
     candidates = [
         _core.FrictionCandidate(law, load, offset=offset, gain=gain)
         for law in _SCOUTS
-        for load, offset, gain in grid
+        for load in loads
+        for offset in (False, True)
+        for gain in gains
     ]
-    fitted = _ranked(data, candidates, run(candidates))
-    chosen, equal, _ = choose(fitted)
-    # Of terms that tie the ones that leave least.
-    best = min([chosen, *equal], key=lambda law: law.held_out_rms)
+    outcomes = run(seen.core(), candidates)
+    pieces = sum(seen.lengths) / max(min(outcomes, key=lambda o: o.rms).memory, 1.0)
+    costs = [schwarz(o.rms, pieces, len(o.parameters)) for o in outcomes]
+    best = candidates[int(np.argmin(costs))]
     return best.load, best.offset, best.gain
 
 
@@ -197,23 +210,26 @@ def _candidates(
     job: _core.FrictionData,
     wanted: Sequence[str],
     terms: tuple[str, bool, bool],
+    loaded: bool,
     skipped: dict[str, str],
 ) -> list[_core.FrictionCandidate]:
-    """Every law with the terms found, and without what the sensor adds."""
+    """Every law with the terms found, and without an offset.
+
+    A law that differs with the direction stands in for an offset, none for a share of a
+    load that differs.
+    """
     load, offset, gain = terms
-    sensors = dict.fromkeys([(offset, gain), (False, False)])
+    # A law of the load itself has its own way to follow it.
+    others = [name for name, _ in _core.pressings()] if loaded else ["constant"]
     kinds = _kinds()
     found = []
     for name in wanted:
-        for own_offset, own_gain in sensors:
+        for own in dict.fromkeys([offset, False]):
             # Integrated laws take longest; what the sensor adds is no part of them.
-            if kinds[name] == "bristle" and (own_offset, own_gain) != (offset, gain):
+            if kinds[name] == "bristle" and own != offset:
                 continue
-            # A law of the load itself has its own way to follow it.
-            for pressing in dict.fromkeys([load, "constant"]):
-                candidate = _core.FrictionCandidate(
-                    name, pressing, offset=own_offset, gain=own_gain
-                )
+            for pressing in dict.fromkeys([load, *others]):
+                candidate = _core.FrictionCandidate(name, pressing, offset=own, gain=gain)
                 why = job.lacks(candidate)
                 if why is None:
                     found.append(candidate)

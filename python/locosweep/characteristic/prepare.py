@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from locosweep.characteristic.data import FrictionRun
 
-__all__ = ["Prepared", "PreparedRun", "prepare"]
+__all__ = ["Prepared", "PreparedRun", "fitted_only", "prepare"]
 
 _MOST_SAMPLES = 12_000
 """Samples of all runs that motion is kept at: bristle laws are integrated along it."""
@@ -228,6 +228,33 @@ def prepare(
     )
 
 
+def fitted_only(data: Prepared, most: int) -> Prepared:
+    """Leave out what is held out for good; of the rest nothing is held out.
+
+    Parameters
+    ----------
+    data : Prepared
+        From `prepare`.
+    most : int
+        About so many samples that count are kept.
+
+    Returns
+    -------
+    Prepared
+    """
+    kept = [run for run in data.runs if run.label not in data.held_out]
+    thin = max(1, -(-sum(run.rows.size for run in kept) // most))
+    rows = [run.rows[::thin] for run in kept]
+    return replace(
+        data,
+        runs=[
+            replace(run, rows=own, folds=np.full(own.size, _FITTED, dtype=np.uint8))
+            for run, own in zip(kept, rows, strict=True)
+        ],
+        held_out=[],
+    )
+
+
 def _motion(run: FrictionRun, mass: float | None, notices: list[str]) -> _Motion:
     """Velocity and friction force at every sample that has all values."""
     where = f"run {run.label}"
@@ -267,8 +294,12 @@ def _motion(run: FrictionRun, mass: float | None, notices: list[str]) -> _Motion
 
 
 def _spikes(force: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Lone samples far from their neighbours, if there are only a few."""
+    """Lone samples far from their neighbours and from all others, if there are only a few."""
     lone = np.array(_core.spikes(force, _SPIKE), dtype=np.int64)
+    others = np.delete(force, lone)
+    low, high = float(others.min()), float(others.max())
+    # A break-away and a turn stand alone too, but not that far beyond sliding.
+    lone = lone[(force[lone] < 2 * low - high) | (force[lone] > 2 * high - low)]
     # What happens often is no fault.
     return lone if lone.size <= 0.002 * force.size + 1 else lone[:0]
 

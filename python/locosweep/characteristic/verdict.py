@@ -12,7 +12,10 @@ if TYPE_CHECKING:
     from locosweep.characteristic.prepare import Prepared
     from locosweep.characteristic.result import FittedLaw
 
-__all__ = ["choose", "left_over", "shrink_of", "summary_of"]
+__all__ = ["choose", "left_over", "schwarz", "shrink_of", "summary_of"]
+
+_REFUTED = 10.0
+"""Difference of the Schwarz criterion that is very strong evidence (Kass and Raftery 1995)."""
 
 _BINS = 12
 _MUCH_LEFT = 0.1
@@ -21,11 +24,34 @@ _NEAR_NOISE = 1.5
 """What is left over the noise, up to which nothing more is to be found."""
 
 
-def choose(laws: list[FittedLaw]) -> tuple[FittedLaw, list[FittedLaw], list[FittedLaw]]:
-    """Take the simplest of the laws that tie with the best one.
+def schwarz(rms: float, pieces: float, parameters: int) -> float:
+    """Schwarz criterion of a fit, the lower the better.
 
     Parameters
     ----------
+    rms : float
+        Root mean square [N] of what is left of the samples fitted to.
+    pieces : float
+        Independent pieces of data.
+    parameters : int
+        How many were fitted.
+    """
+    least = float(np.finfo(float).tiny)
+    return float(2.0 * pieces * np.log(max(rms, least)) + parameters * np.log(max(pieces, 2.0)))
+
+
+def choose(
+    data: Prepared, laws: list[FittedLaw]
+) -> tuple[FittedLaw, list[FittedLaw], list[FittedLaw]]:
+    """Take the simplest of the laws that tie with the best one.
+
+    Samples held out may be few: what they cannot tell apart, but the samples fitted to
+    refute, does not count as a tie.
+
+    Parameters
+    ----------
+    data : Prepared
+        What was fitted to.
     laws : list of FittedLaw
         By what is left on samples held out, the best first.
 
@@ -35,11 +61,31 @@ def choose(laws: list[FittedLaw]) -> tuple[FittedLaw, list[FittedLaw], list[Fitt
     equal, no_better : list of FittedLaw
         What ties with it, with as many parameters and with more.
     """
-    tied = [law for law in laws if law.tied]
+    tied = _not_refuted(data, [law for law in laws if law.tied])
     fewest = min(len(law.parameters) for law in tied)
     simplest = [law for law in tied if len(law.parameters) == fewest]
     chosen = simplest[0]
     return chosen, simplest[1:], [law for law in tied if len(law.parameters) > fewest]
+
+
+def _not_refuted(data: Prepared, laws: list[FittedLaw]) -> list[FittedLaw]:
+    """Laws that the samples fitted to do not speak very strongly against."""
+    away = [np.full(run.rows.size, run.label in data.held_out) for run in data.runs]
+    fitted = ~np.concatenate(away)
+    force = data.column("force")[fitted]
+    # A bristle law may have been fitted to fewer samples: all count here.
+    left = [float(np.sqrt(np.mean((force - law.predicted[fitted]) ** 2))) for law in laws]
+    memory = laws[int(np.argmin(left))].memory
+    pieces = force.size / max(memory, 1.0)
+    costs = [schwarz(rms, pieces, len(law.parameters)) for rms, law in zip(left, laws, strict=True)]
+    best = int(np.argmin(costs))
+    most = len(laws[best].parameters)
+    # More parameters than needed are no evidence against a law.
+    return [
+        law
+        for law, cost in zip(laws, costs, strict=True)
+        if len(law.parameters) > most or not cost > costs[best] + _REFUTED
+    ]
 
 
 def shrink_of(data: Prepared, law: FittedLaw) -> float:
