@@ -1,8 +1,7 @@
 from _typeshed import Incomplete, SupportsGetItem
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["CancelToken", "Drive", "Effect", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "drives", "effect_parameter_count", "effects", "file_choices", "file_keys", "gait_outputs", "gait_parameters", "gait_run", "gaits", "laws", "methods", "parameters", "quantities", "reality_forms", "reality_run", "reductions", "simd_level", "simd_levels", "statuses", "threads_to_use", "version"]
-__all__ = ["CancelToken", "Drive", "Effect", "FrictionCandidate", "FrictionData", "FrictionOutcome", "FrictionParameter", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "derivative", "drives", "effect_parameter_count", "effects", "file_choices", "file_keys", "gait_outputs", "gait_parameters", "gait_run", "gaits", "imposed_force", "laws", "methods", "noise", "parameters", "pressings", "quantities", "rank_fits", "reductions", "simd_level", "simd_levels", "spikes", "statuses", "threads_to_use", "version"]
+__all__ = ["CancelToken", "Drive", "Effect", "FrictionCandidate", "FrictionData", "FrictionOutcome", "FrictionParameter", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "derivative", "drives", "effect_parameter_count", "effects", "file_choices", "file_keys", "gait_outputs", "gait_parameters", "gait_run", "gaits", "imposed_force", "laws", "methods", "noise", "parameters", "pressings", "quantities", "rank_fits", "reality_forms", "reality_run", "reductions", "simd_level", "simd_levels", "spikes", "statuses", "threads_to_use", "version"]
 
 @final
 class CancelToken:
@@ -539,6 +538,13 @@ def quantities() -> list[Quantity]:
     All quantities, in the order of their equations.
     """
 
+def rank_fits(residuals: SupportsGetItem[int, Incomplete], lengths: SupportsGetItem[int, SupportsIndex]) -> list[tuple[float, float, bool]]:
+    """
+    Of several fits, given the residuals of each on the same samples in runs of
+    `lengths`: root mean square, distance from the best in standard deviations, and
+    whether it cannot be told from the best.
+    """
+
 def reality_forms() -> list[tuple[str, str, list[str]]]:
     """
     All laws of the blind check: cause, form, parameters. The form `law` is the
@@ -553,11 +559,6 @@ def reality_run(runs: SupportsGetItem[int, tuple[Incomplete, Incomplete, Support
     rig, effects as (name, form, parameters), start position and speed, longest
     step in s, seed of what is random in it). Returns x, v, x_rear and force for
     each job.
-def rank_fits(residuals: SupportsGetItem[int, Incomplete], lengths: SupportsGetItem[int, SupportsIndex]) -> list[tuple[float, float, bool]]:
-    """
-    Of several fits, given the residuals of each on the same samples in runs of
-    `lengths`: root mean square, distance from the best in standard deviations, and
-    whether it cannot be told from the best.
     """
 
 def reductions() -> list[tuple[str, str]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import polars as pl
@@ -91,7 +91,8 @@ def paper_gap(folder: str | os.PathLike[str]) -> tuple[Path, Path]:
     ]
     cycle = _PUSH + _PAUSE
     t = np.arange(round(4 * cycle * _RATE)) / _RATE
-    runs, jobs = [], []
+    runs: list[Any] = []
+    jobs: list[Any] = []
     for i, levels in enumerate(_LEVELS):
         place = np.minimum((t / cycle).astype(int), 3)
         pushes = (t - place * cycle) >= _PAUSE
