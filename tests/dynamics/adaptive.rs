@@ -95,28 +95,32 @@ fn events_are_where_exact_propagation_has_them() {
 /// The error follows the tolerance for every law, whatever happens on the way.
 #[test]
 fn tighter_tolerances_come_closer() {
+    let mut faults = String::new();
     for law in dry_laws() {
         // Friction that jumps along the way is met by steps of any size alike.
         let jumps = law.info.name == "patch";
-        // Drag that rises infinitely steeply from rest has no derivative there that
-        // an error estimate could follow.
-        let steep = law.info.name == "power_drag";
+        // Nor has an error estimate derivatives to follow at the joints of a track, or
+        // where drag rises infinitely steeply from rest.
+        let bent = ["power_drag", "track"].contains(&law.info.name);
         for drive in [DriveKind::Sine, DriveKind::Ramp, DriveKind::Pulse] {
             let case = Case::usual(law.info.name, drive).by("dormand_prince");
             let at = |tolerance: f64| case.clone().with(&[("tolerance", tolerance)]);
             let names = ["final_position", "final_speed", "work_in", "dissipated"];
             let known = at(1e-12).get(&names);
             for tolerance in [1e-4, 1e-6, 1e-8] {
-                let floor = if jumps { 1e-4 } else { 0.0 } + if steep { 1e-5 } else { 0.0 };
+                let floor = if jumps { 1e-4 } else { 0.0 } + if bent { 1e-5 } else { 0.0 };
                 let allowed = floor + 100.0 * tolerance;
                 for (name, (a, b)) in names.iter().zip(known.iter().zip(at(tolerance).get(&names)))
                 {
                     let miss = (a - b).abs() / a.abs().max(0.01);
-                    assert!(miss < allowed, "{} {name} at {tolerance:e}: {miss:e}", case.name());
+                    if miss >= allowed {
+                        faults += &format!("\n{} {name} at {tolerance:e}: {miss:e}", case.name());
+                    }
                 }
             }
         }
     }
+    assert!(faults.is_empty(), "{faults}");
 }
 
 /// A run without anything that would shorten a step, but for what lies ahead.
@@ -137,9 +141,9 @@ fn nothing_along_the_way_is_stepped_over() {
 fn fixed_and_adaptive_steps_agree() {
     for law in dry_laws() {
         let jumps = law.info.name == "patch";
-        // Drag that rises infinitely steeply from rest has no derivative there that
-        // an error estimate could follow.
-        let steep = law.info.name == "power_drag";
+        // Nor has an error estimate derivatives to follow at the joints of a track, or
+        // where drag rises infinitely steeply from rest.
+        let bent = ["power_drag", "track"].contains(&law.info.name);
         for drive in DriveKind::ALL {
             let case = Case::usual(law.info.name, *drive);
             let tight = case.clone().with(&[("tolerance", 1e-10)]).by("dormand_prince");

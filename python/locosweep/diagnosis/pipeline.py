@@ -91,12 +91,11 @@ def diagnose(
     >>> import locosweep as ls
     >>> from locosweep.files import Robot
     >>> robot = Robot({"mass": 0.2, "mu_coulomb": 0.3, "gravity": 9.81, "segments": 4.0})
-    >>> t = np.linspace(0.0, 2.0, 201)
-    >>> drive = np.where(t > 0.1, 0.8 + 0.2 * np.sin(6.0 * t), 0.0)
+    >>> t = np.linspace(0.0, 1.0, 101)
+    >>> drive = np.where(t > 0.1, 0.5, 0.0)
     >>> noise = np.random.default_rng(0).normal(0.0, 1e-5, t.size)
-    >>> runs = {"t": t, "drive": drive, "x": noise}
-    >>> ls.diagnose(runs, robot).status in ("explained", "ambiguous", "unexplained")
-    True
+    >>> ls.diagnose({"t": t, "drive": drive, "x": noise}, robot).status
+    'none'
     """
     if not 1 <= max_effects <= 3:
         raise InputError(f"max_effects is {max_effects}: allowed is 1 to 3")
