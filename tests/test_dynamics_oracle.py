@@ -427,7 +427,10 @@ class TestDenseOutput:
         )
         assert few.method == many.method == "dormand_prince"
         for field in ("x", "v", "force", "way"):
-            np.testing.assert_array_equal(getattr(few, field), getattr(many, field)[::1000])
+            # The times that are asked for differ by rounding themselves.
+            expected = getattr(many, field)[::1000]
+            size = np.abs(expected).max()
+            np.testing.assert_allclose(getattr(few, field), expected, rtol=0, atol=1e-13 * size)
         assert 0.05 < np.mean(many.way == 0) < 0.95
 
     def test_samples_are_those_of_small_steps(self) -> None:

@@ -289,7 +289,7 @@ class TestOrder:
             # The jump from static to Coulomb friction, missed by up to a step.
             ("static_viscous", "runge_kutta", True, 4, 0.03),
             ("static_viscous", "runge_kutta", False, 1, 0.004),
-            ("stribeck", "dormand_prince_fixed", True, 5, 0.1),
+            ("stribeck", "dormand_prince_fixed", True, 5, 0.04),
             ("static_viscous", "dormand_prince_fixed", True, 5, 0.1),
             ("static_viscous", "dormand_prince_fixed", False, 1, 0.004),
             ("tanh", "runge_kutta", True, 4, 0.016),
