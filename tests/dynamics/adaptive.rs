@@ -141,9 +141,6 @@ fn nothing_along_the_way_is_stepped_over() {
 fn fixed_and_adaptive_steps_agree() {
     for law in dry_laws() {
         let jumps = law.info.name == "patch";
-        // Nor has an error estimate derivatives to follow at the joints of a track, or
-        // where drag rises infinitely steeply from rest.
-        let bent = ["power_drag", "track"].contains(&law.info.name);
         for drive in DriveKind::ALL {
             let case = Case::usual(law.info.name, *drive);
             let tight = case.clone().with(&[("tolerance", 1e-10)]).by("dormand_prince");
