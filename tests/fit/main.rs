@@ -10,7 +10,7 @@ mod velocity;
 pub struct Uniform(pub u64);
 
 impl Uniform {
-    pub fn next(&mut self) -> f64 {
+    pub fn draw(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
     }
