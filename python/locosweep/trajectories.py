@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["Trajectories", "simulate"]
 
 _FIELDS = 4
+_ADAPTIVE, _FIXED = "dormand_prince", "runge_kutta"
 
 
 @dataclass(frozen=True)
@@ -101,7 +102,8 @@ def simulate(
         Axes and fixed values. Without it, all parameters come from ``fixed``.
     law, drive, method, table
         As in `sweep`; without a method dry laws that are not exact take adaptive
-        steps with dense output, which ``samples`` do not shorten.
+        steps with dense output, which ``samples`` do not shorten, and fixed ones where
+        those do not come to an end.
     samples : int
         Evenly spread times from 0 to the duration at which motion is kept.
     threads, memory_limit, progress, token
@@ -149,6 +151,14 @@ def simulate(
     shares = np.linspace(0.0, 1.0, count)
     meter = Meter("simulate") if progress is True else progress or None
     fields = job.trace(shares, workers, meter, token)
+    chosen = job.choice
+    adaptive = method is None and chosen is not None and chosen[2] == _ADAPTIVE
+    if adaptive and not np.isfinite(fields[0]).all():
+        # Resistance that rises infinitely steeply from rest has no error estimate.
+        return simulate(
+            grid, law=law, drive=drive, method=_FIXED, samples=samples, table=table,
+            threads=threads, memory_limit=memory_limit, progress=progress, token=token,
+        )  # fmt: skip
     shape = (*job.shape, count)
     x, v, force, way = (field.reshape(shape) for field in fields)
     values = dict(job.fixed)

@@ -26,6 +26,8 @@ GAIN = 20.0
 With 25 candidates of one to three parameters, noise alone gains as much in fewer
 than one of two hundred sets of runs.
 """
+OWN = 6.0
+"""What of that it has to gain on the runs that it is fitted to."""
 TIE = 12.0
 """Difference in chi2 below which two explanations tie: effects that lie 2 deviations
 apart differ by less in 99 of 100 sets of runs."""
@@ -84,7 +86,7 @@ def choose(search: Search, most: int) -> Choice:
     search.report("single effects")
     singles = sorted(search.singles(), key=lambda fit: total(search, fit))
     best = singles[0] if singles else none
-    if total(search, none) - total(search, best) < GAIN:
+    if not _gains(search, none, best):
         rest = _rest(problem, none)
         status = "unexplained" if rest else "none"
         choice = Choice(status, none, lack_of(problem, none.residual), shape=rest)
@@ -107,7 +109,8 @@ def choose(search: Search, most: int) -> Choice:
             more = [s for s in _seeds(level, _WIDE) if s not in seeds and s.chi2 < _FAR * best.chi2]
             deeper += search.deepen(more, len(more))
             deeper.sort(key=lambda fit: total(search, fit))
-        if not deeper or total(search, found) - total(search, deeper[0]) < GAIN:
+        deeper = [fit for fit in deeper if _gains(search, found, fit)]
+        if not deeper:
             break
         level, found = deeper, deeper[0]
     rest = [] if mismatch else _rest(problem, found)
@@ -121,6 +124,16 @@ def choose(search: Search, most: int) -> Choice:
     status = "explained" if all(len(c) == 1 for c in classes) and not sets else "ambiguous"
     choice = Choice(status, found, lack, classes, sets, mismatch)
     return _with_ranks(search, choice, [none, *singles, *level, *rivals])
+
+
+def _gains(search: Search, old: Fit, new: Fit) -> bool:
+    """Whether more effects are worth it, on the runs that are fitted too.
+
+    A prediction alone does not say so: that of the simpler model may be off by no
+    more than its parameters are uncertain.
+    """
+    whole = total(search, old) - total(search, new)
+    return whole >= GAIN and search.score(old) - search.score(new) >= OWN
 
 
 def _rest(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
