@@ -137,9 +137,9 @@ class Problem:
                 changes = np.flatnonzero(run.drive != run.drive[0])
                 still = int(changes[0]) + 1 if changes.size and run.drive[0] == 0.0 else 1
                 before = y[:still][np.isfinite(y[:still])]
-                count = max(1, before.size)
                 known = y[np.isfinite(y)]
-                prior.append(np.sqrt(noise.sd**2 / count + noise.stuck**2))
+                # That of one sample: a bristle may give way while the drive rests.
+                prior.append(float(np.hypot(noise.sd, noise.stuck)))
                 level.append(
                     float(before.mean()) if before.size else float(known[0]) if known.size else 0.0
                 )
