@@ -6,6 +6,7 @@ import re
 from html.parser import HTMLParser
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
@@ -139,7 +140,6 @@ class TestReport:
 
     @pytest.mark.skipif("LOCOSWEEP_DATA" not in os.environ, reason="LOCOSWEEP_DATA is not set")
     def test_the_case_of_these_tests_has_the_form_of_reports(self, found, hostile, tmp_path):
-        jsonschema = pytest.importorskip("jsonschema")
         file = Path(os.environ["LOCOSWEEP_DATA"]) / "contracts" / "report.schema.json"
         schema = json.loads(file.read_text())
         for one in (found, hostile, made(tmp_path, effects={})):

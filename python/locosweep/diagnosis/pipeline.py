@@ -131,7 +131,7 @@ def _read(
     elif hasattr(runs, "items"):
         try:
             frame = pl.DataFrame({str(k): np.asarray(v) for k, v in runs.items()})
-        except Exception as error:
+        except (TypeError, ValueError, pl.exceptions.PolarsError) as error:
             raise InputError(f"runs: not columns of one length: {error}") from None
     else:
         records, notices = load_runs(runs, columns, units)
