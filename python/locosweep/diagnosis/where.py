@@ -179,6 +179,16 @@ def regime_shares(
     return [{"regime": name, "share": share} for name, share in found if share > 0.0]
 
 
+def _swept(x: NDArray[np.float64], v: NDArray[np.float64], deviation: float) -> NDArray[np.float64]:
+    """Return the distance swept forward since the head last rested or turned."""
+    forward = v > 3.0 * deviation + 0.01 * float(np.abs(v).max(initial=0.0))
+    starts = np.where(forward, np.nan, x)
+    last = np.maximum.accumulate(np.where(forward, 0, np.arange(x.size)))
+    base = np.where(np.isnan(starts[last]), x[0], starts[last])
+    swept: NDArray[np.float64] = np.where(forward, x - base, 0.0)
+    return swept
+
+
 def force_view(problem: Problem, point: Point, mass: float) -> dict[str, Any]:
     """Return the force that the model lacks, over each variable it may depend on.
 
@@ -187,6 +197,7 @@ def force_view(problem: Problem, point: Point, mass: float) -> dict[str, Any]:
     """
     count = int(np.clip(problem.count / (len(problem.runs) * 25), 10, 60))
     cuts = _cuts(problem, count)
+    swept = {r: _swept(*measured_motion(problem, r)) for r in range(len(problem.runs))}
     rows = []
     for (r, a, b), (t, e) in zip(cuts, _restarted(problem, point, cuts), strict=True):
         x, v, deviation = measured_motion(problem, r)
@@ -203,7 +214,7 @@ def force_view(problem: Problem, point: Point, mass: float) -> dict[str, Any]:
                 float(x[a:b].mean()),
                 float(run.since_start[a:b].mean()),
                 float(run.drive[a:b].mean() * problem.nominal["gain"]),
-                float(x[a:b].mean() - x[0]),
+                float(swept[r][a:b].mean()),
             )
         )
     if len(rows) < 8:
