@@ -31,7 +31,10 @@ fn dry<Q: Dry>(segment: &Segment<f64>, values: &Values, method: &str) -> Tally<f
         "dormand_prince_fixed" => {
             end(segment, DormandPrince::<Q, _>::new(segment, set, (false, true), go_on))
         }
-        _ => end(segment, RungeKutta::<Q, f64, _> { segment, set, locate: true, go_on }),
+        _ => {
+            let step = segment.step;
+            end(segment, RungeKutta::<Q, f64, _> { segment, set, locate: true, step, go_on })
+        }
     }
 }
 

@@ -64,7 +64,7 @@ impl<Q: Dry, L: Lane, F: FnMut() -> bool> Advance<L> for Exact<'_, '_, Q, L, F> 
         while L::any(state.t.lt(until)) {
             let end = self.segment.drive.piece_end(state.clock.piece);
             let active = state.t.lt(until);
-            let to = self.segment.drive.leg_end(state.t, end.min(until));
+            let to = end.min(until);
             self.piece(state, tally, to);
             let over = L::and(active, end.le(to));
             self.segment.drive.turn_over(&mut state.clock, end, over);

@@ -27,11 +27,6 @@ struct Four<L> {
     sv: L,
 }
 
-/// Lightest drive side, as a share of the head's mass.
-const LIGHTEST: f64 = 1e-3;
-/// Fastest oscillation of the joint, rad/s: what is stiffer gives way by less
-/// than a micrometre under a newton at these masses.
-const FASTEST: f64 = 5e4;
 /// Events that one step may hold before its trajectory is given up: a heap of
 /// lubricant that levels out at every stop can make a stiff joint chatter.
 const MOST_EVENTS: u32 = 20;
@@ -44,13 +39,7 @@ impl<'a, 'b, Q: Dry, L: Lane> Joined<'a, 'b, Q, L> {
         start: &State<L>,
     ) -> Self {
         let zero = start.x.with(0.0);
-        // A mass that no longer matters and a joint that no longer gives are as
-        // light and as stiff as steps can follow.
-        let mut joint = joint;
-        joint.mass = joint.mass.max(segment.mass * LIGHTEST);
-        let reduced = (segment.mass * joint.mass) / (segment.mass + joint.mass);
-        joint.stiffness = joint.stiffness.min(reduced * (FASTEST * FASTEST));
-        joint.damping = joint.damping.min(reduced * (2.0 * FASTEST));
+        let (joint, reduced) = joint.followed(segment.mass);
         // A spring starts loaded by the first force, a gap in its middle.
         let first = segment.commanded(zero, &start.clock);
         let loaded = if joint.is_spring { first / joint.stiffness } else { zero };

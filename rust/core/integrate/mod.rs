@@ -15,6 +15,7 @@ pub mod robot;
 pub mod runge_kutta;
 mod settle;
 pub mod smooth;
+pub mod switched;
 mod tally;
 
 pub use tally::{Tally, Watch};

@@ -6,6 +6,7 @@ use super::exact::Exact;
 use super::joined::Joined;
 use super::runge_kutta::RungeKutta;
 use super::settle::Cubic;
+use super::switched::{Link, Switched};
 use super::{Advance, State, Tally, Watch};
 use crate::lane::Lane;
 use crate::physics::drive::{Drive, DriveKind, Path, Table};
@@ -22,6 +23,8 @@ pub struct Samples<'a> {
     pub drive: &'a [f64],
     /// The window that is replayed: first sample and one beyond the last.
     pub window: (usize, usize),
+    /// The usual time between samples.
+    pub interval: f64,
 }
 
 impl Samples<'_> {
@@ -42,12 +45,15 @@ impl Samples<'_> {
     }
 }
 
-/// Longest step of the methods that take steps, s: where friction is a smooth
-/// function of speed, and where it has steep parts along speed or track.
-const STEP: f64 = 2.5e-3;
+/// Longest step of smooth motion, as a share of the time over which it changes.
+const SHARE: f64 = 0.25;
+/// Steps between two samples behind a lag, at most.
+const MOST_STEPS: f64 = 64.0;
+/// Shortest step for the sake of friction that is steep along speed or track, and the
+/// longest where a joint oscillates beside it, s.
 const STEEP: f64 = 1e-3;
-/// Local error of the stiff method.
-const TOLERANCE: f64 = 1e-5;
+/// Local error of the stiff method: what it leaves is far below what sensors see.
+const TOLERANCE: f64 = 1e-4;
 
 /// What the sensors would read at one sample; the position without its sensor's
 /// own effects.
@@ -71,7 +77,8 @@ impl<L: Lane> Given<L> for Plain<L> {
 }
 
 fn segment<'a, L: Lane>(
-    plant: &'a Plant<L>,
+    plant: &Plant<L>,
+    path: &'a Path<L>,
     samples: Samples<'a>,
     (x, v): (L, L),
 ) -> Segment<'a, L> {
@@ -79,13 +86,7 @@ fn segment<'a, L: Lane>(
     let one = zero.with(1.0);
     let table = Table { times: samples.times, values: samples.drive };
     let mut drive = Drive::new(DriveKind::Table, table, &Plain(zero));
-    drive.path = Some(&plant.path);
-    // Steps follow the fastest of what a step must resolve.
-    let lag = (one / plant.path.per_lag) * 0.5;
-    let steep =
-        [Effect::StribeckFriction, Effect::PositionDependentFriction, Effect::PreslidingCompliance];
-    let step = zero.with(if plant.active.any(&steep) { STEEP } else { STEP });
-    let step = if plant.path.lags { step.min(lag.max(zero.with(1e-5))) } else { step };
+    drive.path = Some(path);
     Segment {
         mass: plant.mass,
         per_mass: one / plant.mass,
@@ -101,7 +102,7 @@ fn segment<'a, L: Lane>(
         x,
         v,
         duration: zero.with(samples.times.last().copied().unwrap_or(0.0)),
-        step,
+        step: zero.with(STEEP.min(samples.interval)),
         tolerance: zero.with(TOLERANCE),
         target: zero.with(f64::INFINITY),
     }
@@ -118,14 +119,34 @@ pub fn head<L: Lane>(
     go_on: impl FnMut() -> bool + Copy,
     mut read: impl FnMut(usize, Reading<L>),
 ) {
-    let segment = segment(plant, samples, start);
+    // A lag that stands before plain friction is part of the state.
+    let behind_lag = plant.path.lags && plant.joint.is_none() && plant.is_linear();
+    let path = Path { lags: plant.path.lags && !behind_lag, ..plant.path };
+    let segment = segment(plant, &path, samples, start);
     let mut state = samples.start(&segment);
     let mut tally = Tally::start(&segment, NOTHING);
     let zero = start.0.with(0.0);
     let set = plant.friction;
+    let mut go_on = go_on;
+    let link = match plant.joint {
+        Some(joint) if plant.is_linear() => Some(Link::Joint(joint)),
+        None if behind_lag => Some(Link::Lag(plant.path.per_lag)),
+        _ => None,
+    };
+    if let Some(link) = link {
+        let mut method = Switched::new(&segment, set, link, &state, samples.interval);
+        for (i, t) in samples.instants() {
+            method.advance(&mut state, &mut tally, zero.with(t));
+            let force = (-plant.emf).mul_add(state.v, method.force());
+            read(i, Reading { x: state.x, v: state.v, force });
+            if !go_on() {
+                return;
+            }
+        }
+        return;
+    }
     if let Some(joint) = plant.joint {
         let mut method = Joined::<Measured, L>::new(&segment, set, joint, &state);
-        let mut go_on = go_on;
         for (i, t) in samples.instants() {
             method.advance(&mut state, &mut tally, zero.with(t));
             let force = method.force(state.x, state.v, method.side);
@@ -139,27 +160,49 @@ pub fn head<L: Lane>(
     }
     if plant.active.has(Effect::PreslidingCompliance) {
         let method = Rosenbrock::<Measured, L, _>::new(&segment, set, true, go_on);
-        over_samples(plant, &segment, method, &mut state, &mut tally, samples, read);
+        over_samples(plant, &segment, method, |_, _| {}, &mut state, &mut tally, samples, read);
     } else if plant.is_linear() {
         let method = Exact::<Measured, L, _> { segment: &segment, set, go_on };
-        over_samples(plant, &segment, method, &mut state, &mut tally, samples, read);
+        over_samples(plant, &segment, method, |_, _| {}, &mut state, &mut tally, samples, read);
     } else {
-        let method = RungeKutta::<Measured, L, _> { segment: &segment, set, locate: true, go_on };
-        over_samples(plant, &segment, method, &mut state, &mut tally, samples, read);
+        let step = segment.step;
+        let method =
+            RungeKutta::<Measured, L, _> { segment: &segment, set, locate: true, step, go_on };
+        let long = zero.with(samples.interval);
+        let steep = zero.with(STEEP);
+        let least = zero.with(samples.interval / MOST_STEPS);
+        let lag = (zero.with(0.5) / plant.path.per_lag).max(least);
+        let changes =
+            plant.active.any(&[Effect::StribeckFriction, Effect::PositionDependentFriction]);
+        // Every lane takes the steps that its own motion needs.
+        let sized = |method: &mut RungeKutta<Measured, L, _>, state: &State<L>| {
+            let a = if changes { method.acceleration(state) } else { zero };
+            let mut step = (zero.with(SHARE) / plant.pace(state.v, a, long)).max(steep);
+            if plant.path.lags {
+                step = step.min(lag);
+            }
+            // As many equal ones as fill an interval.
+            let count = (long / step.min(long) * (1.0 - 1e-9)).floor() + 1.0;
+            method.step = long / count;
+        };
+        over_samples(plant, &segment, method, sized, &mut state, &mut tally, samples, read);
     }
 }
 
 #[inline(always)]
-fn over_samples<L: Lane>(
+#[allow(clippy::too_many_arguments)]
+fn over_samples<L: Lane, M: Advance<L>>(
     plant: &Plant<L>,
     segment: &Segment<L>,
-    mut method: impl Advance<L>,
+    mut method: M,
+    ready: impl Fn(&mut M, &State<L>),
     state: &mut State<L>,
     tally: &mut Tally<L>,
     samples: Samples,
     mut read: impl FnMut(usize, Reading<L>),
 ) {
     for (i, t) in samples.instants() {
+        ready(&mut method, state);
         if !method.advance(state, tally, state.t.with(t)) {
             return;
         }
@@ -189,8 +232,7 @@ pub fn body<L: Lane>(
     friction.per_stribeck = zero.with(1e30);
     friction.exponent = zero.with(1.0);
     let back = Path { gain: -plant.path.gain, ..plant.path };
-    let mut own = segment(plant, samples, (zero, zero));
-    own.drive.path = Some(&back);
+    let mut own = segment(plant, &back, samples, (zero, zero));
     own.mass = body.mass;
     own.per_mass = zero.with(1.0) / body.mass;
     own.weight = body.weight;

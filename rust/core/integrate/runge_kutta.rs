@@ -16,6 +16,8 @@ pub struct RungeKutta<'a, 'b, Q: Dry, L: Lane, F> {
     pub segment: &'b Segment<'a, L>,
     pub set: Q::Set<L>,
     pub locate: bool,
+    /// Longest step.
+    pub step: L,
     pub go_on: F,
 }
 
@@ -39,7 +41,7 @@ struct Step<L> {
 impl<Q: Dry, L: Lane, F: FnMut() -> bool> Advance<L> for RungeKutta<'_, '_, Q, L, F> {
     #[inline(always)]
     fn advance(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) -> bool {
-        let h = self.segment.step;
+        let h = self.step;
         let (mut from, mut taken) = (state.t, h.with(0.0));
         let mut count = 0;
         while L::any(state.t.lt(until)) {
@@ -73,7 +75,7 @@ impl<Q: Dry, L: Lane, F: FnMut() -> bool> Advance<L> for RungeKutta<'_, '_, Q, L
 
     #[inline(always)]
     fn steps(&self, duration: L) -> L {
-        duration / self.segment.step + self.segment.drive.pieces(duration)
+        duration / self.step + self.segment.drive.pieces(duration)
     }
 }
 
@@ -81,6 +83,14 @@ impl<'a, Q: Dry, L: Lane, F: FnMut() -> bool> RungeKutta<'a, '_, Q, L, F> {
     #[inline(always)]
     fn ground(&self) -> Ground<'a, '_, Q, L> {
         Ground { segment: self.segment, set: &self.set }
+    }
+
+    /// Acceleration now; 0 at rest.
+    #[inline(always)]
+    pub fn acceleration(&self, state: &State<L>) -> L {
+        let zero = state.t.with(0.0);
+        let slope = self.ground().slope(state, state.t, state.x, state.v).0;
+        L::select(zero.lt(state.way.abs()), slope, zero)
     }
 
     /// One step of sliding from `state`.
@@ -146,11 +156,14 @@ impl<'a, Q: Dry, L: Lane, F: FnMut() -> bool> RungeKutta<'a, '_, Q, L, F> {
         let still = L::not(zero.lt(state.v.abs()));
         state.way = L::select(still, zero, state.way);
         let moving = zero.lt(state.way.abs());
+        let resting = L::not(moving);
         // Most steps hold no event in any lane.
-        if !L::any(L::not(moving)) {
-            let step = self.slide(state, dt, tally.watch.energy);
-            if !L::any(self.stops(state, &step, dt)) {
+        if !L::any(resting) || (self.locate && self.stays(state, resting, dt)) {
+            let length = L::select(moving, dt, zero);
+            let step = self.slide(state, length, tally.watch.energy);
+            if !L::any(L::and(moving, self.stops(state, &step, dt))) {
                 take(self.segment, Q::PLACED, state, tally, &step, dt, moving);
+                tally.stuck = L::select(resting, tally.stuck + dt, tally.stuck);
                 return;
             }
         }
@@ -158,6 +171,18 @@ impl<'a, Q: Dry, L: Lane, F: FnMut() -> bool> RungeKutta<'a, '_, Q, L, F> {
             #[inline(always)]
             || self.eventful(state, tally, dt),
         );
+    }
+
+    /// Whether friction holds all resting lanes over a step: at its ends and by the
+    /// parabola through its middle, as a wait would find.
+    #[inline(always)]
+    fn stays(&self, state: &State<L>, resting: L::Mask, dt: L) -> bool {
+        let ground = self.ground();
+        if L::any(L::and(resting, dt.with(0.0).lt(ground.excess(state, state.t).1))) {
+            return false;
+        }
+        let (_, way) = ground.wait(state, dt, true);
+        !L::any(L::and(resting, dt.with(0.0).lt(way.abs())))
     }
 
     /// Lanes whose speed passes zero within the step.

@@ -10,6 +10,14 @@ use super::Lane;
 /// e^x for x in [-700, 700] (clamped there), within 1 ulp.
 #[inline(always)]
 pub fn exp<L: Lane>(x: L) -> L {
+    x.shared(
+        #[inline(always)]
+        || exp_here(x),
+    )
+}
+
+#[inline(always)]
+fn exp_here<L: Lane>(x: L) -> L {
     let x = x.max(x.with(-700.0)).min(x.with(700.0));
     let k = (x * std::f64::consts::LOG2_E).round();
     (reduced(x, k) + 1.0) * k.exp2_whole()
@@ -44,6 +52,14 @@ fn reduced<L: Lane>(x: L, k: L) -> L {
 /// e^x - 1 for x in [-700, 700], within 2 ulp.
 #[inline(always)]
 pub fn exp_less_one<L: Lane>(x: L) -> L {
+    x.shared(
+        #[inline(always)]
+        || exp_less_one_here(x),
+    )
+}
+
+#[inline(always)]
+fn exp_less_one_here<L: Lane>(x: L) -> L {
     let x = x.max(x.with(-700.0)).min(x.with(700.0));
     let k = (x * std::f64::consts::LOG2_E).round();
     let power = k.exp2_whole();
@@ -85,6 +101,14 @@ pub fn speed_factor<L: Lane>(x: L) -> L {
 /// computed, and the one that is not needed changes no lane.
 #[inline(always)]
 pub fn motion_factors<L: Lane>(x: L) -> (L, L, L) {
+    x.shared(
+        #[inline(always)]
+        || motion_factors_here(x),
+    )
+}
+
+#[inline(always)]
+fn motion_factors_here<L: Lane>(x: L) -> (L, L, L) {
     let one = x.with(1.0);
     let is_near = x.lt(one);
     let near = x.min(one);

@@ -11,6 +11,14 @@ use super::exp::exp;
 /// ln(x): minus infinity at 0, NaN below; within 1 ulp.
 #[inline(always)]
 pub fn ln<L: Lane>(x: L) -> L {
+    x.shared(
+        #[inline(always)]
+        || ln_here(x),
+    )
+}
+
+#[inline(always)]
+fn ln_here<L: Lane>(x: L) -> L {
     let (high, low) = parts(x);
     at_the_ends(x, high + low)
 }
@@ -18,6 +26,14 @@ pub fn ln<L: Lane>(x: L) -> L {
 /// ln(1 + x) for x > -1, with all digits near 0; within 1 ulp.
 #[inline(always)]
 pub fn ln_1p<L: Lane>(x: L) -> L {
+    x.shared(
+        #[inline(always)]
+        || ln_1p_here(x),
+    )
+}
+
+#[inline(always)]
+fn ln_1p_here<L: Lane>(x: L) -> L {
     let u = x + 1.0;
     // What the sum rounded away (Knuth), whichever of 1 and x is larger.
     let back = u - 1.0;
@@ -33,6 +49,14 @@ pub fn ln_1p<L: Lane>(x: L) -> L {
 /// x^0 is 1. Within 2 ulp.
 #[inline(always)]
 pub fn power<L: Lane>(x: L, p: L) -> L {
+    x.shared(
+        #[inline(always)]
+        || power_here(x, p),
+    )
+}
+
+#[inline(always)]
+fn power_here<L: Lane>(x: L, p: L) -> L {
     let zero = x.with(0.0);
     let (high, low) = parts(x.min(x.with(f64::MAX)));
     let product = high * p;

@@ -86,6 +86,13 @@ pub trait Lane:
     /// kernel that might need them.
     fn apart<R>(self, f: impl FnOnce() -> R) -> R;
 
+    /// The same for parts that vectors are faster without: only plain numbers, whose
+    /// kernels would grow several times over, call them.
+    #[inline(always)]
+    fn shared<R>(self, f: impl FnOnce() -> R) -> R {
+        f()
+    }
+
     #[inline(always)]
     fn gt(self, other: Self) -> Self::Mask {
         other.lt(self)
@@ -213,6 +220,14 @@ impl Lane for f64 {
     }
     #[inline(always)]
     fn apart<R>(self, f: impl FnOnce() -> R) -> R {
-        f()
+        #[inline(never)]
+        fn called<R>(f: impl FnOnce() -> R) -> R {
+            f()
+        }
+        called(f)
+    }
+    #[inline(always)]
+    fn shared<R>(self, f: impl FnOnce() -> R) -> R {
+        self.apart(f)
     }
 }

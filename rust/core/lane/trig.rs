@@ -6,6 +6,14 @@ use super::Lane;
 /// sin(2 pi x), exact at multiples of a quarter; within 1 ulp for |x| < 2^51.
 #[inline(always)]
 pub fn sin_turns<L: Lane>(x: L) -> L {
+    x.shared(
+        #[inline(always)]
+        || sin_turns_here(x),
+    )
+}
+
+#[inline(always)]
+fn sin_turns_here<L: Lane>(x: L) -> L {
     let quarter = Quarter::of(x);
     let size = L::select(quarter.odd, quarter.cos(), quarter.sin());
     // Quarters -2, -1, 0, 1, 2: -sin, -cos, sin, cos, -sin.
@@ -16,6 +24,14 @@ pub fn sin_turns<L: Lane>(x: L) -> L {
 /// cos(2 pi x), exact at multiples of a quarter; within 1 ulp for |x| < 2^51.
 #[inline(always)]
 pub fn cos_turns<L: Lane>(x: L) -> L {
+    x.shared(
+        #[inline(always)]
+        || cos_turns_here(x),
+    )
+}
+
+#[inline(always)]
+fn cos_turns_here<L: Lane>(x: L) -> L {
     let quarter = Quarter::of(x);
     let size = L::select(quarter.odd, quarter.sin(), quarter.cos());
     // Quarters -2, -1, 0, 1, 2: -cos, sin, cos, -sin, -cos.

@@ -297,21 +297,6 @@ impl<'a, L: Lane> Drive<'a, L> {
         }
     }
 
-    /// Where a stretch with one mean force ends: at `end`, or before where a lag
-    /// bends the force.
-    #[inline(always)]
-    pub fn leg_end(&self, t: L, end: L) -> L {
-        match self.path {
-            Some(path) if path.lags => {
-                let leg = (t.with(1.0 / 64.0) / path.per_lag).max(t.with(5e-5));
-                let next = t + leg;
-                // What would be left of less than a rounding error is taken along.
-                L::select((t + leg * (1.0 + 1e-9)).lt(end), next, end)
-            }
-            _ => end,
-        }
-    }
-
     /// The clock of a run that begins at `start`.
     #[inline(always)]
     pub fn clock(&self, start: L) -> Clock<L> {

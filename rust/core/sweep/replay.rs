@@ -6,7 +6,7 @@ use super::run::Control;
 use crate::error::{Error, Result};
 use crate::integrate::replay::{Reading, Samples, body, head, sensed};
 use crate::lane::{Level, Pack, Task, run};
-use crate::physics::effects::{Active, EFFECT_PARAMS, Nominal, Plant};
+use crate::physics::effects::{Active, EFFECT_PARAMS, Effect, Nominal, Plant};
 use std::sync::atomic::Ordering;
 use std::sync::{Mutex, PoisonError};
 
@@ -84,7 +84,11 @@ pub fn replay(
     let key = |column: &Column| (column.run, column.window, column.active);
     let parts = found.parts(columns.iter().map(length));
     let mut order: Vec<(&Column, Part<'_>)> = columns.iter().zip(parts).collect();
-    order.sort_by_key(|(column, _)| key(column));
+    // Those of one pace stand together: a pack takes the steps of its slowest lane.
+    order.sort_by(|(a, _), (b, _)| {
+        key(a).cmp(&key(b)).then_with(|| stiffness(a).total_cmp(&stiffness(b)))
+    });
+    let intervals: Vec<f64> = runs.iter().map(interval).collect();
     let groups: Vec<&mut [(&Column, Part<'_>)]> = order
         .chunk_by_mut(|(a, _), (b, _)| key(a) == key(b))
         .flat_map(|group| group.chunks_mut(PACK))
@@ -97,7 +101,7 @@ pub fn replay(
                 return;
             }
             let count = group.len() as u64;
-            run(level, Group { nominal, runs, group, control });
+            run(level, Group { nominal, runs, intervals: &intervals, group, control });
             control.done.fetch_add(count, Ordering::Relaxed);
         }
     };
@@ -117,12 +121,34 @@ pub fn replay(
     Ok(found)
 }
 
+/// Grows with how short the steps of a column are.
+fn stiffness(column: &Column) -> f64 {
+    let value = |effect: Effect, i: usize| {
+        let value = column.values[effect.first() + i].abs();
+        if column.active.has(effect) && value > 0.0 { value.ln() } else { 0.0 }
+    };
+    value(Effect::PreslidingCompliance, 0)
+        - value(Effect::StribeckFriction, 1)
+        - value(Effect::PositionDependentFriction, 1)
+        + value(Effect::TransmissionCompliance, 0)
+        - value(Effect::TransmissionCompliance, 2)
+        - value(Effect::TransmissionBacklash, 1)
+}
+
+/// The usual time between samples: their median.
+fn interval(run: &Run) -> f64 {
+    let mut steps: Vec<f64> = run.times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let middle = steps.len() / 2;
+    if steps.is_empty() { 1.0 } else { *steps.select_nth_unstable_by(middle, f64::total_cmp).1 }
+}
+
 /// Columns that one task takes: the widest pack.
 const PACK: usize = 16;
 
 struct Group<'a, 'b, 'c> {
     nominal: &'a Nominal,
     runs: &'a [Run],
+    intervals: &'a [f64],
     group: &'b mut [(&'a Column, Part<'c>)],
     control: &'a Control,
 }
@@ -133,7 +159,7 @@ impl Task for Group<'_, '_, '_> {
 
     #[inline(always)]
     fn run<P: Pack>(self, token: P::Token) {
-        let Group { nominal, runs, group, control } = self;
+        let Group { nominal, runs, intervals, group, control } = self;
         let go_on = || !control.cancel.load(Ordering::Relaxed);
         let like = P::splat(token, 0.0);
         let nothing = Reading { x: like, v: like, force: like };
@@ -148,7 +174,9 @@ impl Task for Group<'_, '_, '_> {
             let shares: [P; 4] = std::array::from_fn(|k| like.fill(|lane| column(lane).shares[k]));
             let start =
                 (like.fill(|lane| column(lane).start.0), like.fill(|lane| column(lane).start.1));
-            let samples = Samples { times: &run.times, drive: &run.drive, window: (from, to) };
+            let interval = intervals[first.run];
+            let window = (from, to);
+            let samples = Samples { times: &run.times, drive: &run.drive, window, interval };
             let count = to - from;
             let [mass, level, gain, clock] = shares;
             let plant = Plant::new(

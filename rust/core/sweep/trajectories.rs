@@ -230,8 +230,8 @@ impl<Q: Dry> Task for DryRuns<'_, Q> {
                     let method = Exact::<Q, P, _> { segment, set, go_on };
                     return visit.drive(method, watch);
                 }
-                let locate = simulation.locate;
-                visit.drive(RungeKutta::<Q, P, _> { segment, set, locate, go_on }, watch)
+                let (locate, step) = (simulation.locate, segment.step);
+                visit.drive(RungeKutta::<Q, P, _> { segment, set, locate, step, go_on }, watch)
             },
         );
     }

@@ -6,7 +6,7 @@
 mod friction;
 mod plant;
 
-pub use friction::Measured;
+pub use friction::{Coefficients, Measured};
 pub use plant::{Body, Joint, Levels, Nominal, Plant};
 
 use crate::describe::{Param, nearest};

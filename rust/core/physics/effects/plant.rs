@@ -52,6 +52,26 @@ pub struct Joint<L> {
     pub is_spring: bool,
 }
 
+/// Lightest drive side, as a share of the head's mass.
+const LIGHTEST: f64 = 1e-3;
+/// Fastest oscillation of a joint, rad/s: what is stiffer gives way by about a
+/// micrometre at ten metres per second squared.
+const FASTEST: f64 = 3e3;
+
+impl<L: Lane> Joint<L> {
+    /// The joint as integrators follow it, and the reduced mass of both sides: a mass
+    /// that no longer matters and a joint that no longer gives are as light and as
+    /// stiff as steps can follow.
+    #[inline(always)]
+    pub fn followed(mut self, head: L) -> (Joint<L>, L) {
+        self.mass = self.mass.max(head * LIGHTEST);
+        let reduced = (head * self.mass) / (head + self.mass);
+        self.stiffness = self.stiffness.min(reduced * (FASTEST * FASTEST));
+        self.damping = self.damping.min(reduced * (2.0 * FASTEST));
+        (self, reduced)
+    }
+}
+
 /// The plant of one trajectory per lane.
 #[derive(Debug, Clone, Copy)]
 pub struct Plant<L> {
@@ -207,7 +227,8 @@ impl<L: Lane> Plant<L> {
         }
     }
 
-    /// Whether motion between samples is known in closed form.
+    /// Whether friction and gravity leave motion linear between events, so that it is
+    /// known in closed form.
     pub fn is_linear(&self) -> bool {
         let bent = [
             Effect::QuadraticDrag,
@@ -216,6 +237,38 @@ impl<L: Lane> Plant<L> {
             Effect::PositionDependentFriction,
             Effect::LubricantBuildup,
         ];
-        !self.rotary && self.joint.is_none() && !self.active.any(&bent)
+        // The load of a joint follows its own oscillation.
+        let loaded = self.joint.is_some() && self.active.has(Effect::LoadDependentFriction);
+        !self.rotary && !loaded && !self.active.any(&bent)
+    }
+
+    /// Rate at which what bends the motion changes within `dt` from a speed and an
+    /// acceleration on, 1/s: what steps must resolve.
+    #[inline(always)]
+    pub fn pace(&self, v: L, a: L, dt: L) -> L {
+        let zero = v.with(0.0);
+        let (friction, speed) = (&self.friction, v.abs());
+        let drag = (friction.quadratic * 2.0).mul_add(speed, friction.viscous.abs());
+        let mut rate = drag / self.mass;
+        if self.active.has(Effect::LubricantBuildup) {
+            rate = rate + (friction.buildup.abs() / self.mass).sqrt();
+        }
+        if self.active.has(Effect::PositionDependentFriction) {
+            // At rest no more is known than that friction holds what pushes.
+            let pull = L::select(zero.lt(speed), a.abs(), friction.forward / self.mass);
+            let fast = pull.mul_add(dt, speed) * std::f64::consts::TAU;
+            rate = fast.mul_add(friction.per_length.abs(), rate);
+        }
+        if self.active.has(Effect::StribeckFriction) {
+            // Speeds must not jump over the fall: at rest a break-away begins there.
+            let width = zero.with(1.0) / friction.per_stribeck;
+            let least = friction.drop.abs() / self.mass;
+            let pull = L::select(zero.lt(speed), a.abs(), least);
+            rate = rate + pull / speed.max(width);
+        }
+        if self.rotary {
+            rate = rate + (self.swing.abs() / self.mass).sqrt();
+        }
+        rate
     }
 }

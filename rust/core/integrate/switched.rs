@@ -1,0 +1,554 @@
+//! Exact propagation of a head behind a lag, a spring or a gap, under Coulomb and
+//! viscous friction: linear between events, so a step is one product with a matrix
+//! exponential worked out beforehand.
+//!
+//! The state besides the head's position is (a, b, v): of a lag its force a; of a
+//! joint the stretch a and the speed b of the drive's side; v is the head's speed.
+//! Exponentials are kept for steps of h, h/2, h/4, ...: events are found by halving,
+//! and any rest of an interval is made up of them.
+
+use super::{State, Tally};
+use crate::lane::Lane;
+use crate::lane::exp::speed_factor;
+use crate::physics::effects::{Coefficients, Effect, Joint, Measured};
+use crate::physics::friction::{Dry, Place};
+use crate::physics::segment::Segment;
+
+/// What stands between the drive and the head.
+#[derive(Clone, Copy)]
+pub enum Link<L> {
+    /// A lag of this rate, 1/s.
+    Lag(L),
+    Joint(Joint<L>),
+}
+
+/// State (a, b, v) and inputs: constant acceleration of the head, drive force.
+type Inputs<L> = [L; 5];
+
+/// Where a step leads: a, b, v and the way gone, by state and inputs.
+#[derive(Clone, Copy)]
+struct Map<L> {
+    rows: [Inputs<L>; 4],
+}
+
+impl<L: Lane> Map<L> {
+    #[inline(always)]
+    fn apply(&self, from: &Inputs<L>) -> [L; 4] {
+        let [a, b, v, g, u] = *from;
+        let mut to = [a; 4];
+        for (to, c) in to.iter_mut().zip(&self.rows) {
+            let near = c[1].mul_add(b, c[0] * a);
+            let far = c[3].mul_add(g, c[2] * v);
+            *to = c[4].mul_add(u, near + far);
+        }
+        to
+    }
+
+    /// The map of two such steps.
+    #[inline(always)]
+    fn twice(&self) -> Map<L> {
+        let mut rows = self.rows;
+        for column in 0..5 {
+            let zero = self.rows[0][0].with(0.0);
+            let mut half = [zero; 5];
+            for row in 0..3 {
+                half[row] = self.rows[row][column];
+            }
+            if column > 2 {
+                half[column] = zero.with(1.0);
+            }
+            let end = self.apply(&half);
+            for row in 0..3 {
+                rows[row][column] = end[row];
+            }
+            rows[3][column] = self.rows[3][column] + end[3];
+        }
+        Map { rows }
+    }
+}
+
+/// What a lane is doing: sliding or at rest, joined or in free flight.
+#[derive(Clone, Copy)]
+struct Rates<L> {
+    per_mass: L,
+    /// Viscous rate of the head.
+    viscous: L,
+    /// Rate of a lag; of a joint its stiffness, damping and the inverse mass behind it.
+    lag: L,
+    stiffness: L,
+    damping: L,
+    per_side: L,
+    is_lag: bool,
+}
+
+impl<L: Lane> Rates<L> {
+    /// Derivatives of (a, b, v, way gone).
+    #[inline(always)]
+    fn slope(&self, y: &Inputs<L>, slides: bool, joined: bool) -> [L; 4] {
+        let [a, b, v, g, u] = *y;
+        let zero = a.with(0.0);
+        let v = if slides { v } else { zero };
+        let (da, db, push) = if self.is_lag {
+            ((u - a) * self.lag, zero, a)
+        } else {
+            let rate = b - v;
+            let force = self.damping.mul_add(rate, self.stiffness * a);
+            let force = if joined { force } else { zero };
+            (rate, (u - force) * self.per_side, force)
+        };
+        let dv = (-self.viscous).mul_add(v, push.mul_add(self.per_mass, g));
+        [da, db, if slides { dv } else { zero }, v]
+    }
+
+    /// Taylor's series over a short time.
+    #[inline(always)]
+    fn series(&self, from: &Inputs<L>, dt: L, slides: bool, joined: bool) -> [L; 4] {
+        let zero = dt.with(0.0);
+        let mut sum = [from[0], from[1], if slides { from[2] } else { zero }, zero];
+        let mut term = *from;
+        for n in 1..=TERMS {
+            let slope = self.slope(&term, slides, joined);
+            let share = dt * (1.0 / n as f64);
+            // Inputs stay as they are: they enter the first derivative only.
+            term = [slope[0] * share, slope[1] * share, slope[2] * share, zero, zero];
+            for (sum, add) in sum.iter_mut().zip(&slope) {
+                *sum = share.mul_add(*add, *sum);
+            }
+        }
+        sum
+    }
+
+    #[inline(always)]
+    fn map(&self, dt: f64, slides: bool, joined: bool) -> Map<L> {
+        let zero = self.viscous.with(0.0);
+        let mut rows = [[zero; 5]; 4];
+        for column in 0..5 {
+            let mut unit = [zero; 5];
+            unit[column] = zero.with(1.0);
+            let end = self.series(&unit, zero.with(dt), slides, joined);
+            for row in 0..4 {
+                rows[row][column] = end[row];
+            }
+        }
+        Map { rows }
+    }
+}
+
+/// Terms of the series: with `SHORT` the first one left out is below 1e-12.
+const TERMS: usize = 8;
+/// Longest time of a series, as a share of the fastest rate's.
+const SHORT: f64 = 0.1;
+/// Longest step between two looks for events, in radians of the joint's oscillation.
+const LOOK: f64 = 0.35;
+/// Steps between two samples beyond which an oscillation is too fast, and its sway
+/// too small, to be followed from event to event.
+const MOST_LOOKS: f64 = 64.0;
+/// Halvings of a step.
+const MOST_LEVELS: usize = 24;
+/// Events between two samples before a trajectory is given up: a joint can chatter.
+const MOST_EVENTS: f64 = 64.0;
+/// Looks between two samples behind a lag: its force bends, and the speed may dip.
+const LAG_LOOKS: f64 = 2.0;
+
+/// Maps of one step: sliding or not, joined or not.
+#[derive(Clone, Copy)]
+struct Level<L> {
+    dt: f64,
+    sliding: Map<L>,
+    resting: Map<L>,
+    sliding_free: Map<L>,
+    resting_free: Map<L>,
+}
+
+/// Where a lane is between events.
+#[derive(Clone, Copy)]
+struct Now<L> {
+    x: L,
+    a: L,
+    b: L,
+    v: L,
+    /// Direction of sliding, 0 at rest.
+    way: L,
+    /// 1 where the joint transmits, 0 in free flight.
+    joined: L,
+}
+
+impl<L: Lane> Now<L> {
+    #[inline(always)]
+    fn or(self, mask: L::Mask, other: Now<L>) -> Now<L> {
+        Now {
+            x: L::select(mask, self.x, other.x),
+            a: L::select(mask, self.a, other.a),
+            b: L::select(mask, self.b, other.b),
+            v: L::select(mask, self.v, other.v),
+            way: L::select(mask, self.way, other.way),
+            joined: L::select(mask, self.joined, other.joined),
+        }
+    }
+}
+
+/// `a` where the mask holds, `b` elsewhere.
+#[inline(always)]
+fn either<L: Lane>(mask: L::Mask, a: [L; 4], b: [L; 4]) -> [L; 4] {
+    let mut chosen = a;
+    for (chosen, other) in chosen.iter_mut().zip(b) {
+        *chosen = L::select(mask, *chosen, other);
+    }
+    chosen
+}
+
+/// Share of a step at which the straight line between its ends turns positive; 1
+/// where it does not.
+#[inline(always)]
+fn crossing<L: Lane>(from: L, to: L) -> L {
+    let one = from.with(1.0);
+    let share = (-from / (to - from)).max(from.with(0.0)).min(one);
+    L::select(from.with(0.0).lt(to), share, one)
+}
+
+/// The largest of the lanes.
+#[inline(always)]
+fn most<L: Lane>(value: L) -> f64 {
+    let mut most = 0.0;
+    value.map(
+        #[inline(always)]
+        |one| {
+            most = f64::max(most, one);
+            one
+        },
+    );
+    most
+}
+
+pub struct Switched<'a, 'b, L: Lane> {
+    segment: &'b Segment<'a, L>,
+    set: Coefficients<L>,
+    rates: Rates<L>,
+    gap: L,
+    is_gap: bool,
+    now: Now<L>,
+    levels: Vec<Level<L>>,
+}
+
+impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
+    /// `interval` is the usual time between samples.
+    pub fn new(
+        segment: &'b Segment<'a, L>,
+        set: Coefficients<L>,
+        link: Link<L>,
+        start: &State<L>,
+        interval: f64,
+    ) -> Self {
+        let zero = start.x.with(0.0);
+        let one = zero.with(1.0);
+        let first = segment.commanded(start.t, &start.clock);
+        let mut rates = Rates {
+            per_mass: segment.per_mass,
+            viscous: set.viscous * segment.per_mass,
+            lag: zero,
+            stiffness: zero,
+            damping: zero,
+            per_side: zero,
+            is_lag: false,
+        };
+        let (mut gap, mut is_gap) = (zero, false);
+        let mut now =
+            Now { x: start.x, a: first, b: zero, v: start.v, way: start.way, joined: one };
+        // The rate that a series must resolve, and the one that events must.
+        let (fastest, look) = match link {
+            Link::Lag(rate) => {
+                (rates.is_lag, rates.lag) = (true, rate);
+                (rate, zero.with(LAG_LOOKS * LOOK / interval))
+            }
+            Link::Joint(joint) => {
+                let (joint, reduced) = joint.followed(segment.mass);
+                (rates.stiffness, rates.damping) = (joint.stiffness, joint.damping);
+                rates.per_side = one / joint.mass;
+                (gap, is_gap) = (joint.gap, !joint.is_spring);
+                // A spring starts loaded by the first force, a gap in its middle.
+                now.a = if is_gap { zero } else { first / rates.stiffness };
+                now.b = start.v;
+                now.joined = if is_gap { zero } else { one };
+                let (turn, drag) = ((rates.stiffness / reduced).sqrt(), rates.damping / reduced);
+                (turn.max(drag), turn)
+            }
+        };
+        let looks = (most(look) * interval / LOOK * (1.0 - 1e-9)).ceil().clamp(1.0, MOST_LOOKS);
+        let top = interval / looks;
+        let rate = most(fastest.max(rates.viscous));
+        let mut count = 4;
+        while count < MOST_LEVELS && rate * top * 0.5_f64.powi(count as i32) > SHORT {
+            count += 1;
+        }
+        let dt = top * 0.5_f64.powi(count as i32);
+        let mut level = Level {
+            dt,
+            sliding: rates.map(dt, true, true),
+            resting: rates.map(dt, false, true),
+            sliding_free: rates.map(dt, true, false),
+            resting_free: rates.map(dt, false, false),
+        };
+        let mut levels = vec![level];
+        for _ in 0..count {
+            level = Level {
+                dt: level.dt * 2.0,
+                sliding: level.sliding.twice(),
+                resting: level.resting.twice(),
+                sliding_free: if is_gap { level.sliding_free.twice() } else { level.sliding_free },
+                resting_free: if is_gap { level.resting_free.twice() } else { level.resting_free },
+            };
+            levels.push(level);
+        }
+        Switched { segment, set, rates, gap, is_gap, now, levels }
+    }
+
+    /// Force of the link on the head.
+    #[inline(always)]
+    pub fn force(&self) -> L {
+        self.push(&self.now)
+    }
+
+    #[inline(always)]
+    fn push(&self, now: &Now<L>) -> L {
+        if self.rates.is_lag {
+            return now.a;
+        }
+        let force = self.contact(now);
+        if self.is_gap { force * now.joined } else { force }
+    }
+
+    /// Stretch beyond the gap.
+    #[inline(always)]
+    fn depth(&self, now: &Now<L>) -> L {
+        if self.is_gap { now.a - now.a.sign() * self.gap } else { now.a }
+    }
+
+    /// What the joint gives where it transmits.
+    #[inline(always)]
+    fn contact(&self, now: &Now<L>) -> L {
+        self.rates.damping.mul_add(now.b - now.v, self.rates.stiffness * self.depth(now))
+    }
+
+    /// Coulomb level towards `way` while the link gives `drive`.
+    #[inline(always)]
+    fn level(&self, now: &Now<L>, way: L, drive: L, t: L) -> L {
+        let place = Place { way, x: now.x, swept: t.with(0.0), drive, t };
+        Measured::linear(&self.set, &place).0
+    }
+
+    /// What pushes the head at rest, and by how much it exceeds what holds it.
+    #[inline(always)]
+    fn excess(&self, now: &Now<L>, t: L) -> (L, L) {
+        let drive = self.push(&Now { v: t.with(0.0), ..*now });
+        let push = drive - self.segment.weight;
+        (push, push.abs() - self.level(now, push.sign(), drive, t))
+    }
+
+    /// Positive where an event of a lane's mode has happened: the speed passed zero
+    /// or the push what holds; and the contact's: it closed or would pull.
+    #[inline(always)]
+    fn overruns(&self, now: &Now<L>, t: L) -> (L, L) {
+        let zero = t.with(0.0);
+        let slides = zero.lt(now.way.abs());
+        let own = L::select(slides, -(now.way * now.v), self.excess(now, t).1);
+        if !self.is_gap {
+            return (own, zero.with(-1.0));
+        }
+        let side = now.a.sign();
+        let (deep, push) = (side * self.depth(now), side * self.contact(now));
+        let closes = deep.min(push);
+        (own, L::select(zero.lt(now.joined), -push, closes))
+    }
+
+    /// One step of a level from `now`, whatever happens within.
+    #[inline(always)]
+    fn moved(&self, level: &Level<L>, now: &Now<L>, inputs: (L, L)) -> Now<L> {
+        let zero = now.x.with(0.0);
+        let slides = zero.lt(now.way.abs());
+        let (offset, at) = self.inward(now, inputs);
+        let mut end = either(slides, level.sliding.apply(&at), level.resting.apply(&at));
+        if self.is_gap {
+            let free = either(slides, level.sliding_free.apply(&at), level.resting_free.apply(&at));
+            end = either(zero.lt(now.joined), end, free);
+        }
+        Now { x: now.x + end[3], a: end[0] + offset, b: end[1], v: end[2], ..*now }
+    }
+
+    /// The same over any time up to the shortest step.
+    #[inline(always)]
+    fn crept(&self, dt: L, now: &Now<L>, inputs: (L, L)) -> Now<L> {
+        let zero = now.x.with(0.0);
+        let slides = zero.lt(now.way.abs());
+        let (offset, at) = self.inward(now, inputs);
+        let rates = &self.rates;
+        let go = rates.series(&at, dt, true, true);
+        let mut end = either(slides, go, rates.series(&at, dt, false, true));
+        if self.is_gap {
+            let go = rates.series(&at, dt, true, false);
+            let free = either(slides, go, rates.series(&at, dt, false, false));
+            end = either(zero.lt(now.joined), end, free);
+        }
+        Now { x: now.x + end[3], a: end[0] + offset, b: end[1], v: end[2], ..*now }
+    }
+
+    /// State and inputs with the stretch counted from the contact's face.
+    #[inline(always)]
+    fn inward(&self, now: &Now<L>, (g, u): (L, L)) -> (L, Inputs<L>) {
+        let offset = now.a - self.depth(now);
+        (offset, [now.a - offset, now.b, now.v, g, u])
+    }
+
+    /// Takes every lane to its time `until`.
+    #[inline(always)]
+    pub fn advance(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) {
+        let mut events = until.with(0.0);
+        while L::any(state.t.lt(until)) {
+            let piece_end = self.segment.drive.piece_end(state.clock.piece);
+            let active = state.t.lt(until);
+            let end = piece_end.min(until);
+            self.stretch(state, tally, (end - state.t).max(end.with(0.0)), &mut events);
+            state.t = L::select(active, end, state.t);
+            let over = L::and(active, piece_end.le(until));
+            self.segment.drive.turn_over(&mut state.clock, piece_end, over);
+        }
+        (state.x, state.v) = (self.now.x, self.now.v);
+    }
+
+    /// Over `left` seconds of one piece.
+    #[inline(always)]
+    fn stretch(&mut self, state: &State<L>, tally: &mut Tally<L>, left: L, events: &mut L) {
+        let zero = left.with(0.0);
+        let (mut t, mut left) = (state.t, left);
+        let shortest = self.levels[0].dt;
+        let mut at = self.levels.len();
+        while at > 0 {
+            let level = &self.levels[at - 1];
+            // What rounding leaves of a sum of steps is no step.
+            let fits = zero.with(level.dt * (1.0 - 1e-7)).le(left);
+            if !L::any(fits) {
+                at -= 1;
+                continue;
+            }
+            let dt = L::select(fits, left.min(zero.with(level.dt)), zero);
+            let used = self.step(at - 1, fits, (t, state), tally, dt, events);
+            left = L::select(fits, (left - used).max(zero), left);
+            t = t + used;
+        }
+        let open = zero.with(shortest * 1e-6).lt(left);
+        if L::any(open) {
+            let inputs = self.inputs(&self.now, t, left, state);
+            self.now = self.crept(L::select(open, left, zero), &self.now, inputs);
+            self.settle(open, t + left);
+        }
+    }
+
+    /// What acts over a step, friction included.
+    #[inline(always)]
+    fn inputs(&self, now: &Now<L>, t: L, dt: L, state: &State<L>) -> (L, L) {
+        let drive = self.segment.drive.mean(t, dt, &state.clock);
+        let mut load = self.push(now);
+        if self.rates.is_lag && self.set.active.has(Effect::LoadDependentFriction) {
+            // Mean over the step.
+            load = (load - drive).mul_add(speed_factor(dt * self.rates.lag), drive);
+        }
+        let level = self.level(now, now.way, load, dt.mul_add(dt.with(0.5), t));
+        let pull = -(now.way.mul_add(level, self.segment.weight)) * self.segment.per_mass;
+        (pull, drive)
+    }
+
+    /// One step of a level on the lanes of `mask`, to the first event of each;
+    /// returns the time that this took.
+    #[inline(always)]
+    fn step(
+        &mut self,
+        level: usize,
+        mask: L::Mask,
+        (t, state): (L, &State<L>),
+        tally: &mut Tally<L>,
+        dt: L,
+        events: &mut L,
+    ) -> L {
+        let zero = dt.with(0.0);
+        // What rests may be free to go at once.
+        let rests = L::and(mask, self.now.way.abs().le(zero));
+        if L::any(rests) {
+            let (push, over) = self.excess(&self.now, t);
+            let goes = L::and(rests, zero.lt(over));
+            self.now.way = L::select(goes, push.sign(), self.now.way);
+        }
+        let from = self.now;
+        let inputs = self.inputs(&from, t, dt, state);
+        let to = self.moved(&self.levels[level], &from, inputs);
+        let (own, touch) = self.overruns(&to, t + dt);
+        let happens = L::and(mask, zero.lt(own.max(touch)));
+        self.now = to.or(mask, from);
+        if !L::any(happens) {
+            return L::select(mask, dt, zero);
+        }
+        *events = L::select(happens, *events + 1.0, *events);
+        let lost = L::and(happens, zero.with(MOST_EVENTS).lt(*events));
+        if L::any(lost) {
+            tally.lost = L::select(lost, tally.lost + 1.0, tally.lost);
+            // Nothing happens to what is not a number any more.
+            let nothing = zero.with(f64::NAN);
+            self.now.x = L::select(lost, nothing, self.now.x);
+            self.now.v = L::select(lost, nothing, self.now.v);
+            self.now.way = L::select(lost, zero.with(1.0), self.now.way);
+        }
+        let happens = L::and(happens, L::not(lost));
+        let (low, gone) = zero.apart(
+            #[inline(always)]
+            || self.before(level, &from, inputs, t),
+        );
+        // The rest lies within the shortest step: by the straight line.
+        let short = zero.with(self.levels[0].dt);
+        let far = self.moved(&self.levels[0], &low, inputs);
+        let (before, after) =
+            (self.overruns(&low, t + gone), self.overruns(&far, t + gone + short));
+        let (own, touch) = (crossing(before.0, after.0), crossing(before.1, after.1));
+        let first = own.min(touch);
+        let creep = L::select(happens, short * first, zero);
+        let mut met = self.crept(creep, &low, inputs);
+        let own_event = L::and(zero.lt(after.0), own.le(touch));
+        let slides = zero.lt(from.way.abs());
+        met.v = L::select(L::and(own_event, slides), zero, met.v);
+        met.joined = L::select(own_event, met.joined, zero.with(1.0) - met.joined);
+        let (push, over) = self.excess(&met, t + gone + creep);
+        let way = L::select(zero.lt(over), push.sign(), zero);
+        // A break-away found a hair early is one all the same.
+        let way = L::select(L::and(own_event, L::not(slides)), push.sign(), way);
+        met.way = L::select(own_event, way, met.way);
+        self.now = met.or(happens, self.now);
+        let used = (gone + creep).min(dt);
+        L::select(happens, used, L::select(mask, dt, zero))
+    }
+
+    /// The last state before an event within a step, by halving, and its time.
+    #[inline(always)]
+    fn before(&self, level: usize, from: &Now<L>, inputs: (L, L), t: L) -> (Now<L>, L) {
+        let zero = t.with(0.0);
+        let (mut low, mut gone) = (*from, zero);
+        for level in self.levels[..level].iter().rev() {
+            let trial = self.moved(level, &low, inputs);
+            let after = gone + level.dt;
+            let (own, touch) = self.overruns(&trial, t + after);
+            let clear = own.max(touch).le(zero);
+            low = trial.or(clear, low);
+            gone = L::select(clear, after, gone);
+        }
+        (low, gone)
+    }
+
+    /// Stops what a last short stretch has carried past rest.
+    #[inline(always)]
+    fn settle(&mut self, mask: L::Mask, t: L) {
+        let zero = t.with(0.0);
+        let past = L::and(mask, (self.now.way * self.now.v).lt(zero));
+        if L::any(past) {
+            self.now.v = L::select(past, zero, self.now.v);
+            let (push, over) = self.excess(&self.now, t);
+            let way = L::select(zero.lt(over), push.sign(), zero);
+            self.now.way = L::select(past, way, self.now.way);
+        }
+    }
+}
