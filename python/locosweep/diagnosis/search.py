@@ -32,12 +32,16 @@ _NEAR = 30.0
 """Fits that leave this many times more than the best are not worth leaps."""
 _RIPPLES = ("position_dependent_friction",)
 _SMALL = 1e-3
+_AT_ONCE = 32
+"""Ripples that are looked at side by side; their residuals are kept meanwhile."""
 _DENSE = 161
 """Values of a parameter that no derivative sees."""
 _LEAPS = tuple(sign * 0.5 * 0.7**k for k in range(13) for sign in (-1.0, 1.0))
 """Changes of one parameter that are tried, in units of its size."""
 _NOMINAL = 9
 """Starts of the nominal model that are followed."""
+_TELLING = 2
+"""Runs that starts are compared on: those that hold most of what a fit leaves."""
 _CLOSE = 8
 """Fits that are followed to their end whatever the best one reaches."""
 PENALTY = 8.0
@@ -87,10 +91,11 @@ class Search:
         fits: list[Fit] = []
         for name in partners:
             rows = starts_of(name, self.scale)
+            if base is not None or name in _RIPPLES:
+                rows = rows[:: -(-len(rows) // _ROWS)]
             if name in _RIPPLES:
                 rows = np.vstack([self._ripples(base), rows])
             if base is not None:
-                rows = rows[:: -(-len(rows) // _ROWS)]
                 rows = np.hstack([np.tile(base.parameters, (len(rows), 1)), rows])
             fits.extend(start_fits(self.nuisances, self.model((*held, name)), rows))
             known = base or self.none
@@ -100,7 +105,7 @@ class Search:
                 fits.extend(start_fits(self.nuisances, fits[-1].model, rows))
             for fit in fits[-len(rows) :]:
                 fit.theta[fit.theta.size - nuisance.size :] = nuisance
-        self._scan(fits)
+        self._scan(fits, self._telling(base or self.none))
         groups = [sorted([f for f in fits if f.model.names[-1] == n], key=_chi2) for n in partners]
         groups = sorted((g for g in groups if g), key=lambda g: g[0].chi2)[:keep]
         count = _STARTS if base is None else 2
@@ -154,16 +159,20 @@ class Search:
             fit.theta[fit.theta.size - nuisance.size :] = nuisance
         evaluate(self.problem, [known])
         found = []
-        for i, period in enumerate(periods):
-            pair = fits[2 * i : 2 * i + 2]
-            evaluate(self.problem, pair)
-            columns = np.array([(f.residual - known.residual) / _SMALL for f in pair])
-            normal = columns @ columns.T + 1e-12 * np.eye(2)
-            sine, cosine = -np.linalg.solve(normal, columns @ known.residual)
-            left = known.residual + sine * columns[0] + cosine * columns[1]
-            size = float(np.hypot(sine, cosine))
-            row = [min(size, 0.5), period, float(np.arctan2(cosine, sine))]
-            found.append((float(left @ left), row))
+        for i in range(0, len(fits), _AT_ONCE):
+            some = fits[i : i + _AT_ONCE]
+            evaluate(self.problem, some)
+            columns = np.array([(f.residual - known.residual) / _SMALL for f in some])
+            for j, period in enumerate(periods[i // 2 : (i + len(some)) // 2]):
+                pair = columns[2 * j : 2 * j + 2]
+                normal = pair @ pair.T + 1e-12 * np.eye(2)
+                sine, cosine = -np.linalg.solve(normal, pair @ known.residual)
+                left = known.residual + sine * pair[0] + cosine * pair[1]
+                size = float(np.hypot(sine, cosine))
+                row = [min(size, 0.5), period, float(np.arctan2(cosine, sine))]
+                found.append((float(left @ left), row))
+            for fit in some:
+                fit.residual = np.zeros(0)
         found.sort(key=lambda pair: pair[0])
         return np.array([row for _, row in found[:6]])
 
@@ -176,12 +185,18 @@ class Search:
         floor = 1.5 * self.problem.degrees()
         for _ in range(2):
             todo = [f for f in fits if f.chi2 > floor and f.model.free]
-            tried: list[list[Fit]] = [self._leaps_of(fit) for fit in todo]
-            self._scan([trial for trials in tried for trial in trials])
+            if not todo:
+                return
+            # The first of each is the fit itself, seen on the same runs.
+            tried = [
+                [Fit(fit.model, fit.nuisances, fit.theta), *self._leaps_of(fit)] for fit in todo
+            ]
+            runs = self._telling(todo[0])
+            self._scan([trial for trials in tried for trial in trials], runs)
             follow = []
-            for fit, trials in zip(todo, tried, strict=True):
+            for fit, (same, *trials) in zip(todo, tried, strict=True):
                 best = sorted(trials, key=_chi2)[: 1 if len(trials) < _DENSE else 6]
-                follow += [(fit, t) for t in best if t.chi2 < 0.98 * fit.chi2 or len(best) > 1]
+                follow += [(fit, t) for t in best if t.chi2 < 0.98 * same.chi2 or len(best) > 1]
             if not follow:
                 return
             fit_all(self.problem, [trial for _, trial in follow], steps=steps)
@@ -204,10 +219,23 @@ class Search:
                 trials.append(Fit(fit.model, fit.nuisances, theta))
         return trials
 
-    def _scan(self, fits: list[Fit]) -> None:
-        """Chi2 of many starts, without keeping their residuals."""
+    def _telling(self, fit: Fit) -> list[int]:
+        """Return the fitted runs that hold most of what a fit leaves."""
+        problem = self.problem
+        if not fit.residual.size:
+            evaluate(problem, [fit])
+        chosen = problem.fitted
+        left = [
+            float(np.square(fit.residual[problem.of_run(r, chosen)]).sum() / problem.lengths[r])
+            for r in chosen
+        ]
+        order = np.argsort(-np.array(left), kind="stable")
+        return sorted(chosen[i] for i in order[:_TELLING])
+
+    def _scan(self, fits: list[Fit], runs: list[int]) -> None:
+        """Chi2 of many starts on some runs, without keeping their residuals."""
         for i in range(0, len(fits), 200):
-            evaluate(self.problem, fits[i : i + 200])
+            evaluate(self.problem, fits[i : i + 200], runs)
             for fit in fits[i : i + 200]:
                 fit.residual = np.zeros(0)
 

@@ -9,7 +9,6 @@ pub mod bristle;
 pub mod dormand_prince;
 pub mod exact;
 mod ground;
-pub mod joined;
 pub mod replay;
 pub mod robot;
 pub mod runge_kutta;

@@ -3,7 +3,6 @@
 
 use super::bristle::Rosenbrock;
 use super::exact::Exact;
-use super::joined::Joined;
 use super::runge_kutta::RungeKutta;
 use super::settle::Cubic;
 use super::switched::{Link, Switched};
@@ -47,11 +46,11 @@ impl Samples<'_> {
 
 /// Longest step of smooth motion, as a share of the time over which it changes.
 const SHARE: f64 = 0.25;
-/// Steps between two samples behind a lag, at most.
-const MOST_STEPS: f64 = 64.0;
 /// Shortest step for the sake of friction that is steep along speed or track, and the
-/// longest where a joint oscillates beside it, s.
+/// longest where a joint or a lag stands beside it, s.
 const STEEP: f64 = 1e-3;
+/// Longest step where a joint or a lag stands beside friction that bends smoothly, s.
+const BENT: f64 = 2e-3;
 /// Local error of the stiff method: what it leaves is far below what sensors see.
 const TOLERANCE: f64 = 1e-4;
 
@@ -119,38 +118,31 @@ pub fn head<L: Lane>(
     go_on: impl FnMut() -> bool + Copy,
     mut read: impl FnMut(usize, Reading<L>),
 ) {
-    // A lag that stands before plain friction is part of the state.
-    let behind_lag = plant.path.lags && plant.joint.is_none() && plant.is_linear();
-    let path = Path { lags: plant.path.lags && !behind_lag, ..plant.path };
+    // A lag is part of the state, except of the bristle's.
+    let link = match plant.joint {
+        Some(joint) => Some(Link::Joint(joint)),
+        None if plant.path.lags && !plant.active.has(Effect::PreslidingCompliance) => {
+            Some(Link::Lag(plant.path.per_lag))
+        }
+        _ => None,
+    };
+    let lags = plant.path.lags && !matches!(link, Some(Link::Lag(_)));
+    let path = Path { lags, ..plant.path };
     let segment = segment(plant, &path, samples, start);
     let mut state = samples.start(&segment);
     let mut tally = Tally::start(&segment, NOTHING);
     let zero = start.0.with(0.0);
     let set = plant.friction;
     let mut go_on = go_on;
-    let link = match plant.joint {
-        Some(joint) if plant.is_linear() => Some(Link::Joint(joint)),
-        None if behind_lag => Some(Link::Lag(plant.path.per_lag)),
-        _ => None,
-    };
+    let steep = plant.active.any(&[Effect::StribeckFriction, Effect::PositionDependentFriction]);
     if let Some(link) = link {
-        let mut method = Switched::new(&segment, set, link, &state, samples.interval);
+        let longest = if steep { STEEP } else { BENT };
+        let longest = (!plant.is_linear()).then_some(longest.min(samples.interval));
+        let times = (samples.interval, longest);
+        let mut method = Switched::new(&segment, set, link, &state, times);
         for (i, t) in samples.instants() {
             method.advance(&mut state, &mut tally, zero.with(t));
             let force = (-plant.emf).mul_add(state.v, method.force());
-            read(i, Reading { x: state.x, v: state.v, force });
-            if !go_on() {
-                return;
-            }
-        }
-        return;
-    }
-    if let Some(joint) = plant.joint {
-        let mut method = Joined::<Measured, L>::new(&segment, set, joint, &state);
-        for (i, t) in samples.instants() {
-            method.advance(&mut state, &mut tally, zero.with(t));
-            let force = method.force(state.x, state.v, method.side);
-            let force = (-plant.emf).mul_add(state.v, force);
             read(i, Reading { x: state.x, v: state.v, force });
             if !go_on() {
                 return;
@@ -169,18 +161,11 @@ pub fn head<L: Lane>(
         let method =
             RungeKutta::<Measured, L, _> { segment: &segment, set, locate: true, step, go_on };
         let long = zero.with(samples.interval);
-        let steep = zero.with(STEEP);
-        let least = zero.with(samples.interval / MOST_STEPS);
-        let lag = (zero.with(0.5) / plant.path.per_lag).max(least);
-        let changes =
-            plant.active.any(&[Effect::StribeckFriction, Effect::PositionDependentFriction]);
+        let least = zero.with(STEEP);
         // Every lane takes the steps that its own motion needs.
         let sized = |method: &mut RungeKutta<Measured, L, _>, state: &State<L>| {
-            let a = if changes { method.acceleration(state) } else { zero };
-            let mut step = (zero.with(SHARE) / plant.pace(state.v, a, long)).max(steep);
-            if plant.path.lags {
-                step = step.min(lag);
-            }
+            let a = if steep { method.acceleration(state) } else { zero };
+            let step = (zero.with(SHARE) / plant.pace(state.v, a, long)).max(least);
             // As many equal ones as fill an interval.
             let count = (long / step.min(long) * (1.0 - 1e-9)).floor() + 1.0;
             method.step = long / count;

@@ -1,6 +1,7 @@
 //! Exact propagation of a head behind a lag, a spring or a gap, under Coulomb and
 //! viscous friction: linear between events, so a step is one product with a matrix
-//! exponential worked out beforehand.
+//! exponential worked out beforehand. Friction and gravity that bend with the motion
+//! are taken at the middle of each step, an exponential midpoint rule of order two.
 //!
 //! The state besides the head's position is (a, b, v): of a lag its force a; of a
 //! joint the stretch a and the speed b of the drive's side; v is the head's speed.
@@ -119,13 +120,13 @@ impl<L: Lane> Rates<L> {
     }
 
     #[inline(always)]
-    fn map(&self, dt: f64, slides: bool, joined: bool) -> Map<L> {
-        let zero = self.viscous.with(0.0);
+    fn map(&self, dt: L, slides: bool, joined: bool) -> Map<L> {
+        let zero = dt.with(0.0);
         let mut rows = [[zero; 5]; 4];
         for column in 0..5 {
             let mut unit = [zero; 5];
             unit[column] = zero.with(1.0);
-            let end = self.series(&unit, zero.with(dt), slides, joined);
+            let end = self.series(&unit, dt, slides, joined);
             for row in 0..4 {
                 rows[row][column] = end[row];
             }
@@ -134,26 +135,27 @@ impl<L: Lane> Rates<L> {
     }
 }
 
-/// Terms of the series: with `SHORT` the first one left out is below 1e-12.
+/// Terms of the series: it is taken over times far below those of any rate.
 const TERMS: usize = 8;
-/// Longest time of a series, as a share of the fastest rate's.
-const SHORT: f64 = 0.1;
 /// Longest step between two looks for events, in radians of the joint's oscillation.
 const LOOK: f64 = 0.35;
 /// Steps between two samples beyond which an oscillation is too fast, and its sway
 /// too small, to be followed from event to event.
 const MOST_LOOKS: f64 = 64.0;
-/// Halvings of a step.
-const MOST_LEVELS: usize = 24;
+/// Halvings of a step: rates up to a thousand per step are resolved.
+const HALVINGS: i32 = 13;
 /// Events between two samples before a trajectory is given up: a joint can chatter.
 const MOST_EVENTS: f64 = 64.0;
 /// Looks between two samples behind a lag: its force bends, and the speed may dip.
 const LAG_LOOKS: f64 = 2.0;
 
+/// Fastest lag, in rates of the samples: shorter ones are none.
+const FASTEST_LAG: f64 = 1e3;
+
 /// Maps of one step: sliding or not, joined or not.
 #[derive(Clone, Copy)]
 struct Level<L> {
-    dt: f64,
+    dt: L,
     sliding: Map<L>,
     resting: Map<L>,
     sliding_free: Map<L>,
@@ -171,6 +173,8 @@ struct Now<L> {
     way: L,
     /// 1 where the joint transmits, 0 in free flight.
     joined: L,
+    /// Distance moved forward since the last rest or turn.
+    swept: L,
 }
 
 impl<L: Lane> Now<L> {
@@ -183,6 +187,7 @@ impl<L: Lane> Now<L> {
             v: L::select(mask, self.v, other.v),
             way: L::select(mask, self.way, other.way),
             joined: L::select(mask, self.joined, other.joined),
+            swept: L::select(mask, self.swept, other.swept),
         }
     }
 }
@@ -206,38 +211,29 @@ fn crossing<L: Lane>(from: L, to: L) -> L {
     L::select(from.with(0.0).lt(to), share, one)
 }
 
-/// The largest of the lanes.
-#[inline(always)]
-fn most<L: Lane>(value: L) -> f64 {
-    let mut most = 0.0;
-    value.map(
-        #[inline(always)]
-        |one| {
-            most = f64::max(most, one);
-            one
-        },
-    );
-    most
-}
-
 pub struct Switched<'a, 'b, L: Lane> {
     segment: &'b Segment<'a, L>,
     set: Coefficients<L>,
     rates: Rates<L>,
     gap: L,
     is_gap: bool,
+    /// 1 where a lag is too short to be one.
+    at_once: L,
+    /// Whether friction and gravity are more than numbers.
+    bent: bool,
     now: Now<L>,
     levels: Vec<Level<L>>,
 }
 
 impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
-    /// `interval` is the usual time between samples.
+    /// `interval` is the usual time between samples, `longest` the longest step where
+    /// friction or gravity bend with the motion.
     pub fn new(
         segment: &'b Segment<'a, L>,
         set: Coefficients<L>,
         link: Link<L>,
         start: &State<L>,
-        interval: f64,
+        (interval, longest): (f64, Option<f64>),
     ) -> Self {
         let zero = start.x.with(0.0);
         let one = zero.with(1.0);
@@ -251,14 +247,24 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
             per_side: zero,
             is_lag: false,
         };
-        let (mut gap, mut is_gap) = (zero, false);
-        let mut now =
-            Now { x: start.x, a: first, b: zero, v: start.v, way: start.way, joined: one };
-        // The rate that a series must resolve, and the one that events must.
-        let (fastest, look) = match link {
+        let (mut gap, mut is_gap, mut at_once) = (zero, false, zero);
+        let mut now = Now {
+            x: start.x,
+            a: first,
+            b: zero,
+            v: start.v,
+            way: start.way,
+            joined: one,
+            swept: zero,
+        };
+        // Steps are per lane, their halvings the same for all: no lane's result hangs on
+        // its neighbours.
+        let look = match link {
             Link::Lag(rate) => {
-                (rates.is_lag, rates.lag) = (true, rate);
-                (rate, zero.with(LAG_LOOKS * LOOK / interval))
+                let fastest = zero.with(FASTEST_LAG / interval);
+                (rates.is_lag, rates.lag) = (true, rate.min(fastest));
+                at_once = L::select(fastest.lt(rate), one, zero);
+                zero.with(LAG_LOOKS)
             }
             Link::Joint(joint) => {
                 let (joint, reduced) = joint.followed(segment.mass);
@@ -269,18 +275,14 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
                 now.a = if is_gap { zero } else { first / rates.stiffness };
                 now.b = start.v;
                 now.joined = if is_gap { zero } else { one };
-                let (turn, drag) = ((rates.stiffness / reduced).sqrt(), rates.damping / reduced);
-                (turn.max(drag), turn)
+                let turn = (rates.stiffness / reduced).sqrt();
+                (turn * (interval / LOOK)).min(zero.with(MOST_LOOKS))
             }
         };
-        let looks = (most(look) * interval / LOOK * (1.0 - 1e-9)).ceil().clamp(1.0, MOST_LOOKS);
-        let top = interval / looks;
-        let rate = most(fastest.max(rates.viscous));
-        let mut count = 4;
-        while count < MOST_LEVELS && rate * top * 0.5_f64.powi(count as i32) > SHORT {
-            count += 1;
-        }
-        let dt = top * 0.5_f64.powi(count as i32);
+        let least = interval / longest.unwrap_or(interval);
+        // As many equal steps as fill an interval.
+        let looks = (look.max(zero.with(least)).max(one) * (1.0 - 1e-9)).floor() + 1.0;
+        let dt = one * interval / looks * 0.5_f64.powi(HALVINGS);
         let mut level = Level {
             dt,
             sliding: rates.map(dt, true, true),
@@ -289,7 +291,7 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
             resting_free: rates.map(dt, false, false),
         };
         let mut levels = vec![level];
-        for _ in 0..count {
+        for _ in 0..HALVINGS {
             level = Level {
                 dt: level.dt * 2.0,
                 sliding: level.sliding.twice(),
@@ -299,7 +301,8 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
             };
             levels.push(level);
         }
-        Switched { segment, set, rates, gap, is_gap, now, levels }
+        let bent = longest.is_some();
+        Switched { segment, set, rates, gap, is_gap, at_once, bent, now, levels }
     }
 
     /// Force of the link on the head.
@@ -329,19 +332,31 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
         self.rates.damping.mul_add(now.b - now.v, self.rates.stiffness * self.depth(now))
     }
 
-    /// Coulomb level towards `way` while the link gives `drive`.
+    /// Friction towards `way` without its viscous part, while the link gives `drive`.
     #[inline(always)]
     fn level(&self, now: &Now<L>, way: L, drive: L, t: L) -> L {
-        let place = Place { way, x: now.x, swept: t.with(0.0), drive, t };
-        Measured::linear(&self.set, &place).0
+        let zero = t.with(0.0);
+        let place = Place { way, x: now.x, swept: now.swept, drive, t };
+        if !self.bent {
+            return Measured::linear(&self.set, &place).0;
+        }
+        let speed = (way * now.v).max(zero);
+        (-self.set.viscous).mul_add(speed, Measured::resistance(&self.set, speed, &place))
     }
 
     /// What pushes the head at rest, and by how much it exceeds what holds it.
     #[inline(always)]
     fn excess(&self, now: &Now<L>, t: L) -> (L, L) {
-        let drive = self.push(&Now { v: t.with(0.0), ..*now });
-        let push = drive - self.segment.weight;
-        (push, push.abs() - self.level(now, push.sign(), drive, t))
+        let zero = t.with(0.0);
+        let still = Now { v: zero, swept: zero, ..*now };
+        let drive = self.push(&still);
+        let push = drive - self.segment.pull_back(now.x);
+        let mut holds = self.level(&still, push.sign(), drive, t);
+        if self.bent {
+            let place = Place { way: push.sign(), x: now.x, swept: zero, drive, t };
+            holds = holds.max(Measured::holding(&self.set, &place));
+        }
+        (push, push.abs() - holds)
     }
 
     /// Positive where an event of a lane's mode has happened: the speed passed zero
@@ -371,7 +386,7 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
             let free = either(slides, level.sliding_free.apply(&at), level.resting_free.apply(&at));
             end = either(zero.lt(now.joined), end, free);
         }
-        Now { x: now.x + end[3], a: end[0] + offset, b: end[1], v: end[2], ..*now }
+        self.gone(now, end, offset)
     }
 
     /// The same over any time up to the shortest step.
@@ -388,7 +403,15 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
             let free = either(slides, go, rates.series(&at, dt, false, false));
             end = either(zero.lt(now.joined), end, free);
         }
-        Now { x: now.x + end[3], a: end[0] + offset, b: end[1], v: end[2], ..*now }
+        self.gone(now, end, offset)
+    }
+
+    /// Where a step has led to.
+    #[inline(always)]
+    fn gone(&self, now: &Now<L>, end: [L; 4], offset: L) -> Now<L> {
+        let zero = now.x.with(0.0);
+        let swept = L::select(zero.lt(now.way), now.swept + end[3], zero);
+        Now { x: now.x + end[3], a: end[0] + offset, b: end[1], v: end[2], swept, ..*now }
     }
 
     /// State and inputs with the stretch counted from the contact's face.
@@ -420,40 +443,42 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
         let zero = left.with(0.0);
         let (mut t, mut left) = (state.t, left);
         let shortest = self.levels[0].dt;
+        let drive = self.segment.drive.mean(t, left, &state.clock);
+        self.now.a = L::select(zero.lt(self.at_once), drive, self.now.a);
         let mut at = self.levels.len();
         while at > 0 {
             let level = &self.levels[at - 1];
             // What rounding leaves of a sum of steps is no step.
-            let fits = zero.with(level.dt * (1.0 - 1e-7)).le(left);
+            let fits = (level.dt * (1.0 - 1e-7)).le(left);
             if !L::any(fits) {
                 at -= 1;
                 continue;
             }
-            let dt = L::select(fits, left.min(zero.with(level.dt)), zero);
+            let dt = L::select(fits, left.min(level.dt), zero);
             let used = self.step(at - 1, fits, (t, state), tally, dt, events);
             left = L::select(fits, (left - used).max(zero), left);
             t = t + used;
         }
-        let open = zero.with(shortest * 1e-6).lt(left);
+        let open = (shortest * 1e-6).lt(left);
         if L::any(open) {
-            let inputs = self.inputs(&self.now, t, left, state);
+            let drive = self.segment.drive.mean(t, left, &state.clock);
+            let inputs = self.inputs(&self.now, &self.now, (t, left), drive);
             self.now = self.crept(L::select(open, left, zero), &self.now, inputs);
             self.settle(open, t + left);
         }
     }
 
-    /// What acts over a step, friction included.
+    /// What acts over a step from `from`, friction as it is at `now`.
     #[inline(always)]
-    fn inputs(&self, now: &Now<L>, t: L, dt: L, state: &State<L>) -> (L, L) {
-        let drive = self.segment.drive.mean(t, dt, &state.clock);
+    fn inputs(&self, now: &Now<L>, from: &Now<L>, (t, dt): (L, L), drive: L) -> (L, L) {
         let mut load = self.push(now);
         if self.rates.is_lag && self.set.active.has(Effect::LoadDependentFriction) {
             // Mean over the step.
-            load = (load - drive).mul_add(speed_factor(dt * self.rates.lag), drive);
+            load = (from.a - drive).mul_add(speed_factor(dt * self.rates.lag), drive);
         }
         let level = self.level(now, now.way, load, dt.mul_add(dt.with(0.5), t));
-        let pull = -(now.way.mul_add(level, self.segment.weight)) * self.segment.per_mass;
-        (pull, drive)
+        let back = now.way.mul_add(level, self.segment.pull_back(now.x));
+        (-back * self.segment.per_mass, drive)
     }
 
     /// One step of a level on the lanes of `mask`, to the first event of each;
@@ -477,7 +502,12 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
             self.now.way = L::select(goes, push.sign(), self.now.way);
         }
         let from = self.now;
-        let inputs = self.inputs(&from, t, dt, state);
+        let drive = self.segment.drive.mean(t, dt, &state.clock);
+        let mut inputs = self.inputs(&from, &from, (t, dt), drive);
+        if self.bent && level > 0 {
+            let middle = self.moved(&self.levels[level - 1], &from, inputs);
+            inputs = self.inputs(&middle, &from, (t, dt), drive);
+        }
         let to = self.moved(&self.levels[level], &from, inputs);
         let (own, touch) = self.overruns(&to, t + dt);
         let happens = L::and(mask, zero.lt(own.max(touch)));
@@ -501,7 +531,7 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
             || self.before(level, &from, inputs, t),
         );
         // The rest lies within the shortest step: by the straight line.
-        let short = zero.with(self.levels[0].dt);
+        let short = self.levels[0].dt;
         let far = self.moved(&self.levels[0], &low, inputs);
         let (before, after) =
             (self.overruns(&low, t + gone), self.overruns(&far, t + gone + short));
@@ -511,7 +541,9 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
         let mut met = self.crept(creep, &low, inputs);
         let own_event = L::and(zero.lt(after.0), own.le(touch));
         let slides = zero.lt(from.way.abs());
-        met.v = L::select(L::and(own_event, slides), zero, met.v);
+        let stops = L::and(own_event, slides);
+        met.v = L::select(stops, zero, met.v);
+        met.swept = L::select(stops, zero, met.swept);
         met.joined = L::select(own_event, met.joined, zero.with(1.0) - met.joined);
         let (push, over) = self.excess(&met, t + gone + creep);
         let way = L::select(zero.lt(over), push.sign(), zero);
@@ -546,6 +578,7 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
         let past = L::and(mask, (self.now.way * self.now.v).lt(zero));
         if L::any(past) {
             self.now.v = L::select(past, zero, self.now.v);
+            self.now.swept = L::select(past, zero, self.now.swept);
             let (push, over) = self.excess(&self.now, t);
             let way = L::select(zero.lt(over), push.sign(), zero);
             self.now.way = L::select(past, way, self.now.way);
