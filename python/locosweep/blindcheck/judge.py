@@ -20,6 +20,7 @@ CONTAINS = {
         "position_dependent_friction",
         "stribeck_friction",
     },
+    "slope_error": {"direction_dependent_friction"},
     "drive_gain_error": {"supply_sag"},
 }
 """Wider effects that have the key as a limit: not rivals of it."""
@@ -139,14 +140,18 @@ def _one_right(truth: dict[str, Any], verdict: dict[str, Any]) -> bool:
     return any({e["name"], *e["accepted"]} & found for e in truth["effects"])
 
 
-def _twin(truth: dict[str, Any]) -> bool:
-    """Whether a single effect has a rival that these runs cannot tell from it."""
+def _twin(truth: dict[str, Any], said: list[str]) -> bool:
+    """Whether a cause that is not named copies a single effect's gap as well.
+
+    Of what is named where that is one effect, else of the true one.
+    """
     if truth["kind"] != "one":
         return False
     effect = truth["effects"][0]
-    wider = CONTAINS.get(effect["name"], set()) if truth["plan"]["mode"] != "forward" else set()
+    name = said[0] if len(said) == 1 else effect["name"]
+    wider = CONTAINS.get(name, set()) if truth["plan"]["mode"] != "forward" else set()
     return any(
-        left is not None and left < SURE_TWIN and rival != effect["name"] and rival not in wider
+        left is not None and left < SURE_TWIN and rival != name and rival not in wider
         for rival, left in effect["distances"].items()
     )
 
@@ -216,7 +221,7 @@ def judge(
         ),
         "mismatch": bool(truth.get("mismatch")),
         "alone": len(truth["accepted"]) == 1 and bool(names),
-        "twin": _twin(truth),
+        "twin": _twin(truth, report["verdict"]["effects"] if report else []),
         "seconds": seconds,
         "channels": tuple(truth["channels"]),
     }

@@ -35,6 +35,9 @@ _FAR = 30.0
 """Single effects that leave this many times more than the best are no part of a pair."""
 _WIDE = 12
 """Single effects that are tried as part of a pair."""
+_MOST_ALIKE = 3
+"""Causes that may tie where none of them has the law that was met: more than these say
+that no variable in particular carries it."""
 _CARRIED = 6
 """Fits whose own variables are tried on what they leave."""
 _AS_WELL = 6.0
@@ -60,6 +63,8 @@ class Choice:
     probability: float = 1.0
     ranked: list[tuple[Fit, float]] = field(default_factory=list)
     shape: list[tuple[str, float]] = field(default_factory=list)
+    near: float = 0.0
+    """What the best further effect would gain: less than asked for."""
 
 
 def total(search: Search, fit: Fit) -> float:
@@ -94,25 +99,22 @@ def choose(search: Search, most: int) -> Choice:
     level = singles
     mismatch = False
     found = best
+    near = 0.0
     for count in range(2, most + 2):
         rest = _rest(problem, found)
-        if rest and (carried := _carried(search, level)):
-            found, mismatch = carried, True
+        carried = _carried(search, level) if rest else None
+        deeper: list[Fit] = []
+        if count <= most:
+            search.report(f"{count} effects at once")
+            deeper = _deeper(search, level, found, wide=bool(rest) and count == 2)
+            near = total(search, found) - total(search, deeper[0]) if deeper else 0.0
+            deeper = [fit for fit in deeper if _gains(search, found, fit)]
+        if carried and not (deeper and search.score(deeper[0]) + GAIN < carried[0]):
+            found, mismatch = carried[1], True
             break
-        if count > most:
-            break
-        search.report(f"{count} effects at once")
-        seeds = _seeds(level, 4 if rest else 1)
-        deeper = sorted(search.deepen(seeds, len(seeds)), key=lambda fit: total(search, fit))
-        if rest and deeper and count == 2 and _rest(problem, deeper[0]):
-            # The parts of a pair need not stand first when each is tried alone.
-            more = [s for s in _seeds(level, _WIDE) if s not in seeds and s.chi2 < _FAR * best.chi2]
-            deeper += search.deepen(more, len(more))
-            deeper.sort(key=lambda fit: total(search, fit))
-        deeper = [fit for fit in deeper if _gains(search, found, fit)]
         if not deeper:
             break
-        level, found = deeper, deeper[0]
+        level, found, near = deeper, deeper[0], 0.0
     rest = [] if mismatch else _rest(problem, found)
     lack = lack_of(problem, found.residual)
     if rest:
@@ -121,8 +123,11 @@ def choose(search: Search, most: int) -> Choice:
     search.report("rivals")
     rivals = _rivals(search, found)
     classes, sets = _classes(search, found, rivals, mismatch)
+    if mismatch and any(len(c) > _MOST_ALIKE for c in classes):
+        choice = Choice("unexplained", found, lack, shape=_rest(problem, found))
+        return _with_ranks(search, choice, [none, *singles, *level, *rivals])
     status = "explained" if all(len(c) == 1 for c in classes) and not sets else "ambiguous"
-    choice = Choice(status, found, lack, classes, sets, mismatch)
+    choice = Choice(status, found, lack, classes, sets, mismatch, near=near)
     return _with_ranks(search, choice, [none, *singles, *level, *rivals])
 
 
@@ -157,8 +162,22 @@ def _seeds(level: Sequence[Fit], count: int) -> list[Fit]:
     return seeds
 
 
-def _carried(search: Search, level: Sequence[Fit]) -> Fit | None:
+def _deeper(search: Search, level: Sequence[Fit], found: Fit, *, wide: bool) -> list[Fit]:
+    """Fit one effect more beside the best, beside many where `wide`; best first."""
+    seeds = _seeds(level, 4 if wide or _rest(search.problem, found) else 1)
+    deeper = sorted(search.deepen(seeds, len(seeds)), key=lambda fit: total(search, fit))
+    if wide and deeper and _rest(search.problem, deeper[0]):
+        # The parts of a pair need not stand first when each is tried alone.
+        more = [s for s in _seeds(level, _WIDE) if s not in seeds and s.chi2 < _FAR * found.chi2]
+        deeper += search.deepen(more, len(more))
+        deeper.sort(key=lambda fit: total(search, fit))
+    return deeper
+
+
+def _carried(search: Search, level: Sequence[Fit]) -> tuple[float, Fit] | None:
     """Find the fit that its own effects' variables bring down to noise, and furthest.
+
+    Returns it with its score, a price on every term included.
 
     They have to carry it as well as any other variable would: what is small enough
     to fit into everything says nothing about its cause.
@@ -178,7 +197,10 @@ def _carried(search: Search, level: Sequence[Fit]) -> Fit | None:
         if not lack_of(problem, left).is_there and not terms.found(own, noise):
             score = search.score(fit) - terms.worth(own, noise) * noise
             found.append((score, i, fit))
-    return min(found)[2] if found else None
+    if not found:
+        return None
+    score, _, fit = min(found)
+    return score, fit
 
 
 def _rivals(search: Search, found: Fit) -> list[Fit]:
@@ -311,5 +333,7 @@ def _probability(search: Search, choice: Choice) -> float:
             inside += weight
     gain = none - total(search, choice.fit)
     found = 1.0 - 0.5 * np.exp(-0.5 * max(gain - GAIN, 0.0) / 4.0)
+    # A further effect that nearly gains what is asked for may well be there.
+    found /= 1.0 + np.exp((choice.near - GAIN) / 4.0)
     trust = 0.9 if choice.law_mismatch else 0.98
     return float(np.clip(inside * found * trust, 0.01, 0.98))

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from locosweep.files import Robot
     from locosweep.measured import Run
 
-__all__ = ["check_runs", "hold_out", "moving_starts"]
+__all__ = ["check_runs", "gaps_of", "hold_out", "moving_starts"]
 
 _TAIL = 0.7
 """Share of a single run that fits see."""
@@ -84,10 +84,20 @@ def _slopes(runs: Sequence[Run], nominal: dict[str, float]) -> bool:
     return any((run.slope_deg or 0.0) != 0.0 for run in runs) or nominal["slope_deg"] != 0.0
 
 
+def gaps_of(problem: Problem) -> list[float]:
+    """Return the squared whitened error of the nominal model per sample, run by run."""
+    every = list(range(len(problem.runs)))
+    e = problem.residuals([problem.plain()], every)[0]
+    return [float(np.mean(e[problem.of_run(r, every)] ** 2)) for r in every]
+
+
 def hold_out(
-    runs: Sequence[Run], asked: Sequence[str] | None
+    runs: Sequence[Run], asked: Sequence[str] | None, gaps: Sequence[float]
 ) -> tuple[tuple[int, ...], float, bool]:
-    """Return the runs kept from fits, the share of a run that fits see, and who chose."""
+    """Return the runs kept from fits, the share of a run that fits see, and who chose.
+
+    `gaps` are the squared errors of the nominal model per sample, run by run.
+    """
     labels = [run.label for run in runs]
     if asked:
         for label in asked:
@@ -99,13 +109,19 @@ def hold_out(
         return held, 1.0, True
     if len(runs) == 1:
         return (), _TAIL, False
-    # The runs in the middle by their drive: neither the richest nor the poorest,
+    # The runs whose gap is most like that of all, but not the richest, which fits need,
     # and no slope that only they have.
-    size = np.array([float(np.sqrt(np.mean(run.drive**2))) for run in runs])
+    size = np.log(np.maximum(np.array(gaps), 1e-300))
+    middle = np.log(max(float(np.mean(gaps)), 1e-300))
     slopes = [run.slope_deg for run in runs]
     order = sorted(
         range(len(runs)),
-        key=lambda i: (slopes.count(slopes[i]) == 1, abs(size[i] - np.median(size)), i),
+        key=lambda i: (
+            slopes.count(slopes[i]) == 1,
+            len(runs) > 2 and size[i] == size.max(),
+            abs(size[i] - middle),
+            i,
+        ),
     )
     count = max(1, len(runs) // 4)
     return tuple(sorted(order[:count])), 1.0, False

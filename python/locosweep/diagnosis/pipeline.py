@@ -15,7 +15,7 @@ from locosweep.diagnosis import sentences, where
 from locosweep.diagnosis.choose import choose
 from locosweep.diagnosis.experiment import next_experiment
 from locosweep.diagnosis.fit import Nuisances, point_of
-from locosweep.diagnosis.gate import check_runs, hold_out, moving_starts
+from locosweep.diagnosis.gate import check_runs, gaps_of, hold_out, moving_starts
 from locosweep.diagnosis.problem import FITTED, Problem
 from locosweep.diagnosis.result import Diagnosis, Trace
 from locosweep.diagnosis.search import Search
@@ -108,8 +108,9 @@ def diagnose(
     say("reading")
     records, notices, digest = _read(runs, columns or {}, units or {})
     warnings = [*notices, *check_runs(records, robot)]
-    held, tail, by_user = hold_out(records, holdout)
-    problem = Problem(robot, records, workers, held=held, tail=tail)
+    problem = Problem(robot, records, workers)
+    held, tail, by_user = hold_out(records, holdout, gaps_of(problem))
+    problem = replace(problem, held=held, tail=tail)
     scale = scale_of(robot, records)
     names, left_out = candidates(robot, records, scale)
     places = tuple(enumerate(problem.priors["x"].tolist())) if problem.placed else ()
