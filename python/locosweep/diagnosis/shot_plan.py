@@ -42,13 +42,14 @@ error of a free run says more about its start than about the model."""
 LONG = 10.0
 """Seconds from which a run is long: a free run over them is asked of no simulator."""
 ROWS = 100_000
-"""Samples of all runs above which a search over whole runs takes too long."""
+LONG_ROWS = 15_000
+"""Samples of all runs, and of long ones, above which a search over whole runs takes too long."""
 REACH = 0.1
 """Error of a free run over the motion in it, up to which fits follow it."""
 _TURNS = 2.0
 """Longest window over the shortest time in which an error grows by e; within a window
 it grows by half as many."""
-_LEAD = 0.1
+_LEAD = 0.15
 """Part of a window that is replayed at either end without counting."""
 _SAMPLES = 64
 """Samples of a window that are enough: denser ones are thinned."""
@@ -89,7 +90,7 @@ def plan_of(whole: Problem) -> Plan | None:
         fastest = max(float(_rates(run, whole.nominal).max()) for run in runs)
         why = f"small errors grow {_large(growth)} along a run"
         return Plan(_fitting(runs, _TURNS / fastest), why, noise)
-    many = whole.count > ROWS
+    many = whole.count > (LONG_ROWS if longest > LONG else ROWS)
     if longest <= LONG and not many:
         return None
     reach = _reach(whole, longest)
@@ -153,7 +154,7 @@ def _as_seen(whole: Problem, channel: str) -> Noise:
     seen = float(np.median([np.median(third) for third in thirds])) / 0.6745 / np.sqrt(20.0)
     if seen <= stated.sd:
         return stated
-    return replace(stated, sd=seen, gaussian=max(seen, stated.gaussian))
+    return replace(stated, sd=float(seen), gaussian=float(max(seen, stated.gaussian)))
 
 
 def _reach(whole: Problem, longest: float) -> float:

@@ -86,10 +86,10 @@ class ShotReport:
         sums = {c: _sums(e**2, self.tiles.lengths[self.judged]) for c, e in both.items()}
         counts = {c: s[0, :, 1].sum() for c, s in sums.items()}
         rms = {c: np.sqrt(s[:, :, 0].sum(axis=1) / max(counts[c], 1.0)) for c, s in sums.items()}
-        known = {c: rms[c][0] / self.tiles.noise[c].sd for c in sums if counts[c] > 0}
+        known = {c: float(rms[c][0]) / self.tiles.noise[c].sd for c in sums if counts[c] > 0}
         channel = channel or (max(known, key=lambda c: known[c]) if known else "x")
         old, new = (float(value) for value in rms[channel])
-        floor = self.tiles.noise[channel].sd
+        floor = float(self.tiles.noise[channel].sd)
         same = before.names == after.names
         shrink = explained = None
         interval: list[float] | None = None
@@ -149,7 +149,7 @@ class ShotReport:
         windows = where.windows(self.whole, squares)
         regimes = [where.regimes_of(self.whole, r) for r in range(len(self.whole.runs))]
         return {
-            "channels": [{**row, "share": t / whole if whole else 0.0} for t, row in rows],
+            "channels": [{**row, "share": float(t / whole) if whole else 0.0} for t, row in rows],
             "runs": self._rows(old[channel], new[channel]),
             # Windows start anew: where a gap shows is where it arises.
             "windows": windows,

@@ -30,8 +30,10 @@ if TYPE_CHECKING:
 __all__ = ["Shot", "ShotProblem", "cut"]
 
 _WIDER = 2.0
-"""A start may lie this much further off than noise alone says: the polynomial through
+"""A start may lie this much further off than noise alone says: the cubic through
 the samples around it is no exact motion, and the window's own samples settle it."""
+_AROUND = 9
+"""Samples that say what the state at a start is, at least."""
 _STILL = 3.0
 """Deviations of a measured speed below which the head counts as at rest."""
 
@@ -82,16 +84,20 @@ class _Around:
     half: float
 
     def state(self, when: float) -> tuple[tuple[float, float, float], tuple[float, float]]:
-        """Parabola through the samples of x and v around a time, and its deviations."""
+        """Cubic through the samples of x and v around a time, and its deviations.
+
+        A parabola would take a change of acceleration for speed.
+        """
         a, b = np.searchsorted(self.t, [when - self.half, when + self.half])
-        while b - a < 7 and (a > 0 or b < self.t.size):
+        while b - a < _AROUND and (a > 0 or b < self.t.size):
             a, b = max(a - 1, 0), min(b + 1, self.t.size)
         since = self.t[a:b] - when
         rows, values = [], []
         for y, sd, powers in (
-            (self.x, self.noise["x"].sd, np.stack([since**0, since, 0.5 * since**2], axis=1)),
+            (self.x, self.noise["x"].sd,
+             np.stack([since**0, since, since**2 / 2, since**3 / 6], axis=1)),
             (self.v, self.noise["v"].sd if "v" in self.noise else 1.0,
-             np.stack([0.0 * since, since**0, since], axis=1)),
+             np.stack([0.0 * since, since**0, since, since**2 / 2], axis=1)),
         ):  # fmt: skip
             if y is None:
                 continue
@@ -99,14 +105,14 @@ class _Around:
             rows.append(powers[ok] / sd)
             values.append(y[a:b][ok] / sd)
         basis, y = np.concatenate(rows), np.concatenate(values)
-        size = np.array([1.0, 1.0 / self.half, 2.0 / self.half**2])
+        size = np.array([1.0, 1.0 / self.half, 2.0 / self.half**2, 6.0 / self.half**3])
         scaled = basis * size
         normal = scaled.T @ scaled
         floor = 1e-12 * max(float(np.trace(normal)), 1e-300)
-        covariance = np.linalg.inv(normal + floor * np.eye(3))
+        covariance = np.linalg.inv(normal + floor * np.eye(4))
         found = size * (covariance @ (scaled.T @ y))
         deviation = size * np.sqrt(np.diag(covariance))
-        position, speed, rate = (float(value) for value in found)
+        position, speed, rate, _ = (float(value) for value in found)
         if abs(speed) < _STILL * deviation[1]:
             # A head that rests starts at rest: noise of its speed would break it away.
             speed = rate = 0.0
