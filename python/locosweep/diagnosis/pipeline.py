@@ -227,8 +227,8 @@ def _report(
         },
     }
     if near:
-        typical = shots.typical(nominal_point, nearer, gap["channel"]) if shots else None
-        verdict["nearest"] = {**near.told(), "typical_shrink": typical, "runs": rows}
+        part = shots.without_worst(nominal_point, nearer, gap["channel"]) if shots else None
+        verdict["nearest"] = {**near.told(), "shrink_without_worst": part, "runs": rows}
     if choice.shape:
         report["gap"]["left"] = [{"variable": v, "share": s} for v, s in choice.shape[:5]]
     verdict["summary"] = sentences.summary(report)

@@ -19,9 +19,9 @@ def _near(nearest: dict[str, Any], candidates: list[dict[str, Any]]) -> str:
         shown += f" or {len(sets) - 3} more"
     first = next(c for c in candidates if c["effects"] == nearest["effects"])
     much = ""
-    if first["shrink"] is not None and nearest["typical_shrink"] is not None:
+    if first["shrink"] is not None and nearest["shrink_without_worst"] is not None:
         much = f" would make it {first['shrink']:.0%} smaller"
-        much += f" ({nearest['typical_shrink']:.0%} in a typical window) but"
+        much += f" ({nearest['shrink_without_worst']:.0%} without the worst tenth of windows) but"
     return f"; {shown}{much} leaves more than noise, so none of them is named as its cause"
 
 

@@ -53,6 +53,8 @@ _LEAD = 0.15
 """Part of a window that is replayed at either end without counting."""
 _SAMPLES = 64
 """Samples of a window that are enough: denser ones are thinned."""
+_UNSEEN = 0.05
+"""Part of the noise by which thinning may shift the motion."""
 _LEAST = 24
 FITTED_SAMPLES, HELD_SAMPLES = 3_000, 2_000
 """Samples that take part in a search, and in its check."""
@@ -189,14 +191,27 @@ def _compare(whole: Problem, seconds: float) -> tuple[float, float]:
     return float(np.sqrt(np.mean(error**2))), float(np.sqrt(np.mean(motion**2)))
 
 
-def thinned(run: Run, seconds: float) -> Run:
+def _interval(whole: Problem, plan: Plan) -> float:
+    """Longest interval between samples that windows need.
+
+    A drive F that is taken as its mean over an interval D shifts the motion by
+    F D^2 / (12 m): that has to stay well below the noise.
+    """
+    drives = np.concatenate([run.drive for run in whole.runs]) * whole.nominal["gain"]
+    force = max(float(np.sqrt(np.mean(drives**2))), 1e-12)
+    shift = _UNSEEN * plan.noise["x"].sd
+    exact = float(np.sqrt(12.0 * shift * whole.nominal["mass"] / force))
+    return min(plan.seconds / _SAMPLES, exact)
+
+
+def thinned(run: Run, interval: float) -> Run:
     """Take every k-th sample of a run that is denser than windows need.
 
     The drive, and the force that follows it, are means over what is left out: that
     keeps their impulse.
     """
     step = float(np.median(np.diff(run.t)))
-    k = int(seconds / step / _SAMPLES)
+    k = int(1.0001 * interval / step)
     if k < 2:
         return run
     starts = np.arange(0, run.t.size, k)
@@ -265,7 +280,8 @@ def problem_of(whole: Problem, plan: Plan, warnings: list[str]) -> ShotProblem:
     warnings : list of str
         Is told what is left out.
     """
-    runs = [thinned(run, plan.seconds) for run in whole.runs]
+    interval = _interval(whole, plan)
+    runs = [thinned(run, interval) for run in whole.runs]
     leads = _leads(runs, plan.seconds)
     fitted: dict[int, list[tuple[int, int, int]]] = {}
     held: dict[int, list[tuple[int, int, int]]] = {}

@@ -27,6 +27,8 @@ __all__ = ["ShotReport"]
 
 _JUDGED = 60_000
 """Samples kept from the fit on which every candidate's shrink is judged."""
+_WORST = 0.1
+"""Part of the windows that a push may be in."""
 _MOST = 0.4
 _MANY = 20
 """One window of so many should not hold that part of what is left."""
@@ -126,15 +128,17 @@ class ShotReport:
             "used_for_fit": [labels[r] for r in self.whole.fitted],
         }
 
-    def typical(self, before: Point, after: Point, channel: str) -> float | None:
-        """Return how much smaller a model makes the error of a typical window kept from fits."""
+    def without_worst(self, before: Point, after: Point, channel: str) -> float | None:
+        """Return how much a model shrinks the error in windows kept from fits, but for the worst.
+
+        A push from outside in one window would outweigh all that a model does in others.
+        """
         e = self.tiles.errors([before, after], self.judged)[channel]
         sums = _sums(e**2, self.tiles.lengths[self.judged])
-        ok = sums[0, :, 1] > 0.0
-        if not ok.any():
-            return None
-        old, new = np.median(np.sqrt(sums[:, ok, 0] / sums[:, ok, 1]), axis=1)
-        return float(1.0 - new / max(old, 1e-300))
+        means = sums[:, :, 0] / np.maximum(sums[:, :, 1], 1.0)
+        order = np.argsort(means.max(axis=0), kind="stable")
+        old, new = means[:, order[: int(np.ceil((1.0 - _WORST) * order.size))]].sum(axis=1)
+        return float(1.0 - np.sqrt(new / old)) if old > 0.0 else None
 
     def places(self, before: Point, after: Point, channel: str) -> dict[str, Any]:
         """Return the report's `where`, but for its site, and what needs saying of runs."""

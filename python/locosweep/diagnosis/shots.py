@@ -34,6 +34,8 @@ _WIDER = 2.0
 the samples around it is no exact motion, and the window's own samples settle it."""
 _AROUND = 9
 """Samples that say what the state at a start is, at least."""
+_MISFIT = 1.5
+"""Squares that a cubic leaves over those of noise, up to which it is taken."""
 _STILL = 3.0
 """Deviations of a measured speed below which the head counts as at rest."""
 
@@ -86,38 +88,47 @@ class _Around:
     def state(self, when: float) -> tuple[tuple[float, float, float], tuple[float, float]]:
         """Cubic through the samples of x and v around a time, and its deviations.
 
-        A parabola would take a change of acceleration for speed.
+        A parabola would take a change of acceleration for speed. Where the samples are
+        dense, and friction turns its sign among them, fewer of them follow one cubic.
         """
-        a, b = np.searchsorted(self.t, [when - self.half, when + self.half])
-        while b - a < _AROUND and (a > 0 or b < self.t.size):
-            a, b = max(a - 1, 0), min(b + 1, self.t.size)
-        since = self.t[a:b] - when
-        rows, values = [], []
-        for y, sd, powers in (
-            (self.x, self.noise["x"].sd,
-             np.stack([since**0, since, since**2 / 2, since**3 / 6], axis=1)),
-            (self.v, self.noise["v"].sd if "v" in self.noise else 1.0,
-             np.stack([0.0 * since, since**0, since, since**2 / 2], axis=1)),
-        ):  # fmt: skip
-            if y is None:
-                continue
-            ok = np.isfinite(y[a:b])
-            rows.append(powers[ok] / sd)
-            values.append(y[a:b][ok] / sd)
-        basis, y = np.concatenate(rows), np.concatenate(values)
-        size = np.array([1.0, 1.0 / self.half, 2.0 / self.half**2, 6.0 / self.half**3])
-        scaled = basis * size
-        normal = scaled.T @ scaled
-        floor = 1e-12 * max(float(np.trace(normal)), 1e-300)
-        covariance = np.linalg.inv(normal + floor * np.eye(4))
-        found = size * (covariance @ (scaled.T @ y))
-        deviation = size * np.sqrt(np.diag(covariance))
+        for share in (1.0, 0.5, 0.25):
+            found, deviation, misfit = self._cubic(when, share * self.half)
+            if misfit < _MISFIT:
+                break
         position, speed, rate, _ = (float(value) for value in found)
+        deviation = deviation * np.sqrt(max(misfit, 1.0))
         if abs(speed) < _STILL * deviation[1]:
             # A head that rests starts at rest: noise of its speed would break it away.
             speed = rate = 0.0
         spread = (_WIDER * float(deviation[0]), _WIDER * float(deviation[1]))
         return (position, speed, rate), spread
+
+    def _cubic(self, when: float, half: float) -> tuple[Floats, Floats, float]:
+        """Return derivatives at a time, their deviations, and what is left over noise."""
+        a, b = np.searchsorted(self.t, [when - half, when + half])
+        while b - a < _AROUND and (a > 0 or b < self.t.size):
+            a, b = max(a - 1, 0), min(b + 1, self.t.size)
+        since = self.t[a:b] - when
+        powers = np.stack([since**0, since, since**2 / 2, since**3 / 6], axis=1)
+        channels = [(self.x, self.noise["x"].sd, powers)]
+        if self.v is not None:
+            rates = np.concatenate([np.zeros((b - a, 1)), powers[:, :3]], axis=1)
+            channels.append((self.v, self.noise["v"].sd, rates))
+        rows, values = [], []
+        for y, sd, basis in channels:
+            ok = np.isfinite(y[a:b])
+            rows.append(basis[ok] / sd)
+            values.append(y[a:b][ok] / sd)
+        wide, y = np.concatenate(rows), np.concatenate(values)
+        size = half ** -np.arange(4.0)
+        scaled = wide * size
+        normal = scaled.T @ scaled
+        floor = 1e-12 * max(float(np.trace(normal)), 1e-300)
+        covariance = np.linalg.inv(normal + floor * np.eye(4))
+        found = size * (covariance @ (scaled.T @ y))
+        left = y - wide @ found
+        misfit = float(left @ left) / max(y.size - 4, 1)
+        return found, size * np.sqrt(np.diag(covariance)), misfit
 
 
 def cut(
