@@ -26,8 +26,8 @@ _SURE = 2.5
 _TIED = 2.0
 """Deviations below which two sets of as many effects are as good."""
 _WORTH = 0.1
-"""Part of what a window leaves that a further effect has to take, in windows that fits saw and
-in those that they did not: what a model lacks bends every effect a little."""
+"""Part of what fits left that further effects have to take: what a model lacks bends
+every effect a little."""
 _LISTED = 6
 _COMPARED = 24
 
@@ -46,13 +46,21 @@ class Nearest:
             "as_near": [list(fit.model.names) for fit in self.fits[1:]],
         }
 
+    def weighed(self, others: Sequence[Fit], windows: int) -> list[tuple[Fit, float]]:
+        """Weigh these and other fits; a window that is left with more counts for one sample."""
+        fits = [*self.fits, *(f for f in others if all(f is not mine for mine in self.fits))]
+        chi2 = np.array([fit.chi2 for fit in fits])
+        scale = max(float(chi2.min()) / max(windows, 1), 1.0)
+        weights = np.exp(-0.5 * (chi2 - chi2.min()) / scale)
+        return list(zip(fits, (weights / weights.sum()).tolist(), strict=True))
+
 
 def nearest(search: Search) -> Nearest | None:
     """Find the smallest set that no larger one betters; None where none helps at all.
 
     Where a model lacks something, differences in chi2 count for less than noise would
-    have it, and a push in one window outweighs all others. So windows are compared one
-    by one, each by the factor in its chi2; their scatter says how sure a difference is.
+    have it, and the square of a push in one window outweighs all others. So root mean
+    squares of windows are compared one by one; their scatter says how sure a difference is.
     """
     groups: dict[int, list[Fit]] = {}
     for key, fit in search.fits.items():
@@ -60,14 +68,14 @@ def nearest(search: Search) -> Nearest | None:
             groups.setdefault(len(key), []).append(fit)
     best: Fit | None = None
     seen = len(search.problem.fitted)
-    known = _windows(search, [search.none])[0]
+    none = known = _windows(search, [search.none])[0]
     near: list[Fit] = []
     for size in sorted(set(groups) - {0}):
         fits = sorted(groups[size], key=lambda fit: fit.chi2)[:_COMPARED]
         rows = _windows(search, fits)
-        order = sorted(range(len(fits)), key=lambda i: _mean(rows[i], seen))
+        order = sorted(range(len(fits)), key=lambda i: _size(rows[i], none, seen))
         first = order[0]
-        if not _better(known - rows[first], seen):
+        if not _better(known, rows[first], seen):
             break
         best, known = fits[first], rows[first]
         close = [i for i in order if _deviations(rows[i] - known) < _TIED]
@@ -76,7 +84,7 @@ def nearest(search: Search) -> Nearest | None:
 
 
 def _windows(search: Search, fits: Sequence[Fit]) -> Floats:
-    """Logarithm of chi2 of every window, those of the fit first; a row a fit."""
+    """Root of chi2 of every window, those of the fit first; a row a fit."""
     problem = search.problem
     points = [point_of(problem, fit) for fit in fits]
     parts = []
@@ -89,20 +97,21 @@ def _windows(search: Search, fits: Sequence[Fit]) -> Floats:
         edges = np.concatenate([[0], np.cumsum(lengths)])[:-1]
         of_channels = e[:, : len(problem.channels) * samples]
         summed = of_channels.reshape(len(fits), -1, samples).sum(axis=1)
-        # Below what noise leaves no window is better than another.
-        parts.append(np.log(np.add.reduceat(summed, edges, axis=1) + lengths))
+        parts.append(np.sqrt(np.add.reduceat(summed, edges, axis=1)))
     return np.concatenate(parts, axis=1)
 
 
-def _mean(row: Floats, seen: int) -> float:
-    """Mean over windows, those of the fit and those of the check counting as much."""
-    parts = [part for part in (row[:seen], row[seen:]) if part.size]
-    return float(np.mean([part.mean() for part in parts]))
+def _size(row: Floats, none: Floats, seen: int) -> float:
+    """Part that is left, windows of the fit and those of the check counting as much."""
+    parts = [part for part in (slice(0, seen), slice(seen, row.size)) if row[part].size]
+    return float(np.mean([row[part].sum() / none[part].sum() for part in parts]))
 
 
-def _better(fall: Floats, seen: int) -> bool:
-    parts = [part for part in (fall[:seen], fall[seen:]) if part.size]
-    return _deviations(fall) > _SURE and all(part.mean() > _WORTH for part in parts)
+def _better(old: Floats, new: Floats, seen: int) -> bool:
+    """Whether more effects are surely better, and no worse where fits did not look."""
+    fall = old - new
+    worth = fall[:seen].sum() > _WORTH * old[:seen].sum()
+    return bool(_deviations(fall) > _SURE and worth and fall[seen:].sum() >= 0.0)
 
 
 def _deviations(differences: Floats) -> float:

@@ -297,9 +297,7 @@ def _candidates(
     rows = []
     shown = list(choice.ranked[:_CANDIDATES])
     if near:
-        known = {id(f): w for f, w in choice.ranked}
-        first = [(f, known.get(id(f), 0.0)) for f in near.fits]
-        shown = [*first, *(p for p in shown if all(p[0] is not f for f in near.fits))][:_CANDIDATES]
+        shown = near.weighed([f for f, _ in shown], len(search.problem.fitted))[:_CANDIDATES]
     chosen = frozenset(choice.fit.model.names)
     if not any(frozenset(f.model.names) == chosen for f, _ in shown):
         shown += [pair for pair in choice.ranked if frozenset(pair[0].model.names) == chosen]
