@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Nearest", "nearest"]
 
-_SURE = 2.5
+_SURE = 2.0
 """Deviations by which more effects have to be better, over the windows' own scatter."""
 _TIED = 2.0
 """Deviations below which two sets of as many effects are as good."""
@@ -76,7 +76,8 @@ def nearest(search: Search) -> Nearest | None:
         order = sorted(range(len(fits)), key=lambda i: _size(rows[i], none, seen))
         first = order[0]
         if not _better(known, rows[first], seen):
-            break
+            # Two causes may each do nothing alone.
+            continue
         best, known = fits[first], rows[first]
         close = [i for i in order if _deviations(rows[i] - known) < _TIED]
         near = [fits[i] for i in [first, *(i for i in close if i != first)]][:_LISTED]

@@ -229,6 +229,8 @@ def _report(
     if near:
         part = shots.without_worst(nominal_point, nearer, gap["channel"]) if shots else None
         verdict["nearest"] = {**near.told(), "shrink_without_worst": part, "runs": rows}
+    elif shots is not None and choice.status == "unexplained":
+        verdict["nearest"] = None
     if choice.shape:
         report["gap"]["left"] = [{"variable": v, "share": s} for v, s in choice.shape[:5]]
     verdict["summary"] = sentences.summary(report)

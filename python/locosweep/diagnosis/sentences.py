@@ -38,6 +38,8 @@ def summary(report: dict[str, Any]) -> str:
         near = ""
         if nearest := verdict.get("nearest"):
             near = _near(nearest, report["candidates"])
+        elif "nearest" in verdict:
+            near = "; none makes it surely smaller"
         elif best and best["shrink"] is not None:
             names = " with ".join(map(_said, best["effects"]))
             near = f"; nearest comes {names}, which leaves more than noise"

@@ -56,7 +56,7 @@ _SAMPLES = 64
 _UNSEEN = 0.05
 """Part of the noise by which thinning may shift the motion."""
 _LEAST = 24
-FITTED_SAMPLES, HELD_SAMPLES = 2_000, 1_500
+FITTED_SAMPLES, HELD_SAMPLES = 2_000, 2_000
 """Samples that take part in a search, and in its check."""
 _RESTING = 8
 """One in so many windows may be one in which the head rests."""
