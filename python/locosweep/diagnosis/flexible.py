@@ -222,11 +222,11 @@ class Flexible:
         names: list[str] = []
         if forces:
             dx, dv = _response(np.vstack([t for _, t in forces]), motion)
-            rows.append(_whiten(problem, dx, dv, fit.residual.size))
+            rows.append(problem.whitened(dx, dv, fit.residual.size))
             names += [v for v, t in forces for _ in range(len(t))]
         if readings:
             dx = np.vstack([t for _, t in readings])
-            rows.append(_whiten(problem, dx, np.zeros_like(dx), fit.residual.size))
+            rows.append(problem.whitened(dx, np.zeros_like(dx), fit.residual.size))
             names += [v for v, t in readings for _ in range(len(t))]
         if fit.theta.size:
             rows.append(jacobian_of(problem, fit))
@@ -284,26 +284,3 @@ class Flexible:
                 if chance < _SURE:
                     rows.append((variable, (fall - base) / total))
         return sorted(rows, key=lambda row: -row[1])
-
-
-def _whiten(
-    problem: Problem, dx: NDArray[np.float64], dv: NDArray[np.float64], size: int
-) -> NDArray[np.float64]:
-    """Bring changes of x and v into the form of whitened residuals."""
-    picked = np.concatenate(
-        [np.arange(problem.starts_at[r], problem.starts_at[r + 1]) for r in problem.fitted]
-    )
-    edges = np.concatenate([[0], np.cumsum(problem.lengths[problem.fitted])])[:-1]
-    rows, extra = [], []
-    for c in problem.channels:
-        w = problem.weights[c][picked] * problem.seen[picked]
-        change = {"x": dx, "v": dv}.get(c, np.zeros_like(dx)) * w
-        if c in problem.priors and not (c == "x" and problem.placed):
-            prior = 1.0 / problem.priors[c][problem.fitted]
-            bottom = np.add.reduceat(w * w, edges) + prior**2
-            offset = np.add.reduceat(change * w, edges, axis=1) / bottom
-            change = change - np.repeat(offset, problem.lengths[problem.fitted], axis=1) * w
-            extra.append(offset * prior)
-        rows.append(change)
-    full = np.concatenate(rows + extra, axis=1)
-    return np.pad(full, ((0, 0), (0, size - full.shape[1])))

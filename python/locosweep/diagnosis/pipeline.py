@@ -16,9 +16,12 @@ from locosweep.diagnosis.choose import choose
 from locosweep.diagnosis.experiment import next_experiment
 from locosweep.diagnosis.fit import Nuisances, point_of
 from locosweep.diagnosis.gate import check_runs, gaps_of, hold_out, moving_starts
+from locosweep.diagnosis.nearest import nearest
 from locosweep.diagnosis.problem import FITTED, Problem
 from locosweep.diagnosis.result import Diagnosis, Trace
 from locosweep.diagnosis.search import Search
+from locosweep.diagnosis.shot_plan import for_planning, plan_of, problem_of, scale_in_windows
+from locosweep.diagnosis.shot_report import ShotReport
 from locosweep.diagnosis.shrink import gap_of
 from locosweep.diagnosis.starts import candidates, scale_of
 from locosweep.diagnosis.visible import not_visible
@@ -34,6 +37,8 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.choose import Choice
     from locosweep.diagnosis.fit import Fit
+    from locosweep.diagnosis.nearest import Nearest
+    from locosweep.diagnosis.problem import Point
 
 __all__ = ["diagnose"]
 
@@ -110,18 +115,24 @@ def diagnose(
     warnings = [*notices, *check_runs(records, robot)]
     problem = Problem(robot, records, workers)
     held, tail, by_user = hold_out(records, holdout, gaps_of(problem))
-    problem = replace(problem, held=held, tail=tail)
+    uncut = problem = replace(problem, held=held, tail=tail)
     scale = scale_of(robot, records)
+    shots = None
+    if plan := plan_of(uncut):
+        problem = problem_of(uncut, plan, warnings)
+        scale = scale_in_windows(scale, robot, problem)
+        shots = ShotReport(uncut, plan)
     names, left_out = candidates(robot, records, scale)
     places = tuple(enumerate(problem.priors["x"].tolist())) if problem.placed else ()
     problem.pace = scale.speed
     nuisances = Nuisances((), _spread(robot), scale.speed, places)
-    problem.starting = moving_starts(problem, nuisances)
-    nuisances = replace(nuisances, moving=tuple(r for r in problem.starting if r not in held))
+    if shots is None:
+        problem.starting = moving_starts(problem, nuisances)
+        nuisances = replace(nuisances, moving=tuple(r for r in problem.starting if r not in held))
     search = Search(problem, nuisances, scale, tuple(names), say, judges=not by_user)
     choice = choose(search, max_effects)
     say("where the gap lies")
-    return _report(search, choice, (robot, nominal), (digest, seed), warnings, left_out)
+    return _report(search, choice, (robot, nominal), (digest, seed), warnings, left_out, shots)
 
 
 def _read(
@@ -157,6 +168,7 @@ def _report(
     provenance: tuple[str, int],
     warnings: list[str],
     left_out: Mapping[str, str],
+    shots: ShotReport | None,
 ) -> Diagnosis:
     problem = search.problem
     robot, given = model
@@ -167,13 +179,18 @@ def _report(
     chosen = fit.named() if named else {}
     augmented = replace(robot, effects=chosen)
     digest, seed = provenance
-    gap, tables = gap_of(problem, nominal_point, point, seed, warnings)
-    everything = list(range(len(problem.runs)))
-    before = problem.replay([nominal_point], everything)
-    after = problem.replay([point], everything)
-    channel = gap["channel"] or "x"
-    squares = _squares(problem, before, channel)
-    regimes = [where.regimes_of(problem, r) for r in everything]
+    near = nearest(search) if shots is not None and choice.status == "unexplained" else None
+    if shots is not None:
+        gap = shots.gap(nominal_point, point, seed, warnings)
+        places = shots.places(nominal_point, point, gap["channel"])
+        nearer = point_of(problem, near.fit) if near else point
+        rows = shots.runs(nominal_point, nearer, gap["channel"])
+        warnings += shots.said_of_runs(rows, gap["channel"])
+        warnings += shots.said_of_windows(nearer, gap["channel"])
+        traces, whole = shots.traces(nominal_point, point), shots.whole
+    else:
+        gap, places, traces = _whole_runs(problem, (nominal_point, point), seed, warnings)
+        whole = problem
     effects_of = list(fit.model.names) if named else []
     effects_of = _by_weight(search, fit) if len(effects_of) > 1 else effects_of
     order = [choice.fit.model.names.index(name) for name in effects_of]
@@ -192,17 +209,10 @@ def _report(
         "schema": "locosweep.diagnosis/1",
         "verdict": verdict,
         "gap": gap,
-        "where": {
-            "channels": tables["channels"],
-            "runs": tables["runs"],
-            "windows": where.windows(problem, squares),
-            "origin": where.origin(problem, nominal_point),
-            "regimes": where.regime_shares(squares, regimes),
-            "site": site,
-        },
-        "candidates": _candidates(search, choice, gap, seed),
+        "where": {**places, "site": site},
+        "candidates": _candidates(search, choice, gap, seed, shots, near),
         "not_visible": not_visible(search, left_out),
-        "next_experiment": _next(search, choice),
+        "next_experiment": _next(search, choice, whole),
         "warnings": warnings,
         "provenance": {
             "locosweep": _core.version(),
@@ -217,17 +227,42 @@ def _report(
             "start_speed_free": [problem.runs[r].label for r in search.nuisances.moving],
         },
     }
+    if near:
+        part = shots.without_worst(nominal_point, nearer, gap["channel"]) if shots else None
+        verdict["nearest"] = {**near.told(), "shrink_without_worst": part, "runs": rows}
+    elif shots is not None and choice.status == "unexplained":
+        verdict["nearest"] = None
     if choice.shape:
         report["gap"]["left"] = [{"variable": v, "share": s} for v, s in choice.shape[:5]]
     verdict["summary"] = sentences.summary(report)
-    traces = _traces(problem, before, after, regimes)
     details: dict[str, Any] = {
         "noise": {c: n.sd for c, n in problem.noise.items()},
-        "force_view": where.force_view(problem, nominal_point, problem.nominal["mass"]),
+        "force_view": where.force_view(whole, nominal_point, problem.nominal["mass"]),
     }
     if not isinstance(given, Robot):
         details["nominal_text"] = Path(given).read_text(encoding="utf-8")
     return Diagnosis(report, traces, robot, augmented, details)
+
+
+def _whole_runs(
+    problem: Problem, points: tuple[Point, Point], seed: int, warnings: list[str]
+) -> tuple[dict[str, Any], dict[str, Any], tuple[Trace, ...]]:
+    """Return gap, places and curves of runs that are replayed from end to end."""
+    nominal, point = points
+    gap, tables = gap_of(problem, nominal, point, seed, warnings)
+    everything = list(range(len(problem.runs)))
+    before = problem.replay([nominal], everything)
+    after = problem.replay([point], everything)
+    squares = _squares(problem, before, gap["channel"] or "x")
+    regimes = [where.regimes_of(problem, r) for r in everything]
+    places = {
+        "channels": tables["channels"],
+        "runs": tables["runs"],
+        "windows": where.windows(problem, squares),
+        "origin": where.origin(problem, nominal),
+        "regimes": where.regime_shares(squares, regimes),
+    }
+    return gap, places, _traces(problem, before, after, regimes)
 
 
 def _squares(problem: Problem, read: dict[str, Any], channel: str) -> list[Any]:
@@ -255,17 +290,27 @@ def _by_weight(search: Search, fit: Fit) -> list[str]:
 
 
 def _candidates(
-    search: Search, choice: Choice, gap: dict[str, Any], seed: int
+    search: Search,
+    choice: Choice,
+    gap: dict[str, Any],
+    seed: int,
+    shots: ShotReport | None,
+    near: Nearest | None,
 ) -> list[dict[str, Any]]:
     rows = []
     shown = list(choice.ranked[:_CANDIDATES])
+    if near:
+        shown = near.weighed([f for f, _ in shown], len(search.problem.fitted))[:_CANDIDATES]
     chosen = frozenset(choice.fit.model.names)
     if not any(frozenset(f.model.names) == chosen for f, _ in shown):
         shown += [pair for pair in choice.ranked if frozenset(pair[0].model.names) == chosen]
     points = [point_of(search.problem, f) for f, _ in shown]
     nominal = point_of(search.problem, search.none)
     for (fit, weight), point in zip(shown, points, strict=True):
-        own, _ = gap_of(search.problem, nominal, point, seed, [], channel=gap["channel"])
+        if shots is None:
+            own, _ = gap_of(search.problem, nominal, point, seed, [], channel=gap["channel"])
+        else:
+            own = shots.gap(nominal, point, seed, [], channel=gap["channel"])
         parameters: dict[str, dict[str, Any]] = {name: {} for name in fit.model.names}
         for f, value, std in zip(fit.model.free, fit.parameters, fit.stds, strict=True):
             size = np.inf if f.log else f.size
@@ -287,7 +332,7 @@ def _candidates(
     return rows
 
 
-def _next(search: Search, choice: Choice) -> dict[str, Any]:
+def _next(search: Search, choice: Choice, whole: Problem) -> dict[str, Any]:
     if choice.status != "ambiguous":
         return {"separates": [], "suggestion": None}
     rivals = []
@@ -300,6 +345,8 @@ def _next(search: Search, choice: Choice) -> dict[str, Any]:
     if not rivals:
         return {"separates": [], "suggestion": None}
     search.report("next experiment")
+    if whole is not search.problem:
+        search = for_planning(search, whole)
     return next_experiment(search, choice.fit, rivals)
 
 

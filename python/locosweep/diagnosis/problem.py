@@ -241,6 +241,28 @@ class Problem:
             rows.append(e)
         return np.concatenate(rows + extra, axis=1)
 
+    def whitened(
+        self, dx: NDArray[np.float64], dv: NDArray[np.float64], size: int
+    ) -> NDArray[np.float64]:
+        """Bring changes of x and v into the form of whitened residuals."""
+        picked = np.concatenate(
+            [np.arange(self.starts_at[r], self.starts_at[r + 1]) for r in self.fitted]
+        )
+        edges = np.concatenate([[0], np.cumsum(self.lengths[self.fitted])])[:-1]
+        rows, extra = [], []
+        for c in self.channels:
+            w = self.weights[c][picked] * self.seen[picked]
+            change = {"x": dx, "v": dv}.get(c, np.zeros_like(dx)) * w
+            if c in self.priors and not (c == "x" and self.placed):
+                prior = 1.0 / self.priors[c][self.fitted]
+                bottom = np.add.reduceat(w * w, edges) + prior**2
+                offset = np.add.reduceat(change * w, edges, axis=1) / bottom
+                change = change - np.repeat(offset, self.lengths[self.fitted], axis=1) * w
+                extra.append(offset * prior)
+            rows.append(change)
+        full = np.concatenate(rows + extra, axis=1)
+        return np.pad(full, ((0, 0), (0, size - full.shape[1])))
+
     def of_run(self, run: int, chosen: Sequence[int]) -> NDArray[np.intp]:
         """Return where the residuals of one run lie among those of several."""
         chosen = list(chosen)

@@ -11,6 +11,20 @@ def _said(name: str) -> str:
     return name.replace("_", " ")
 
 
+def _near(nearest: dict[str, Any], candidates: list[dict[str, Any]]) -> str:
+    """Say how much the nearest effects would take away, without calling them the cause."""
+    sets = [nearest["effects"], *nearest["as_near"]]
+    shown = " or, as well, ".join(" with ".join(map(_said, names)) for names in sets[:3])
+    if len(sets) > 3:
+        shown += f" or {len(sets) - 3} more"
+    first = next(c for c in candidates if c["effects"] == nearest["effects"])
+    much = ""
+    if first["shrink"] is not None and nearest["shrink_without_worst"] is not None:
+        much = f" would make it {first['shrink']:.0%} smaller"
+        much += f" ({nearest['shrink_without_worst']:.0%} without the worst tenth of windows) but"
+    return f"; {shown}{much} leaves more than noise, so none of them is named as its cause"
+
+
 def summary(report: dict[str, Any]) -> str:
     """Return the verdict of a report as one sentence for a person."""
     verdict, gap = report["verdict"], report["gap"]
@@ -22,7 +36,11 @@ def summary(report: dict[str, Any]) -> str:
     if verdict["status"] == "unexplained":
         best = next((c for c in report["candidates"] if c["effects"]), None)
         near = ""
-        if best and best["shrink"] is not None:
+        if nearest := verdict.get("nearest"):
+            near = _near(nearest, report["candidates"])
+        elif "nearest" in verdict:
+            near = "; none makes it surely smaller"
+        elif best and best["shrink"] is not None:
             names = " with ".join(map(_said, best["effects"]))
             near = f"; nearest comes {names}, which leaves more than noise"
         return f"A gap is there that no known effect accounts for: {size}{near} ({sure} sure)."

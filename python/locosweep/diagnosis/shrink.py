@@ -13,14 +13,19 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.problem import Point, Problem
 
-__all__ = ["UNITS", "gap_of"]
+__all__ = ["HORIZONS", "RESAMPLES", "UNITS", "gap_of", "units_of"]
 
 UNITS = {"x": "m", "v": "m/s", "x_rear": "m", "force": "N", "power": "W"}
 _ROTARY = {"x": "rad", "v": "rad/s", "force": "N m"}
-_HORIZONS = (0.1, 0.5, 2.0)
-_RESAMPLES = 400
+HORIZONS = (0.1, 0.5, 2.0)
+RESAMPLES = 400
 _BLOCKS = 8
 """Blocks of a run that are drawn where there are too few runs to draw whole ones."""
+
+
+def units_of(problem: Problem) -> dict[str, str]:
+    """Units of the channels of a rig."""
+    return {**UNITS, **(_ROTARY if "gravity_torque" in problem.nominal else {})}
 
 
 def _errors(problem: Problem, point: Point, channel: str) -> list[NDArray[np.float64]]:
@@ -56,7 +61,7 @@ def gap_of(
     channel: str | None = None,
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return the report's `gap`, and its tables by channel and by run."""
-    units = {**UNITS, **(_ROTARY if "gravity_torque" in problem.nominal else {})}
+    units = units_of(problem)
     one = problem.tail < 1.0
     held = list(problem.held) or list(range(len(problem.runs)))
     errors = {
@@ -107,7 +112,7 @@ def gap_of(
         "shrink": shrink,
         "shrink_ci": interval,
         "explained": explained,
-        "horizons": horizons(problem, before, after, held, _HORIZONS) if channel == "x" else [],
+        "horizons": horizons(problem, before, after, held, HORIZONS) if channel == "x" else [],
         "held_out": [labels[r] for r in problem.held],
         "used_for_fit": [labels[r] for r in problem.fitted],
     }
@@ -133,7 +138,7 @@ def _interval(
         blocks += [(float(np.nansum(a[c])), float(np.nansum(b[c])), c.size) for c in cuts]
     table = np.array(blocks)
     draw = max(1, len(problem.held)) * (_BLOCKS if few else 1)
-    picks = generator.integers(0, len(table), size=(_RESAMPLES, draw))
+    picks = generator.integers(0, len(table), size=(RESAMPLES, draw))
     sums = table[picks].sum(axis=1)
     ratios = np.sqrt(sums[:, 1] / np.maximum(sums[:, 0], 1e-300))
     low, high = np.quantile(1.0 - ratios, [0.05, 0.95])

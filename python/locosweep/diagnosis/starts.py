@@ -37,6 +37,8 @@ class Scale:
     viscous: float
     has_force_level: bool
     rotary: bool
+    replayed: float
+    """Length of a free replay, s: that of a run, or of a window of one."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,7 @@ def scale_of(robot: Robot, runs: Sequence[Run]) -> Scale:
         stride = max(1, x.size // 40)
         slopes = np.abs(np.diff(x[::stride]) / np.diff(t[::stride]))
         speed.append(float(slopes.max(initial=0.0)))
+    duration = float(np.median([run.t[-1] - run.t[0] for run in runs]))
     far = float(np.median(travel)) if travel else 1e-3
     fast = float(np.median(speed)) if speed else 1e-3
     return Scale(
@@ -85,13 +88,14 @@ def scale_of(robot: Robot, runs: Sequence[Run]) -> Scale:
         force=force,
         speed=max(fast, 1e-6),
         travel=max(far, 1e-7),
-        duration=float(np.median([run.t[-1] - run.t[0] for run in runs])),
+        duration=duration,
         interval=float(np.median([np.median(np.diff(run.t)) for run in runs])),
         weight=weight,
         grip=max((nominal["segments"] - 1.0) * weight * cosine, 1e-9),
         viscous=nominal["viscous"],
         has_force_level="coulomb_force" in nominal,
         rotary=rotary,
+        replayed=duration,
     )
 
 
@@ -109,7 +113,7 @@ def _table(
     viscosity = s.force / s.speed
     slow = [s.duration * share for share in (0.03, 0.1, 0.3, 1.0, 3.0)]
     fast = [
-        max(s.interval * 0.3, s.duration * share) for share in (5e-4, 2e-3, 5e-3, 0.01, 0.03, 0.1)
+        max(s.interval * 0.3, s.replayed * share) for share in (5e-4, 2e-3, 5e-3, 0.01, 0.03, 0.1)
     ]
     degree = np.degrees(min(1.0, s.level / s.weight))
 
@@ -186,14 +190,14 @@ def _table(
                 _NONE,
             ),
         },
-        "drive_lag": {"T": (True, 1.0, fast, 0.03 * s.interval, s.duration, 0.0)},
+        "drive_lag": {"T": (True, 1.0, fast, 0.03 * s.interval, s.replayed, 0.0)},
         "drive_delay": {
             "T": (
                 False,
-                0.1 * s.duration,
-                [k * t / (0.1 * s.duration) for t in fast for k in (-1, 1)],
-                -0.3 * s.duration,
-                0.3 * s.duration,
+                0.1 * s.replayed,
+                [k * t / (0.1 * s.replayed) for t in fast for k in (-1, 1)],
+                -0.3 * s.replayed,
+                0.3 * s.replayed,
                 0.0,
             )
         },
@@ -262,10 +266,10 @@ def _table(
         "sensor_delay": {
             "T": (
                 False,
-                0.1 * s.duration,
-                [k * t / (0.1 * s.duration) for t in fast for k in (-1, 1)],
-                -0.3 * s.duration,
-                0.3 * s.duration,
+                0.1 * s.replayed,
+                [k * t / (0.1 * s.replayed) for t in fast for k in (-1, 1)],
+                -0.3 * s.replayed,
+                0.3 * s.replayed,
                 0.0,
             )
         },
@@ -289,10 +293,24 @@ def candidates(robot: Robot, runs: Sequence[Run], scale: Scale) -> tuple[list[st
 def parameters_of(name: str, scale: Scale) -> list[Free]:
     """Return the free parameters of an effect on a rig of this scale."""
     units = {p.name: p.unit for p in effect(name).parameters}
+    table = _table(scale)[name]
+    ends = {**{key: row[3:5] for key, row in table.items()}, **_resolved(name, scale)}
     return [
-        Free(name, key, units[key], log, size, low, high, off)
-        for key, (log, size, _, low, high, off) in _table(scale)[name].items()
+        Free(name, key, units[key], log, size, *ends[key], off)
+        for key, (log, size, _, _, _, off) in table.items()
     ]
+
+
+def _resolved(name: str, scale: Scale) -> dict[str, tuple[float, float]]:
+    """Return ends of ranges in windows: a spring that rings within a sample is rigid there."""
+    if scale.replayed >= scale.duration or name != "transmission_compliance":
+        return {}
+    m, step = scale.mass, scale.interval
+    return {
+        "k": (min(m, 0.1 * m / step**2), m / step**2),
+        "d": (1e-3 * m / scale.replayed, m / step),
+        "m_d": (0.1 * m, 10.0 * m),
+    }
 
 
 def starts_of(name: str, scale: Scale) -> NDArray[np.float64]:
@@ -308,6 +326,7 @@ def starts_of(name: str, scale: Scale) -> NDArray[np.float64]:
         rows[:, 1] *= 2.0 * np.sqrt(rows[:, 0] * scale.mass)
     if name == "anchor_slip":
         rows = rows[rows[:, 1] <= rows[:, 0] * 1.0001]
-    lows = [entry[3] for entry in table.values()]
-    highs = [entry[4] for entry in table.values()]
+    ends = _resolved(name, scale)
+    lows = [ends.get(key, entry[3:5])[0] for key, entry in table.items()]
+    highs = [ends.get(key, entry[3:5])[1] for key, entry in table.items()]
     return np.unique(np.clip(rows, lows, highs), axis=0)

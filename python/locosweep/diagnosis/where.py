@@ -15,7 +15,16 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.problem import Point, Problem
 
-__all__ = ["force_view", "horizons", "measured_motion", "origin", "regimes_of", "shares", "windows"]
+__all__ = [
+    "force_view",
+    "free_errors",
+    "horizons",
+    "measured_motion",
+    "origin",
+    "regimes_of",
+    "shares",
+    "windows",
+]
 
 WINDOWS = 20
 """Windows that a run is cut into."""
@@ -120,6 +129,13 @@ def _restarted(
         found.append((problem.runs[r].t[a:b], x - read[at : at + b - a]))
         at += b - a
     return found
+
+
+def free_errors(
+    problem: Problem, point: Point, cuts: list[tuple[int, int, int]]
+) -> list[NDArray[np.float64]]:
+    """Return measured minus simulated positions in windows, each from its measured state."""
+    return [e for _, e in _restarted(problem, point, cuts)]
 
 
 def _cuts(problem: Problem, count: int) -> list[tuple[int, int, int]]:
