@@ -77,7 +77,7 @@ fn pairs_of_drive_effects_act_in_order() {
 }
 
 /// The lag follows what gain, dead zone and limit have left, exactly from sample
-/// to sample.
+/// to sample: a map doubled 13 times keeps all digits but those 13 bits.
 #[test]
 fn a_lag_comes_after_the_limits() {
     let run = run(600, 2e-3);
@@ -89,7 +89,7 @@ fn a_lag_comes_after_the_limits() {
         let mut force = settled(0);
         for i in 0..599 {
             let miss = (found.force[i] - force).abs();
-            assert!(miss < 1e-11, "{} at {i}: {} {force}", other.info().name, found.force[i]);
+            assert!(miss < 3e-11, "{} at {i}: {} {force}", other.info().name, found.force[i]);
             force = settled(i) + (force - settled(i)) * fade;
         }
     }
