@@ -98,15 +98,16 @@ def choose(search: Search, most: int) -> Choice:
         return _with_ranks(search, choice, [none, *singles])
     level = singles
     mismatch = False
-    found = best
+    before, found = none, best
     near = 0.0
     for count in range(2, most + 2):
         rest = _rest(problem, found)
         carried = _carried(search, level) if rest else None
         deeper: list[Fit] = []
-        if count <= most:
+        if count <= most and not (count > 2 and _hopeless(problem, before, found)):
             search.report(f"{count} effects at once")
-            deeper = _deeper(search, level, found, wide=bool(rest) and count == 2)
+            wide = bool(rest) and count == 2 and not carried
+            deeper = _deeper(search, level, found, rest=bool(rest), wide=wide)
             near = total(search, found) - total(search, deeper[0]) if deeper else 0.0
             deeper = [fit for fit in deeper if _gains(search, found, fit)]
         if carried and not (deeper and search.score(deeper[0]) + GAIN < carried[0]):
@@ -114,7 +115,7 @@ def choose(search: Search, most: int) -> Choice:
             break
         if not deeper:
             break
-        level, found, near = deeper, deeper[0], 0.0
+        before, level, found, near = found, deeper, deeper[0], 0.0
     rest = [] if mismatch else _rest(problem, found)
     lack = lack_of(problem, found.residual)
     if rest:
@@ -162,9 +163,23 @@ def _seeds(level: Sequence[Fit], count: int) -> list[Fit]:
     return seeds
 
 
-def _deeper(search: Search, level: Sequence[Fit], found: Fit, *, wide: bool) -> list[Fit]:
-    """Fit one effect more beside the best, beside many where `wide`; best first."""
-    seeds = _seeds(level, 4 if wide or _rest(search.problem, found) else 1)
+def _hopeless(problem: Problem, before: Fit, after: Fit) -> bool:
+    """Whether the last effect has left more than half of a rest far above the noise.
+
+    One more would not bring it down to noise either.
+    """
+    noise = problem.degrees() * noise_level(problem, after.residual)
+    return after.chi2 - noise > max(0.5 * (before.chi2 - noise), noise)
+
+
+def _deeper(
+    search: Search, level: Sequence[Fit], found: Fit, *, rest: bool, wide: bool
+) -> list[Fit]:
+    """Fit one effect more beside the best few if there is a rest, else beside the best.
+
+    Beside many where `wide` and those few do not do. Best first.
+    """
+    seeds = _seeds(level, 4 if rest else 1)
     deeper = sorted(search.deepen(seeds, len(seeds)), key=lambda fit: total(search, fit))
     if wide and deeper and _rest(search.problem, deeper[0]):
         # The parts of a pair need not stand first when each is tried alone.
