@@ -168,6 +168,16 @@ def test_one_run_keeps_its_last_part() -> None:
     assert "last part" in found.gap["metric"]
 
 
+def test_runs_that_are_refuted_by_the_one_kept_are_all_fitted() -> None:
+    # Only the stronger of two runs reaches the limit, and it is the one that is kept.
+    frame = measured({"drive_saturation": {"F_max": 1.05}}, drives(count=2))
+    found = diagnose(frame, ROBOT)
+    assert "drive_saturation" in found.equivalent[0]
+    assert found.gap["held_out"] == []
+    assert found.gap["shrink"] is None
+    assert any("refute" in warning for warning in found.warnings)
+
+
 def test_runs_asked_for_are_kept() -> None:
     frame = measured({"coulomb_error": {"d_mu": 0.03}}, drives())
     found = diagnose(frame, ROBOT, holdout=["2"])

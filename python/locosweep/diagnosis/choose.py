@@ -94,7 +94,8 @@ def choose(search: Search, most: int) -> Choice:
     if not _gains(search, none, best):
         rest = _rest(problem, none)
         status = "unexplained" if rest else "none"
-        choice = Choice(status, none, lack_of(problem, none.residual), shape=rest)
+        lack, near = lack_of(problem, none.residual), total(search, none) - total(search, best)
+        choice = Choice(status, none, lack, shape=rest, near=near)
         return _with_ranks(search, choice, [none, *singles])
     level = singles
     mismatch = False

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.diagnosis.fit import Model, evaluate, fit_all, point_of, start_fits
+from locosweep.diagnosis.search import fit_nominal
 from locosweep.errors import DataFileError, InputError
 from locosweep.replay import nominal_of
 
@@ -84,10 +85,16 @@ def _slopes(runs: Sequence[Run], nominal: dict[str, float]) -> bool:
     return any((run.slope_deg or 0.0) != 0.0 for run in runs) or nominal["slope_deg"] != 0.0
 
 
-def gaps_of(problem: Problem) -> list[float]:
-    """Return the squared whitened error of the nominal model per sample, run by run."""
+def gaps_of(problem: Problem, nuisances: Nuisances) -> list[float]:
+    """Return the squared whitened error of the nominal model per sample, run by run.
+
+    Its uncertain values are fitted to all runs: what they explain is no gap.
+    """
     every = list(range(len(problem.runs)))
-    e = problem.residuals([problem.plain()], every)[0]
+    if nuisances.shares:
+        e = fit_nominal(problem, replace(nuisances, places=())).residual
+    else:
+        e = problem.residuals([problem.plain()], every)[0]
     return [float(np.mean(e[problem.of_run(r, every)] ** 2)) for r in every]
 
 

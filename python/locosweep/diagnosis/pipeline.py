@@ -12,7 +12,7 @@ import polars as pl
 
 from locosweep import _core
 from locosweep.diagnosis import sentences, where
-from locosweep.diagnosis.choose import choose
+from locosweep.diagnosis.choose import GAIN, choose
 from locosweep.diagnosis.experiment import next_experiment
 from locosweep.diagnosis.fit import Nuisances, point_of
 from locosweep.diagnosis.gate import check_runs, gaps_of, hold_out, moving_starts
@@ -22,6 +22,7 @@ from locosweep.diagnosis.result import Diagnosis, Trace
 from locosweep.diagnosis.search import Search
 from locosweep.diagnosis.shot_plan import for_planning, plan_of, problem_of, scale_in_windows
 from locosweep.diagnosis.shot_report import ShotReport
+from locosweep.diagnosis.shots import ShotProblem
 from locosweep.diagnosis.shrink import gap_of
 from locosweep.diagnosis.starts import candidates, scale_of
 from locosweep.diagnosis.visible import not_visible
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.fit import Fit
     from locosweep.diagnosis.nearest import Nearest
     from locosweep.diagnosis.problem import Point
+    from locosweep.diagnosis.starts import Scale
 
 __all__ = ["diagnose"]
 
@@ -114,25 +116,50 @@ def diagnose(
     records, notices, digest = _read(runs, columns or {}, units or {})
     warnings = [*notices, *check_runs(records, robot)]
     problem = Problem(robot, records, workers)
-    held, tail, by_user = hold_out(records, holdout, gaps_of(problem))
-    uncut = problem = replace(problem, held=held, tail=tail)
     scale = scale_of(robot, records)
+    gaps = gaps_of(problem, Nuisances((), _spread(robot), scale.speed))
+    held, tail, by_user = hold_out(records, holdout, gaps)
+    uncut = problem = replace(problem, held=held, tail=tail)
     shots = None
     if plan := plan_of(uncut):
         problem = problem_of(uncut, plan, warnings)
         scale = scale_in_windows(scale, robot, problem)
         shots = ShotReport(uncut, plan)
     names, left_out = candidates(robot, records, scale)
-    places = tuple(enumerate(problem.priors["x"].tolist())) if problem.placed else ()
-    problem.pace = scale.speed
-    nuisances = Nuisances((), _spread(robot), scale.speed, places)
-    if shots is None:
-        problem.starting = moving_starts(problem, nuisances)
-        nuisances = replace(nuisances, moving=tuple(r for r in problem.starting if r not in held))
-    search = Search(problem, nuisances, scale, tuple(names), say, judges=not by_user)
+    spread = _spread(robot)
+    search = _search_of(problem, spread, scale, names, say, judges=not by_user)
     choice = choose(search, max_effects)
+    if choice.status == "none" and choice.near >= GAIN and held and not by_user and shots is None:
+        # What few runs leave open to an uncertain model, the others may refute.
+        warnings.append(
+            "the runs kept from the fit refute what the others allow: all are fitted, "
+            "and how far the gap shrinks on unseen ones is not known"
+        )
+        problem = replace(uncut, held=())
+        search = _search_of(problem, spread, scale, names, say, judges=True)
+        choice = choose(search, max_effects)
     say("where the gap lies")
     return _report(search, choice, (robot, nominal), (digest, seed), warnings, left_out, shots)
+
+
+def _search_of(
+    problem: Problem,
+    spread: tuple[float, float, float, float],
+    scale: Scale,
+    names: Sequence[str],
+    say: Callable[[str], None],
+    *,
+    judges: bool,
+) -> Search:
+    """Return a search with the nuisances of its runs."""
+    places = tuple(enumerate(problem.priors["x"].tolist())) if problem.placed else ()
+    problem.pace = scale.speed
+    nuisances = Nuisances((), spread, scale.speed, places)
+    if not isinstance(problem, ShotProblem):
+        problem.starting = moving_starts(problem, nuisances)
+        free = tuple(r for r in problem.starting if r not in problem.held)
+        nuisances = replace(nuisances, moving=free)
+    return Search(problem, nuisances, scale, tuple(names), say, judges=judges)
 
 
 def _read(

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.problem import Problem
     from locosweep.diagnosis.starts import Scale
 
-__all__ = ["Search"]
+__all__ = ["Search", "fit_nominal"]
 
 _STARTS = 3
 """Starts of a model that are followed."""
@@ -63,7 +63,7 @@ class Search:
     def __post_init__(self) -> None:
         self.unseen: dict[int, tuple[Fit, float]] = {}
         self.fits: dict[frozenset[str], Fit] = {}
-        self.none = _nominal(self.problem, self.nuisances)
+        self.none = fit_nominal(self.problem, self.nuisances)
         self.fits[frozenset()] = self.none
 
     def model(self, names: Iterable[str]) -> Model:
@@ -248,7 +248,7 @@ class Search:
         return sorted(found.values(), key=_chi2)
 
 
-def _nominal(problem: Problem, nuisances: Nuisances) -> Fit:
+def fit_nominal(problem: Problem, nuisances: Nuisances) -> Fit:
     """Fit the nominal model: its uncertain values from several starts."""
     shares = nuisances.shares
     spread = np.array([nuisances.spread[i] for i in shares])

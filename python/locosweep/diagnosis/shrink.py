@@ -83,13 +83,14 @@ def gap_of(
     same = before.names == after.names
     shrink = explained = None
     interval: list[float] | None = None
-    if gap_before > 0.0 and np.isfinite(gap_before) and gap_before > 1.05 * floor:
+    unseen = one or bool(problem.held)
+    if unseen and gap_before > 0.0 and np.isfinite(gap_before) and gap_before > 1.05 * floor:
         shrink = 0.0 if same else 1.0 - gap_after / gap_before
         if gap_before**2 > 1.2 * floor**2:
             part = (gap_after**2 - floor**2) / (gap_before**2 - floor**2)
             explained = 0.0 if same else 1.0 - part
         interval = [0.0, 0.0] if same else _interval(problem, (old, new), shrink, seed)
-    elif not same:
+    elif unseen and not same:
         warnings.append(
             "the runs kept from the fit show no gap beyond the noise: "
             "how far it shrinks there is not known"
@@ -105,7 +106,7 @@ def gap_of(
         "channel": channel,
         "unit": units[channel],
         "metric": "rmse, free-running simulation, "
-        + ("last part of the run" if one else "held-out runs"),
+        + ("last part of the run" if one else "held-out runs" if unseen else "fitted runs"),
         "before": gap_before,
         "after": gap_after,
         "noise_floor": floor,
