@@ -52,8 +52,8 @@ impl<L: Lane> Map<L> {
         for column in 0..5 {
             let zero = self.rows[0][0].with(0.0);
             let mut half = [zero; 5];
-            for row in 0..3 {
-                half[row] = self.rows[row][column];
+            for (half, row) in half.iter_mut().zip(&self.rows[..3]) {
+                *half = row[column];
             }
             if column > 2 {
                 half[column] = zero.with(1.0);
