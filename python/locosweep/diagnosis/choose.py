@@ -35,6 +35,9 @@ _FAR = 30.0
 """Single effects that leave this many times more than the best are no part of a pair."""
 _WIDE = 12
 """Single effects that are tried as part of a pair."""
+_LEFT, _FAR_OFF = 0.05, 9.0
+"""Share of the squares of a gap, and squares over those of noise, that an explanation does
+not leave."""
 _MOST_ALIKE = 3
 """Causes that may tie where none of them has the law that was met: more than these say
 that no variable in particular carries it."""
@@ -64,7 +67,15 @@ class Choice:
     ranked: list[tuple[Fit, float]] = field(default_factory=list)
     shape: list[tuple[str, float]] = field(default_factory=list)
     near: float = 0.0
-    """What the best further effect would gain: less than asked for."""
+    """What the best further effect would gain: not enough, or not where it is fitted."""
+
+    missed: bool = False
+    """Whether the fit leaves of the runs kept from it what the others do not show."""
+
+    @property
+    def refuted(self) -> bool:
+        """Whether the runs kept from the fit ask for more than the others do."""
+        return self.status != "unexplained" and (self.near >= GAIN or self.missed)
 
 
 def total(search: Search, fit: Fit) -> float:
@@ -129,8 +140,21 @@ def choose(search: Search, most: int) -> Choice:
         choice = Choice("unexplained", found, lack, shape=_rest(problem, found))
         return _with_ranks(search, choice, [none, *singles, *level, *rivals])
     status = "explained" if all(len(c) == 1 for c in classes) and not sets else "ambiguous"
-    choice = Choice(status, found, lack, classes, sets, mismatch, near=near)
+    missed = not mismatch and _misses(search, found)
+    choice = Choice(status, found, lack, classes, sets, mismatch, near=near, missed=missed)
     return _with_ranks(search, choice, [none, *singles, *level, *rivals])
+
+
+def _misses(search: Search, fit: Fit) -> bool:
+    """Whether a fit leaves much of the gap, and far more than noise, where it has not seen it."""
+    if not search.judges:
+        return False
+    squares = []
+    for one in (search.none, fit):
+        e = search.problem.unseen([point_of(search.problem, one)])[0]
+        squares.append(float(e @ e))
+    before, after = squares
+    return bool(after > max(_LEFT * before, _FAR_OFF * e.size))
 
 
 def _gains(search: Search, old: Fit, new: Fit) -> bool:
@@ -350,6 +374,6 @@ def _probability(search: Search, choice: Choice) -> float:
     gain = none - total(search, choice.fit)
     found = 1.0 - 0.5 * np.exp(-0.5 * max(gain - GAIN, 0.0) / 4.0)
     # A further effect that nearly gains what is asked for may well be there.
-    found /= 1.0 + np.exp((choice.near - GAIN) / 4.0)
+    found /= 1.0 + np.exp(min((choice.near - GAIN) / 4.0, 50.0))
     trust = 0.9 if choice.law_mismatch else 0.98
     return float(np.clip(inside * found * trust, 0.01, 0.98))

@@ -24,6 +24,8 @@ RESOLVED = 9.0
 """Squared distance, in deviations, from which two explanations are told apart."""
 _PAYLOAD, _INCLINE = 1.3, 5.0
 _SHOWN = 4
+_BESIDE = 3
+"""Runs so far that rivals have to go on explaining: those with the longest motion."""
 
 
 def _reversed(run: Run, _: float) -> Run:
@@ -122,7 +124,8 @@ def _distance(
         deviation = 0.01 * search.scale.force
         noise["force"] = Noise(deviation, deviation, 0.0, stated=False)
         channels.append("force")
-    runs = [problem.runs[r] for r in problem.fitted]
+    far = sorted(problem.fitted, key=lambda r: (-moved[r], r))[:_BESIDE]
+    runs = [problem.runs[r] for r in sorted(far)]
     place = len(runs)
     blank = [_blank(r, channels) for r in runs] + [_blank(run, channels)]
     if name == "force sensor":
@@ -154,7 +157,10 @@ def _distance(
         if len(rival.model.names) == 1 and new:
             rows = starts_of(new[0], search.scale)
             more = start_fits(nuisances, rival.model, rows)
-            evaluate(planned, more)
+            # What the runs so far say is in the rival's own start.
+            evaluate(planned, more, [place])
+            for start in more:
+                start.residual = np.zeros(0)
             trials.extend(sorted(more, key=lambda f: f.chi2)[:2])
     fit_all(planned, trials, steps=8)
     worst: dict[tuple[str, ...], float] = {}

@@ -21,6 +21,11 @@ __all__ = ["Fit", "Model", "Nuisances", "fit_all", "start_fits"]
 
 _TRIALS = (0.05, 1.0, 30.0)
 """Factors on the damping that each step tries side by side."""
+_DOUBT = 3.0
+"""How many times better than derivatives promise a fit may still become."""
+_COARSE, _NEAR = 0.01, 200.0
+"""What a step has to gain, of a fit's distance from the best one beside it, beyond the
+distance from which on it does."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +68,8 @@ class Fit:
     covariance: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
     residual: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     damping: float = 1e-2
+    limit: float = np.inf
+    """Chi2 above which the fit is of no interest, once derivatives promise no better."""
     done: bool = False
     steps: int = 0
 
@@ -177,7 +184,11 @@ def fit_all(
     steps: int = 12,
     tolerance: float = 0.02,
 ) -> None:
-    """Improve fits in place until their chi2 falls by less than `tolerance`."""
+    """Improve fits in place until their chi2 falls by less than `tolerance`.
+
+    Of those far behind the best one, fewer digits are asked for; and none where `limit`
+    is out of reach.
+    """
     evaluate(problem, [fit for fit in fits if not fit.residual.size], runs)
     for fit in fits:
         fit.done = fit.theta.size == 0 or not np.isfinite(fit.chi2)
@@ -185,10 +196,16 @@ def fit_all(
         todo = [fit for fit in fits if not fit.done]
         if not todo:
             return
+        least = min(fit.chi2 for fit in fits)
         jacobians = _jacobians(problem, todo, runs)
         trials: list[tuple[Fit, float, NDArray[np.float64]]] = []
         for fit, jacobian in zip(todo, jacobians, strict=True):
-            trials.extend(_proposals(fit, jacobian))
+            proposals, promise = _proposals(fit, jacobian)
+            fit.done = fit.chi2 - _DOUBT * promise > fit.limit
+            trials.extend([] if fit.done else proposals)
+        todo = [fit for fit in todo if not fit.done]
+        if not todo:
+            return
         points = [_point(problem, fit, theta) for fit, _, theta in trials]
         found = problem.residuals(points, runs)
         best: dict[int, tuple[float, float, NDArray[np.float64], NDArray[np.float64]]] = {}
@@ -204,7 +221,8 @@ def fit_all(
                 continue
             chi2, damping, theta, full = best[id(fit)]
             if chi2 < fit.chi2:
-                fit.done = fit.chi2 - chi2 < tolerance + 1e-7 * chi2
+                behind = _COARSE * max(chi2 - least - _NEAR, 0.0)
+                fit.done = fit.chi2 - chi2 < tolerance + 1e-7 * chi2 + behind
                 fit.chi2, fit.theta, fit.residual = chi2, theta, full
                 fit.damping = max(damping, 1e-9)
             else:
@@ -256,14 +274,17 @@ def _jacobians(
     return rows
 
 
-def jacobian_of(problem: Problem, fit: Fit) -> NDArray[np.float64]:
+def jacobian_of(
+    problem: Problem, fit: Fit, runs: Sequence[int] | None = None
+) -> NDArray[np.float64]:
     """Return the derivatives of a fit's residuals, a row a parameter."""
-    return _jacobians(problem, [fit], None)[0]
+    return _jacobians(problem, [fit], runs)[0]
 
 
 def _proposals(
     fit: Fit, jacobian: NDArray[np.float64]
-) -> list[tuple[Fit, float, NDArray[np.float64]]]:
+) -> tuple[list[tuple[Fit, float, NDArray[np.float64]]], float]:
+    """Return steps to try, and by how much chi2 would fall were the residuals straight."""
     low, high, size = _bounds(fit)
     jacobian = np.nan_to_num(jacobian, nan=0.0, posinf=0.0, neginf=0.0)
     normal = jacobian @ jacobian.T
@@ -285,7 +306,8 @@ def _proposals(
         # No step beyond what counts as large, a few times over.
         reach = np.max(np.abs(move) / (3.0 * size), initial=1.0)
         found.append((fit, damping, np.clip(fit.theta + move / reach, low, high)))
-    return found
+    promise = float(gradient @ fit.covariance @ gradient)
+    return found, promise if np.isfinite(promise) else np.inf
 
 
 def _inverse(normal: NDArray[np.float64], floor: NDArray[np.float64]) -> NDArray[np.float64]:

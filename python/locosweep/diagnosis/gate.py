@@ -20,24 +20,42 @@ if TYPE_CHECKING:
     from locosweep.files import Robot
     from locosweep.measured import Run
 
-__all__ = ["check_runs", "gaps_of", "hold_out", "moving_starts"]
+__all__ = ["check_runs", "gaps_of", "hold_out", "moving_starts", "usable"]
 
 _TAIL = 0.7
 """Share of a single run that fits see."""
 _SPEED = 3.0
 """Deviations from which a start speed is looked into."""
+_BEFORE = 5
+"""Samples that a start speed is read off, at least."""
 _GAIN = 16.0
 """What a start speed has to gain in chi2 on its run."""
+_VALUES, _FEWEST = 20, 8
+"""Values of x that one run has to have, and every run that takes part."""
 _FEW = 4
 """Runs below which answers are wider."""
 
 
+def usable(runs: Sequence[Run]) -> tuple[list[Run], list[str]]:
+    """Return the runs whose position was measured, and a warning for each other one.
+
+    DataFileError where none was.
+    """
+    known = [int(np.isfinite(run.channels["x"]).sum()) for run in runs]
+    if max(known, default=0) < _VALUES:
+        raise DataFileError(f"runs: column x has fewer than {_VALUES} values in every run")
+    warnings = [
+        f"run {run.label}: x has {count} values, at least {_FEWEST} are needed: it is left out"
+        for run, count in zip(runs, known, strict=True)
+        if count < _FEWEST
+    ]
+    return [run for run, count in zip(runs, known, strict=True) if count >= _FEWEST], warnings
+
+
 def check_runs(runs: Sequence[Run], robot: Robot) -> list[str]:
-    """Return warnings; DataFileError where nothing at all can be said."""
+    """Return what is to be known about runs before their diagnosis is believed."""
     nominal = nominal_of(robot)
     warnings = []
-    if not any(np.isfinite(run.channels["x"]).sum() >= 20 for run in runs):
-        raise DataFileError("runs: column x has fewer than 20 values in every run")
     if len(runs) == 1:
         warnings.append("one run only: its last part is the check, and nothing repeats")
     elif len(runs) < _FEW:
@@ -47,8 +65,8 @@ def check_runs(runs: Sequence[Run], robot: Robot) -> list[str]:
         warnings.append("the drive is constant in every run: effects of the drive hardly show")
     elif len(runs) > 1 and len({drive.tobytes() for drive in drives}) == 1:
         warnings.append("every run has the same drive: fewer effects can be told apart")
-    moved = [float(np.ptp(x[np.isfinite(x)])) for run in runs if (x := run.channels["x"]).any()]
-    span = max(moved, default=0.0)
+    moved = [float(np.ptp(x[np.isfinite(x)])) for x in (run.channels["x"] for run in runs)]
+    span = max(moved)
     noise = float(robot.other.get("sensor.position_noise", 0.0))
     noise = max(noise, float(robot.other.get("sensor.position_resolution", 0.0)))
     if span <= 8.0 * noise or span == 0.0:
@@ -144,9 +162,13 @@ def moving_starts(problem: Problem, nuisances: Nuisances) -> tuple[int, ...]:
     problem.begin[:, 1] = 0.0
     for r, run in enumerate(problem.runs):
         few = int(np.clip(run.t.size // 40, 8, 60))
+        pushed = np.flatnonzero(run.drive != run.drive[0])
+        if run.drive[0] == 0.0 and pushed.size and pushed[0] >= _BEFORE:
+            # What the drive does next is no start speed.
+            few = min(few, int(pushed[0]) + 1)
         t, x = run.since_start[:few], run.channels["x"][:few]
         ok = np.isfinite(x)
-        if ok.sum() < 6:
+        if ok.sum() < _BEFORE:
             continue
         # A parabola: the head may also start from rest at once.
         base = np.vander(t[ok], 3)

@@ -4,17 +4,62 @@ from __future__ import annotations
 
 import math
 import tomllib
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from locosweep import _core
-from locosweep.files import load_robot
+from locosweep.diagnosis.starts import level_of
+from locosweep.files import Robot, load_robot
+from locosweep.replay import nominal_of
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from locosweep.files import Robot
+    from locosweep.diagnosis.problem import Point
 
-__all__ = ["write_augmented"]
+__all__ = ["calibrated", "write_augmented"]
+
+_LEVELS = {
+    "stribeck_friction": ("F_s",),
+    "direction_dependent_friction": ("F_c_forward", "F_c_backward"),
+}
+"""Parameters that stand beside the nominal Coulomb level."""
+
+
+def calibrated(robot: Robot, point: Point, effects: dict[str, dict[str, float]]) -> Robot:
+    """Return the model that a fit describes, its uncertain nominal values as fitted.
+
+    Parameters
+    ----------
+    robot : Robot
+        The nominal model.
+    point : Point
+        The fit: factors on mass, Coulomb level and gain, and the clock offset.
+    effects : dict of str to dict of str to float
+        Parameters of its effects, beside the nominal Coulomb level.
+    """
+    mass, level, gain, clock = (float(share) for share in point.shares)
+    if (mass, level, gain, clock) == (1.0, 1.0, 1.0, 0.0):
+        return replace(robot, effects=effects)
+    before = nominal_of(robot)
+    parameters, other = dict(robot.parameters), dict(robot.other)
+    parameters["mass"] = mass * before["mass"]
+    parameters["gain"] = gain * before["gain"]
+    if "coulomb_force" in before:
+        other["surface.coulomb_force"] = level * before["coulomb_force"]
+    else:
+        parameters["mu_coulomb"] = level * before["mu_coulomb"]
+    found = Robot(parameters, other)
+    shift = level_of(nominal_of(found)) - level_of(before)
+    moved = {
+        name: {k: v + shift if k in _LEVELS.get(name, ()) else v for k, v in values.items()}
+        for name, values in effects.items()
+    }
+    if clock != 0.0:
+        # A clock that is off delays the drive.
+        known = moved.get("drive_delay", {"T": 0.0})
+        moved["drive_delay"] = {"T": known["T"] + clock}
+    return replace(found, effects=moved)
 
 
 def write_augmented(augmented: Robot, path: Path, nominal_text: str | None = None) -> None:

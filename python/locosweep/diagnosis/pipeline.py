@@ -12,10 +12,11 @@ import polars as pl
 
 from locosweep import _core
 from locosweep.diagnosis import sentences, where
-from locosweep.diagnosis.choose import GAIN, choose
+from locosweep.diagnosis.choose import choose
 from locosweep.diagnosis.experiment import next_experiment
 from locosweep.diagnosis.fit import Nuisances, point_of
-from locosweep.diagnosis.gate import check_runs, gaps_of, hold_out, moving_starts
+from locosweep.diagnosis.gate import check_runs, gaps_of, hold_out, moving_starts, usable
+from locosweep.diagnosis.model_file import calibrated
 from locosweep.diagnosis.nearest import nearest
 from locosweep.diagnosis.problem import FITTED, Problem
 from locosweep.diagnosis.result import Diagnosis, Trace
@@ -23,7 +24,7 @@ from locosweep.diagnosis.search import Search
 from locosweep.diagnosis.shot_plan import for_planning, plan_of, problem_of, scale_in_windows
 from locosweep.diagnosis.shot_report import ShotReport
 from locosweep.diagnosis.shots import ShotProblem
-from locosweep.diagnosis.shrink import gap_of
+from locosweep.diagnosis.shrink import gap_of, started
 from locosweep.diagnosis.starts import candidates, scale_of
 from locosweep.diagnosis.visible import not_visible
 from locosweep.engine import whole
@@ -114,7 +115,8 @@ def diagnose(
         raise InputError(f"the nominal model has effects ({given}): allowed is a model without")
     say("reading")
     records, notices, digest = _read(runs, columns or {}, units or {})
-    warnings = [*notices, *check_runs(records, robot)]
+    records, missing = usable(records)
+    warnings = [*notices, *missing, *check_runs(records, robot)]
     problem = Problem(robot, records, workers)
     scale = scale_of(robot, records)
     gaps = gaps_of(problem, Nuisances((), _spread(robot), scale.speed))
@@ -129,7 +131,7 @@ def diagnose(
     spread = _spread(robot)
     search = _search_of(problem, spread, scale, names, say, judges=not by_user)
     choice = choose(search, max_effects)
-    if choice.status == "none" and choice.near >= GAIN and held and not by_user and shots is None:
+    if choice.refuted and held and not by_user and shots is None:
         # What few runs leave open to an uncertain model, the others may refute.
         warnings.append(
             "the runs kept from the fit refute what the others allow: all are fitted, "
@@ -138,6 +140,10 @@ def diagnose(
         problem = replace(uncut, held=())
         search = _search_of(problem, spread, scale, names, say, judges=True)
         choice = choose(search, max_effects)
+    elif choice.refuted and choice.fit.model.names:
+        warnings.append("the runs kept from the fit refute what the others allow")
+        sure = float(np.clip(1.0 - choice.probability, 0.5, 0.95))
+        choice = replace(choice, status="unexplained", probability=sure)
     say("where the gap lies")
     return _report(search, choice, (robot, nominal), (digest, seed), warnings, left_out, shots)
 
@@ -201,10 +207,10 @@ def _report(
     robot, given = model
     named = choice.status in ("explained", "ambiguous")
     fit = choice.fit if named else search.none
-    base, point = search.none, point_of(problem, fit)
-    nominal_point = point_of(problem, base)
+    nominal_point = _as_given(search, choice)
+    point = point_of(problem, fit) if named else nominal_point
     chosen = fit.named() if named else {}
-    augmented = replace(robot, effects=chosen)
+    augmented = calibrated(robot, point, chosen) if named else robot
     digest, seed = provenance
     near = nearest(search) if shots is not None and choice.status == "unexplained" else None
     if shots is not None:
@@ -216,7 +222,10 @@ def _report(
         warnings += shots.said_of_windows(nearer, gap["channel"])
         traces, whole = shots.traces(nominal_point, point), shots.whole
     else:
-        gap, places, traces = _whole_runs(problem, (nominal_point, point), seed, warnings)
+        explained = named and not choice.law_mismatch
+        gap, places, traces = _whole_runs(
+            problem, (nominal_point, point), seed, warnings, explained=explained
+        )
         whole = problem
     effects_of = list(fit.model.names) if named else []
     effects_of = _by_weight(search, fit) if len(effects_of) > 1 else effects_of
@@ -271,16 +280,30 @@ def _report(
     return Diagnosis(report, traces, robot, augmented, details)
 
 
+def _as_given(search: Search, choice: Choice) -> Point:
+    """Return the nominal model as handed in; refitted where that accounts for the runs."""
+    found = point_of(search.problem, search.none)
+    return (
+        found if choice.status == "none" else replace(found, shares=search.problem.plain().shares)
+    )
+
+
 def _whole_runs(
-    problem: Problem, points: tuple[Point, Point], seed: int, warnings: list[str]
+    problem: Problem,
+    points: tuple[Point, Point],
+    seed: int,
+    warnings: list[str],
+    *,
+    explained: bool,
 ) -> tuple[dict[str, Any], dict[str, Any], tuple[Trace, ...]]:
     """Return gap, places and curves of runs that are replayed from end to end."""
-    nominal, point = points
+    nominal, point = (started(problem, one) for one in points)
     gap, tables = gap_of(problem, nominal, point, seed, warnings)
     everything = list(range(len(problem.runs)))
     before = problem.replay([nominal], everything)
     after = problem.replay([point], everything)
-    squares = _squares(problem, before, gap["channel"] or "x")
+    channel = gap["channel"]
+    squares = where.gap_squares(problem, channel, before, after if explained else None)
     regimes = [where.regimes_of(problem, r) for r in everything]
     places = {
         "channels": tables["channels"],
@@ -290,14 +313,6 @@ def _whole_runs(
         "regimes": where.regime_shares(squares, regimes),
     }
     return gap, places, _traces(problem, before, after, regimes)
-
-
-def _squares(problem: Problem, read: dict[str, Any], channel: str) -> list[Any]:
-    """Squared residuals of the model, run by run; 0 where nothing was measured."""
-    e = problem.measured[channel] - read[channel][0]
-    if channel == "x_rear":
-        e = e - np.repeat(problem.rest[channel], problem.lengths)
-    return np.split(np.nan_to_num(e) ** 2, problem.starts_at[1:-1])
 
 
 def _by_weight(search: Search, fit: Fit) -> list[str]:
@@ -332,10 +347,15 @@ def _candidates(
     if not any(frozenset(f.model.names) == chosen for f, _ in shown):
         shown += [pair for pair in choice.ranked if frozenset(pair[0].model.names) == chosen]
     points = [point_of(search.problem, f) for f, _ in shown]
-    nominal = point_of(search.problem, search.none)
+    nominal = _as_given(search, choice)
+    if shots is None:
+        nominal = started(search.problem, nominal)
     for (fit, weight), point in zip(shown, points, strict=True):
         if shots is None:
-            own, _ = gap_of(search.problem, nominal, point, seed, [], channel=gap["channel"])
+            problem = search.problem
+            own, _ = gap_of(
+                problem, nominal, started(problem, point), seed, [], channel=gap["channel"]
+            )
         else:
             own = shots.gap(nominal, point, seed, [], channel=gap["channel"])
         parameters: dict[str, dict[str, Any]] = {name: {} for name in fit.model.names}

@@ -26,6 +26,8 @@ FITTED = ("x", "v", "x_rear", "force")
 LOST = 1e60
 """Reading of a model that cannot be replayed to the end: far from everything."""
 _OFFSETS = ("x", "x_rear")
+_ANYWHERE = 10.0
+"""Deviation of a start that was not measured, in spans of its run."""
 _BATCH = 4_000_000
 """Samples of one call: some 130 MB of readings."""
 
@@ -64,15 +66,21 @@ class Problem:
     heavier: dict[int, float] = field(default_factory=dict)
     """Factor on the known mass, of runs with a payload."""
     turned: frozenset[int] = frozenset()
+    """Runs of a robot that was turned round: an error of the slope has the other sign."""
     starting: tuple[int, ...] = ()
     """Runs that begin in motion."""
     pace: float = 1.0
     """A large speed of this rig, m/s."""
-    """Runs of a robot that was turned round: an error of the slope has the other sign."""
     noise: dict[str, Noise] = field(init=False)
     nominal: dict[str, float] = field(init=False)
     channels: tuple[str, ...] = field(init=False)
     lengths: NDArray[np.intp] = field(init=False)
+    replayed: int = field(init=False, default=0)
+    """Samples of all replays so far."""
+    motions: dict[int, tuple[NDArray[np.float64], NDArray[np.float64], float]] = field(
+        init=False, default_factory=dict
+    )
+    """Smoothed motion of runs, once somebody has asked for it."""
 
     def __post_init__(self) -> None:
         self.nominal = nominal_of(self.robot)
@@ -139,7 +147,9 @@ class Problem:
                 before = y[:still][np.isfinite(y[:still])]
                 known = y[np.isfinite(y)]
                 # That of one sample: a bristle may give way while the drive rests.
-                prior.append(float(np.hypot(noise.sd, noise.stuck)))
+                # Where nothing was measured before the drive changes, it is anywhere.
+                own = float(np.hypot(noise.sd, noise.stuck))
+                prior.append(own if before.size else own + _ANYWHERE * float(np.ptp(known)))
                 level.append(
                     float(before.mean()) if before.size else float(known[0]) if known.size else 0.0
                 )
@@ -178,6 +188,7 @@ class Problem:
         With `runs`, only those runs are replayed, one after another.
         """
         chosen = range(len(self.runs)) if runs is None else runs
+        self.replayed += len(points) * int(self.lengths[list(chosen)].sum())
         columns = [
             (r, 0, int(self.lengths[r]), list(point.names)) for point in points for r in chosen
         ]

@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.diagnosis.fit import Fit, Model, Nuisances, evaluate, fit_all, start_fits
+from locosweep.diagnosis.fit import (
+    Fit,
+    Model,
+    Nuisances,
+    evaluate,
+    fit_all,
+    jacobian_of,
+    start_fits,
+)
+from locosweep.diagnosis.lack import lack_of
 from locosweep.diagnosis.starts import parameters_of, starts_of
 
 if TYPE_CHECKING:
@@ -28,6 +37,10 @@ _PARTNERS = 8
 _BEAM = 4
 _ROWS = 24
 """Starts of a further effect beside others."""
+_ROUGH = 0.5
+"""Gain of a step below which a fit is left, unless it may tie with the best one."""
+_CONTEST = 60.0
+"""Scores this far from the best one may tie with it once both have all digits."""
 _NEAR = 30.0
 """Fits that leave this many times more than the best are not worth leaps."""
 _RIPPLES = ("position_dependent_friction",)
@@ -42,8 +55,19 @@ _NOMINAL = 9
 """Starts of the nominal model that are followed."""
 _TELLING = 2
 """Runs that starts are compared on: those that hold most of what a fit leaves."""
+_BUDGET = 60_000_000
+"""Samples replayed in a search, beyond which one set of effects a level is extended."""
 _CLOSE = 8
 """Fits that are followed to their end whatever the best one reaches."""
+_FIRST = 3
+"""Fits that are followed to their end before others are given limits."""
+_SLACK = 200.0
+"""Scores further behind the best one than this, by what derivatives promise, are out of
+reach of it also along a valley that bends."""
+_SCALED = 4.0
+"""How many times larger than its start an effect is taken to act in proportion."""
+_HINT = 5.0
+"""What a start has to promise to gain where the model beside it leaves only noise."""
 PENALTY = 8.0
 """What a free parameter has to gain in chi2 before it counts."""
 
@@ -63,6 +87,7 @@ class Search:
     def __post_init__(self) -> None:
         self.unseen: dict[int, tuple[Fit, float]] = {}
         self.fits: dict[frozenset[str], Fit] = {}
+        self.extended: set[frozenset[str]] = set()
         self.none = fit_nominal(self.problem, self.nuisances)
         self.fits[frozenset()] = self.none
 
@@ -88,6 +113,9 @@ class Search:
         """Fit `base` with each of `partners` beside it; only the `keep` best after a scan."""
         held = base.model.names if base else ()
         partners = [p for p in partners if p not in held]
+        if frozenset(held) in self.extended:
+            keys = [frozenset({*held, name}) for name in partners]
+            return sorted((self.fits[key] for key in keys if key in self.fits), key=_chi2)
         fits: list[Fit] = []
         for name in partners:
             rows = starts_of(name, self.scale)
@@ -105,31 +133,45 @@ class Search:
                 fits.extend(start_fits(self.nuisances, fits[-1].model, rows))
             for fit in fits[-len(rows) :]:
                 fit.theta[fit.theta.size - nuisance.size :] = nuisance
-        self._scan(fits, self._telling(base or self.none))
+        known = base or self.none
+        telling = self._telling(known)
+        reach, worst = self._scan(fits, telling, known)
+        quiet = self._is_noise(known)
+        if quiet:
+            fits = _hopeful(fits, reach, worst - _HINT, every=base is None)
         groups = [sorted([f for f in fits if f.model.names[-1] == n], key=_chi2) for n in partners]
-        groups = sorted((g for g in groups if g), key=lambda g: g[0].chi2)[:keep]
+        groups = [g for g in groups if g]
+        groups.sort(key=lambda group: min(reach[id(f)] for f in group))
         count = _STARTS if base is None else 2
         starts = []
-        for group in groups:
+        for group in groups[:keep]:
             many = group[0].model.names[-1] in _RIPPLES
             starts += _apart(group, 3 * count if many else count)
+        if not quiet:
+            # The first steps from poor starts need not see all runs.
+            evaluate(self.problem, starts, telling)
+            fit_all(self.problem, starts, runs=telling, steps=3)
+            starts = _promising(starts)
         evaluate(self.problem, starts)
-        fit_all(self.problem, starts, steps=3)
-        best: list[Fit] = []
-        for group in groups:
-            mine = sorted([f for f in starts if f.model is group[0].model], key=_chi2)
-            best.extend(f for f in mine if f.chi2 < 1.3 * mine[0].chi2 + 20.0)
+        self._limit(starts)
+        fit_all(self.problem, starts, steps=3 if quiet else 1)
+        best = _promising(starts)
         least = min((f.chi2 for f in best), default=np.inf)
         order = sorted(best, key=_chi2)
         # Those that are far behind stay as they are.
         close = [f for i, f in enumerate(order) if i < _CLOSE or f.chi2 < 10.0 * least]
-        for fit in close:
-            fit.done = False
         steps = 30 if self.nuisances.shares else 15
-        fit_all(self.problem, close, steps=steps)
+        fit_all(self.problem, close[:_FIRST], steps=steps)
+        self._limit(close[_FIRST:], close[:_FIRST])
+        fit_all(self.problem, close[_FIRST:], steps=steps, tolerance=_ROUGH)
+        # Only those that may tie are worth all digits.
+        least = min((self.score(f) for f in close), default=np.inf)
+        ties = [f for f in close if self.score(f) < least + _CONTEST]
+        fit_all(self.problem, ties, steps=steps)
         close.sort(key=_chi2)
         near = [f for f in close if f.chi2 < _NEAR * close[0].chi2]
         self._leap(near[: _CLOSE if base is None else _CLOSE // 2], steps)
+        self.extended.add(frozenset(held))
         found: dict[frozenset[str], Fit] = {}
         for fit in best:
             key = frozenset(fit.model.names)
@@ -138,6 +180,22 @@ class Search:
             if key not in self.fits or fit.chi2 < self.fits[key].chi2:
                 self.fits[key] = fit
         return sorted((self.fits[key] for key in found), key=_chi2)
+
+    def _limit(self, fits: Sequence[Fit], others: Sequence[Fit] = ()) -> None:
+        """Set what fits have to come to, where some fit leaves hardly more than noise."""
+        best = min([*self.fits.values(), *others], key=self.score)
+        if not self._is_noise(best):
+            return
+        # Beside noise alone nothing ties: an effect has to gain.
+        most = self.score(best) + (_SLACK if best.model.names else 0.0)
+        for fit in fits:
+            fit.limit = most - PENALTY * self.seen(fit)
+
+    def _is_noise(self, fit: Fit) -> bool:
+        """Whether a fit leaves nothing that noise would not."""
+        if not fit.residual.size:
+            evaluate(self.problem, [fit])
+        return not lack_of(self.problem, fit.residual).is_there
 
     def _ripples(self, base: Fit | None) -> NDArray[np.float64]:
         """Periods, amplitudes and phases of friction along the track, best first.
@@ -232,17 +290,39 @@ class Search:
         order = np.argsort(-np.array(left), kind="stable")
         return sorted(chosen[i] for i in order[:_TELLING])
 
-    def _scan(self, fits: list[Fit], runs: list[int]) -> None:
-        """Chi2 of many starts on some runs, without keeping their residuals."""
+    def _scan(
+        self, fits: list[Fit], runs: list[int], beside: Fit | None = None
+    ) -> tuple[dict[int, float], float]:
+        """Chi2 of many starts on some runs, without keeping their residuals.
+
+        With `beside`, returns what chi2 each may come to if the change that it makes to
+        the residuals of that fit is scaled and all else refitted; and that fit's own.
+        """
+        reach: dict[int, float] = {}
+        known = Fit(beside.model, beside.nuisances, beside.theta) if beside else None
+        if known:
+            evaluate(self.problem, [known], runs)
+            free = np.nan_to_num(jacobian_of(self.problem, known, runs))
+            basis = np.linalg.qr(free.T)[0]
         for i in range(0, len(fits), 200):
             evaluate(self.problem, fits[i : i + 200], runs)
             for fit in fits[i : i + 200]:
+                if known:
+                    change = fit.residual - known.residual
+                    change -= basis @ (basis.T @ change)
+                    size, along = float(change @ change), -float(change @ known.residual)
+                    scale = np.clip(along / size, -_SCALED, _SCALED) if size > 0.0 else 0.0
+                    scaled = known.chi2 - scale * (2.0 * along - scale * size)
+                    reach[id(fit)] = min(fit.chi2, scaled) if np.isfinite(scaled) else fit.chi2
                 fit.residual = np.zeros(0)
+        return reach, known.chi2 if known else np.inf
 
     def deepen(self, fits: Sequence[Fit], beam: int = _BEAM) -> list[Fit]:
         """Add one effect to each of the best fits."""
         found: dict[frozenset[str], Fit] = {}
-        for base in list(fits)[:beam]:
+        for i, base in enumerate(list(fits)[:beam]):
+            if i and self.problem.replayed > _BUDGET:
+                break
             for fit in self.extend(base, self.names):
                 found[frozenset(fit.model.names)] = fit
         return sorted(found.values(), key=_chi2)
@@ -268,6 +348,28 @@ def fit_nominal(problem: Problem, nuisances: Nuisances) -> Fit:
 
 def _chi2(fit: Fit) -> float:
     return fit.chi2
+
+
+def _hopeful(
+    fits: Sequence[Fit], reach: dict[int, float], limit: float, *, every: bool
+) -> list[Fit]:
+    """Pick the starts that may come below a limit; and the best one of `every` model."""
+    best: dict[tuple[str, ...], Fit] = {}
+    for fit in fits:
+        names = fit.model.names
+        if names not in best or fit.chi2 < best[names].chi2:
+            best[names] = fit
+    some = {id(fit) for fit in best.values()} if every else set()
+    return [f for f in fits if reach[id(f)] <= limit or id(f) in some]
+
+
+def _promising(fits: Sequence[Fit]) -> list[Fit]:
+    """Leave out what lies far behind the best fit of the same model."""
+    best: dict[tuple[str, ...], float] = {}
+    for fit in fits:
+        names = fit.model.names
+        best[names] = min(best.get(names, np.inf), fit.chi2)
+    return [f for f in fits if f.chi2 < 1.3 * best[f.model.names] + 20.0]
 
 
 def _apart(fits: Sequence[Fit], count: int) -> list[Fit]:

@@ -10,9 +10,19 @@ import numpy as np
 
 from locosweep.diagnosis.noise import Noise
 from locosweep.diagnosis.problem import Problem
+from locosweep.diagnosis.shot_tiles import (
+    LEAD,
+    LEAST,
+    TURNS,
+    chosen_of,
+    growth_rates,
+    spread,
+    tiles,
+)
 from locosweep.diagnosis.shots import ShotProblem, cut
 from locosweep.diagnosis.starts import scale_of
 from locosweep.diagnosis.where import free_errors
+from locosweep.errors import DataFileError
 from locosweep.measured import Run
 
 if TYPE_CHECKING:
@@ -46,21 +56,12 @@ LONG_ROWS = 15_000
 """Samples of all runs, and of long ones, above which a search over whole runs takes too long."""
 REACH = 0.1
 """Error of a free run over the motion in it, up to which fits follow it."""
-_TURNS = 2.0
-"""Longest window over the shortest time in which an error grows by e; within a window
-it grows by half as many."""
-_LEAD = 0.15
-"""Part of a window that is replayed at either end without counting."""
 _SAMPLES = 64
 """Samples of a window that are enough: denser ones are thinned."""
 _UNSEEN = 0.05
 """Part of the noise by which thinning may shift the motion."""
-_LEAST = 24
 FITTED_SAMPLES, HELD_SAMPLES = 2_000, 2_000
 """Samples that take part in a search, and in its check."""
-_RESTING = 8
-"""One in so many windows may be one in which the head rests."""
-_TAIL = 0.7
 _PLANNED = 1_000
 """Samples of a run that a next one is compared with."""
 _WINDOWS = 40
@@ -89,9 +90,9 @@ def plan_of(whole: Problem) -> Plan | None:
     longest = max(float(run.t[-1] - run.t[0]) for run in runs)
     noise = {c: _as_seen(whole, c) for c in whole.channels}
     if growth > GROWTH:
-        fastest = max(float(_rates(run, whole.nominal).max()) for run in runs)
+        fastest = max(float(growth_rates(run, whole.nominal).max()) for run in runs)
         why = f"small errors grow {_large(growth)} along a run"
-        return Plan(_fitting(runs, _TURNS / fastest), why, noise)
+        return Plan(_fitting(runs, TURNS / fastest), why, noise)
     many = whole.count > (LONG_ROWS if longest > LONG else ROWS)
     if longest <= LONG and not many:
         return None
@@ -102,8 +103,8 @@ def plan_of(whole: Problem) -> Plan | None:
     if many:
         why = f"the runs have {whole.count} samples"
         # As long as it takes to go there and back.
-        travel = [np.ptp(x[np.isfinite(x)]) / _pace(run) for run in runs
-                  if (x := run.channels["x"]).any()]  # fmt: skip
+        travel = [np.ptp(x[np.isfinite(x)]) / _pace(run)
+                  for run in runs for x in [run.channels["x"]]]  # fmt: skip
         reach = min(reach, 2.0 * float(np.median(travel)))
     return Plan(_fitting(runs, reach), why, noise)
 
@@ -124,20 +125,11 @@ def _fitting(runs: Sequence[Run], seconds: float) -> float:
     """Make a window long enough for its samples, and a run hold several."""
     step = max(float(np.median(np.diff(run.t))) for run in runs)
     shortest = min(float(run.t[-1] - run.t[0]) for run in runs)
-    return float(np.clip(seconds, _LEAST * step, max(0.25 * shortest, _LEAST * step)))
-
-
-def _rates(run: Run, nominal: dict[str, float]) -> Floats:
-    """Rate at which errors grow along a measured run, 1/s: that of a pendulum above its pivot."""
-    torque = nominal.get("gravity_torque", 0.0)
-    x = run.channels["x"]
-    falls = -torque * np.cos(np.where(np.isfinite(x), x, 0.0)) / nominal["mass"]
-    rates: Floats = np.sqrt(np.maximum(falls, 0.0))
-    return rates
+    return float(np.clip(seconds, LEAST * step, max(0.25 * shortest, LEAST * step)))
 
 
 def _growth(run: Run, nominal: dict[str, float]) -> float:
-    rates = _rates(run, nominal)
+    rates = growth_rates(run, nominal)
     return float(np.sum(rates[:-1] * np.diff(run.t)))
 
 
@@ -163,7 +155,7 @@ def _reach(whole: Problem, longest: float) -> float:
     """Longest free run whose error stays a small part of the motion in it."""
     step = float(np.median([np.median(np.diff(run.t)) for run in whole.runs]))
     seconds = longest
-    while seconds > 2.0 * _LEAST * step:
+    while seconds > 2.0 * LEAST * step:
         error, motion = _compare(whole, seconds)
         if error <= REACH * motion:
             break
@@ -181,7 +173,7 @@ def _compare(whole: Problem, seconds: float) -> tuple[float, float]:
             b = int(np.searchsorted(since, since[a] + seconds, side="right"))
             if b - a >= 5:
                 cuts.append((r, int(a), b))
-    cuts = [cuts[i] for i in _spread(len(cuts), _WINDOWS)]
+    cuts = [cuts[i] for i in spread(len(cuts), _WINDOWS)]
     errors, motions = [], []
     for (r, a, b), e in zip(cuts, free_errors(whole, whole.plain(), cuts), strict=True):
         x = whole.runs[r].channels["x"][a:b]
@@ -230,31 +222,7 @@ def thinned(run: Run, interval: float) -> Run:
 
 def _leads(runs: Sequence[Run], seconds: float) -> list[int]:
     steps = [float(np.median(np.diff(run.t))) for run in runs]
-    return [max(2, round(_LEAD * seconds / step)) for step in steps]
-
-
-def _tiles(run: Run, lead: int, seconds: float, nominal: dict[str, float]) -> list[tuple[int, int]]:
-    """Windows whose counting parts follow each other."""
-    since = run.since_start
-    width = np.diff(since, prepend=0.0)
-    grown = np.cumsum(_rates(run, nominal) * width)
-    found = []
-    a = 0
-    while a + 2 * lead + 8 <= run.t.size:
-        end = int(np.searchsorted(since, since[a + lead] + seconds))
-        end = min(end, int(np.searchsorted(grown, grown[a] + 0.5 * _TURNS)))
-        end = max(end, a + lead + _LEAST // 2)
-        b = min(end + lead, run.t.size)
-        if run.t.size - b < lead + 8:
-            b = run.t.size
-        # Over a gap in the data nothing is known about the motion.
-        whole = np.diff(run.t[a:b])
-        if b - a >= 2 * lead + 8 and whole.max() <= max(10.0 * np.median(whole), 0.1 * seconds):
-            found.append((a, b))
-        if b == run.t.size:
-            break
-        a = b - 2 * lead
-    return found
+    return [max(2, round(LEAD * seconds / step)) for step in steps]
 
 
 def tiles_of(whole: Problem, plan: Plan, runs: Sequence[int] | None = None) -> ShotProblem:
@@ -263,7 +231,7 @@ def tiles_of(whole: Problem, plan: Plan, runs: Sequence[int] | None = None) -> S
     windows = [
         (r, a, b)
         for r in (range(len(whole.runs)) if runs is None else runs)
-        for a, b in _tiles(whole.runs[r], leads[r], plan.seconds, whole.nominal)
+        for a, b in tiles(whole.runs[r], leads[r], plan.seconds, whole.nominal)
     ]
     return _problem(whole, whole.runs, windows, leads, plan, ())
 
@@ -286,14 +254,16 @@ def problem_of(whole: Problem, plan: Plan, warnings: list[str]) -> ShotProblem:
     fitted: dict[int, list[tuple[int, int, int]]] = {}
     held: dict[int, list[tuple[int, int, int]]] = {}
     for r, run in enumerate(runs):
-        for a, b in _tiles(run, leads[r], plan.seconds, whole.nominal):
-            if not np.isfinite(run.channels["x"][a:b]).sum() >= 8:
-                continue
+        for a, b in tiles(run, leads[r], plan.seconds, whole.nominal):
             kept = r in whole.held or (whole.tail < 1.0 and b > whole.tail * run.t.size)
             (held if kept else fitted).setdefault(r, []).append((r, a, b))
+    if not fitted:
+        raise DataFileError(
+            f"runs: no window of {plan.seconds:.3g} s has enough values of x, from its start on"
+        )
     noise = plan.noise["x"].sd
-    chosen = _chosen(runs, fitted, FITTED_SAMPLES, noise)
-    checked = _chosen(runs, held, HELD_SAMPLES, noise)
+    chosen = chosen_of(runs, fitted, FITTED_SAMPLES, noise)
+    checked = chosen_of(runs, held, HELD_SAMPLES, noise)
     total = sum(len(w) for part in (fitted, held) for w in part.values())
     dense = [old.t.size // new.t.size for old, new in zip(whole.runs, runs, strict=True)]
     said = (
@@ -319,59 +289,12 @@ def _problem(
     plan: Plan,
     held: tuple[int, ...],
 ) -> ShotProblem:
-    half = _LEAD * plan.seconds
+    half = LEAD * plan.seconds
     shots: list[Run] = list(cut(whole.runs if runs is whole.runs else runs, windows, leads,
                                 plan.noise, half))  # fmt: skip
     return ShotProblem(
         whole.robot, shots, whole.threads, held=held, known=plan.noise, records=list(runs)
     )
-
-
-def _chosen(
-    runs: Sequence[Run],
-    windows: dict[int, list[tuple[int, int, int]]],
-    most: int,
-    noise: float,
-) -> list[tuple[int, int, int]]:
-    """Pick windows from every run alike, over its drive levels, speeds and times."""
-    left = most
-    chosen = []
-    order = sorted(windows, key=lambda r: sum(b - a for _, a, b in windows[r]))
-    for place, r in enumerate(order):
-        mine = windows[r]
-        size = float(np.mean([b - a for _, a, b in mine]))
-        count = max(1, int(left / (len(order) - place) / size))
-        picked = _varied(runs[r], mine, count, noise)
-        left -= sum(b - a for _, a, b in picked)
-        chosen += picked
-    return sorted(chosen)
-
-
-def _varied(
-    run: Run, windows: list[tuple[int, int, int]], count: int, noise: float
-) -> list[tuple[int, int, int]]:
-    x = run.channels["x"]
-    travel = np.array([np.nanmax(x[a:b]) - np.nanmin(x[a:b]) for _, a, b in windows])
-    drive = np.array([np.sqrt(np.mean(run.drive[a:b] ** 2)) for _, a, b in windows])
-    rests = travel <= 8.0 * noise
-    moving, resting = np.flatnonzero(~rests), np.flatnonzero(rests)
-    few = min(resting.size, max(1, count // _RESTING), count) if moving.size else count
-    picks = [resting[i] for i in _spread(resting.size, few)]
-    if moving.size:
-        # Even steps through windows in order of drive, then travel, then time meet
-        # all of these in proportion.
-        level = np.searchsorted(np.quantile(drive[moving], (1 / 3, 2 / 3)), drive[moving])
-        far = np.searchsorted(np.quantile(travel[moving], (1 / 3, 2 / 3)), travel[moving])
-        order = moving[np.lexsort((moving, far, level))]
-        picks += [order[i] for i in _spread(order.size, count - len(picks))]
-    return [windows[i] for i in sorted(picks)]
-
-
-def _spread(count: int, wanted: int) -> list[int]:
-    """Numbers below `count`, evenly spread."""
-    if wanted >= count:
-        return list(range(count))
-    return [int((i + 0.5) * count / wanted) for i in range(max(wanted, 0))]
 
 
 def scale_in_windows(scale: Scale, robot: Robot, problem: ShotProblem) -> Scale:

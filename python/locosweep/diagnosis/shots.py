@@ -27,13 +27,15 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Shot", "ShotProblem", "cut"]
+__all__ = ["Shot", "ShotProblem", "cut", "knows_start"]
 
 _WIDER = 2.0
 """A start may lie this much further off than noise alone says: the cubic through
 the samples around it is no exact motion, and the window's own samples settle it."""
 _AROUND = 9
 """Samples that say what the state at a start is, at least."""
+_KNOWN = 6
+"""How many of them have to be there."""
 _MISFIT = 1.5
 """Squares that a cubic leaves over those of noise, up to which it is taken."""
 _STILL = 3.0
@@ -105,8 +107,8 @@ class _Around:
 
     def _cubic(self, when: float, half: float) -> tuple[Floats, Floats, float]:
         """Return derivatives at a time, their deviations, and what is left over noise."""
-        a, b = np.searchsorted(self.t, [when - half, when + half])
-        while b - a < _AROUND and (a > 0 or b < self.t.size):
+        a, b = _near(self.t, when, half)
+        while (a > 0 or b < self.t.size) and np.isfinite(self.x[a:b]).sum() < _KNOWN:
             a, b = max(a - 1, 0), min(b + 1, self.t.size)
         since = self.t[a:b] - when
         powers = np.stack([since**0, since, since**2 / 2, since**3 / 6], axis=1)
@@ -129,6 +131,20 @@ class _Around:
         left = y - wide @ found
         misfit = float(left @ left) / max(y.size - 4, 1)
         return found, size * np.sqrt(np.diag(covariance)), misfit
+
+
+def _near(run_t: Floats, when: float, half: float) -> tuple[int, int]:
+    """Return the samples within `half` seconds of a time, or the few nearest ones."""
+    a, b = (int(i) for i in np.searchsorted(run_t, [when - half, when + half]))
+    while b - a < _AROUND and (a > 0 or b < run_t.size):
+        a, b = max(a - 1, 0), min(b + 1, run_t.size)
+    return a, b
+
+
+def knows_start(run: Run, first: int, half: float) -> bool:
+    """Whether enough is measured within `half` seconds of a sample to start there."""
+    a, b = _near(run.t, float(run.t[first]), half)
+    return int(np.isfinite(run.channels["x"][a:b]).sum()) >= _KNOWN
 
 
 def cut(
@@ -267,6 +283,7 @@ class ShotProblem(Problem):
         With `runs`, only those windows; `moved` shifts position and speed of each.
         """
         chosen = np.arange(len(self.runs)) if runs is None else np.array(runs, dtype=int)
+        self.replayed += len(points) * int(self.lengths[chosen].sum())
         columns = [(*self._windows[r], list(point.names)) for point in points for r in chosen]
         values = np.repeat([p.values for p in points], chosen.size, axis=0)
         shares = np.repeat([p.shares for p in points], chosen.size, axis=0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,12 +14,14 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.problem import Point, Problem
 
-__all__ = ["HORIZONS", "RESAMPLES", "UNITS", "gap_of", "units_of"]
+__all__ = ["HORIZONS", "RESAMPLES", "UNITS", "gap_of", "started", "units_of"]
 
 UNITS = {"x": "m", "v": "m/s", "x_rear": "m", "force": "N", "power": "W"}
 _ROTARY = {"x": "rad", "v": "rad/s", "force": "N m"}
 HORIZONS = (0.1, 0.5, 2.0)
 RESAMPLES = 400
+_STEPS = 4
+"""Steps of a fit of a start speed."""
 _BLOCKS = 8
 """Blocks of a run that are drawn where there are too few runs to draw whole ones."""
 
@@ -26,6 +29,29 @@ _BLOCKS = 8
 def units_of(problem: Problem) -> dict[str, str]:
     """Units of the channels of a rig."""
     return {**UNITS, **(_ROTARY if "gravity_torque" in problem.nominal else {})}
+
+
+def started(problem: Problem, point: Point) -> Point:
+    """Return a model with start speeds fitted in the runs kept from its own fit."""
+    speeds = point.speeds.copy()
+    for r in (r for r in problem.held if r in problem.starting):
+        step = 1e-4 * problem.pace
+        for _ in range(_STEPS):
+            tried = [speeds, speeds.copy()]
+            tried[1][r] += step
+            points = [replace(point, speeds=s) for s in tried]
+            e, moved = problem.residuals(points, [r])
+            slope = (moved - e) / step
+            size = float(slope @ slope)
+            if size == 0.0 or not np.isfinite(size):
+                break
+            better = speeds.copy()
+            better[r] -= float(slope @ e) / size
+            new = problem.residuals([replace(point, speeds=better)], [r])[0]
+            if not new @ new < e @ e:
+                break
+            speeds = better
+    return replace(point, speeds=speeds)
 
 
 def _errors(problem: Problem, point: Point, channel: str) -> list[NDArray[np.float64]]:
@@ -51,6 +77,11 @@ def _rms(squares: list[NDArray[np.float64]]) -> float:
     return float(np.sqrt(values.mean())) if values.size else float("nan")
 
 
+def _fall(old: list[NDArray[np.float64]], new: list[NDArray[np.float64]]) -> float:
+    """Root mean square that an explanation takes away."""
+    return float(np.sqrt(max(_rms(old) ** 2 - _rms(new) ** 2, 0.0)))
+
+
 def gap_of(
     problem: Problem,
     before: Point,
@@ -74,13 +105,16 @@ def gap_of(
             return [s[~k] for s, k in zip(squares, seen, strict=True)]
         return [squares[r] for r in held]
 
-    ratios = {c: _rms(judged(e[0])) / problem.noise[c].sd for c, e in errors.items()}
+    same = before.names == after.names
+    # All runs say which channel shows the gap: those kept may hold little of it.
+    ratios = {c: _rms(e[0]) / problem.noise[c].sd for c, e in errors.items()}
+    if not same:
+        ratios = {c: _fall(*e) / problem.noise[c].sd for c, e in errors.items()}
     known = {c: ratio for c, ratio in ratios.items() if np.isfinite(ratio)}
     channel = channel or (max(known, key=lambda c: known[c]) if known else "x")
     old, new = errors[channel]
     gap_before, gap_after = _rms(judged(old)), _rms(judged(new))
     floor = problem.noise[channel].sd
-    same = before.names == after.names
     shrink = explained = None
     interval: list[float] | None = None
     unseen = one or bool(problem.held)

@@ -11,14 +11,14 @@ import numpy as np
 from locosweep.replay import effect, effects, nominal_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
     from locosweep.files import Robot
     from locosweep.measured import Run
 
-__all__ = ["Free", "Scale", "candidates", "parameters_of", "scale_of", "starts_of"]
+__all__ = ["Free", "Scale", "candidates", "level_of", "parameters_of", "scale_of", "starts_of"]
 
 
 @dataclass(frozen=True)
@@ -57,6 +57,13 @@ class Free:
     """Value without the effect; NaN where none does it."""
 
 
+def level_of(nominal: Mapping[str, float]) -> float:
+    """Coulomb level at the nominal slope, N: what levels of effects are given beside."""
+    cosine = float(np.cos(np.radians(nominal["slope_deg"])))
+    weight = nominal["mass"] * nominal["gravity"]
+    return nominal.get("coulomb_force", nominal.get("mu_coulomb", 0.0) * weight * cosine)
+
+
 def scale_of(robot: Robot, runs: Sequence[Run]) -> Scale:
     """Measure the rig's scale from its model and its runs."""
     nominal = nominal_of(robot)
@@ -64,7 +71,7 @@ def scale_of(robot: Robot, runs: Sequence[Run]) -> Scale:
     mass = nominal["mass"]
     weight = mass * nominal["gravity"]
     cosine = float(np.cos(np.radians(nominal["slope_deg"])))
-    level = nominal.get("coulomb_force", nominal.get("mu_coulomb", 0.0) * weight * cosine)
+    level = level_of(nominal)
     drives = np.concatenate([run.drive for run in runs]) * nominal["gain"]
     force = float(np.quantile(np.abs(drives), 0.98)) or float(np.abs(drives).max()) or weight
     travel, speed = [], []

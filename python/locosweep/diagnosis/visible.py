@@ -22,22 +22,28 @@ _SHARE = 0.3
 def not_visible(search: Search, left_out: Mapping[str, str]) -> list[dict[str, str]]:
     """List the effects whose strength these runs leave open, and why."""
     rows = [{"effect": name, "why": why} for name, why in left_out.items()]
+    ways = _ways(search.problem)
     for name in search.names:
         fit = search.fits.get(frozenset({name}))
-        why = _why(search.problem, fit) if fit is not None else None
+        why = _why(fit, *ways) if fit is not None else None
         if why:
             rows.append({"effect": name, "why": why})
     return rows
 
 
-def _why(problem: Problem, fit: Fit) -> str | None:
+def _ways(problem: Problem) -> tuple[bool, bool]:
+    """Whether the head moves forward and backward in the fitted runs."""
     from locosweep.diagnosis.where import measured_motion
 
-    name = fit.model.names[0]
     found = [measured_motion(problem, r)[1:] for r in problem.fitted]
     limits = [3.0 * d + 0.01 * float(np.abs(v).max(initial=0.0)) for v, d in found]
     forward = any((v > limit).any() for (v, _), limit in zip(found, limits, strict=True))
     backward = any((v < -limit).any() for (v, _), limit in zip(found, limits, strict=True))
+    return forward, backward
+
+
+def _why(fit: Fit, forward: bool, backward: bool) -> str | None:
+    name = fit.model.names[0]
     if name == "direction_dependent_friction" and forward != backward:
         never = "backward" if forward else "forward"
         return f"the head never moves {never} in these runs"

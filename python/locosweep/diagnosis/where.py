@@ -6,6 +6,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 from scipy.signal import savgol_filter
 
 from locosweep.diagnosis.result import REGIMES
@@ -29,6 +30,8 @@ __all__ = [
 WINDOWS = 20
 """Windows that a run is cut into."""
 _SHOWN = 10
+_SMOOTHED = 100
+"""Parts of a run over which its residual is smoothed."""
 _AFTER = 5
 """Samples after a break-away, and around a reversal, that belong to it."""
 
@@ -37,6 +40,12 @@ def measured_motion(
     problem: Problem, run: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
     """Smooth position and speed of a run, and the deviation of that speed."""
+    if run not in problem.motions:
+        problem.motions[run] = _motion(problem, run)
+    return problem.motions[run]
+
+
+def _motion(problem: Problem, run: int) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
     record = problem.runs[run]
     t, x = record.t, record.channels["x"]
     ok = np.isfinite(x)
@@ -76,6 +85,35 @@ def shares(parts: dict[str, float]) -> dict[str, float]:
     """Turn sums into shares of their total."""
     total = sum(parts.values())
     return {key: value / total if total > 0.0 else 0.0 for key, value in parts.items()}
+
+
+def gap_squares(
+    problem: Problem,
+    channel: str,
+    nominal: dict[str, NDArray[np.float64]],
+    explained: dict[str, NDArray[np.float64]] | None,
+) -> list[NDArray[np.float64]]:
+    """Return the square of the gap at every sample, run by run, without the noise's part.
+
+    It is what an explanation adds to the nominal model; without one, what is left of
+    the residual when it is smoothed.
+    """
+    if explained is not None:
+        change = explained[channel][0] - nominal[channel][0]
+        change = np.where(np.isfinite(problem.measured[channel]), change, 0.0)
+        return np.split(change**2, problem.starts_at[1:-1])
+    e = problem.measured[channel] - nominal[channel][0]
+    if channel == "x_rear":
+        e = e - np.repeat(problem.rest[channel], problem.lengths)
+    found = []
+    for part in np.split(e, problem.starts_at[1:-1]):
+        known = np.isfinite(part)
+        width = max(1, part.size // _SMOOTHED)
+        count = uniform_filter1d(known.astype(float), width)
+        mean = uniform_filter1d(np.where(known, part, 0.0), width) / np.maximum(count, 1e-9)
+        noise = problem.noise[channel].sd ** 2 / np.maximum(width * count, 1.0)
+        found.append(np.where(known, np.maximum(mean**2 - noise, 0.0), 0.0))
+    return found
 
 
 def windows(problem: Problem, squares: list[NDArray[np.float64]]) -> list[dict[str, Any]]:

@@ -1,0 +1,134 @@
+"""What a diagnosis does with readings that are missing, and with uncertain nominal values."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import polars as pl
+import pytest
+
+from locosweep.diagnosis import diagnose
+from locosweep.errors import DataFileError
+from locosweep.files import Robot, load_robot
+from locosweep.measured import Run, runs_from_frame
+from locosweep.replay import replay_runs
+
+NOISE = 1e-5
+ROBOT = Robot(
+    {"mass": 0.2, "gravity": 9.81, "mu_coulomb": 0.3, "segments": 4.0},
+    {"sensor.position_noise": NOISE},
+)
+EFFECT = {"coulomb_error": {"d_mu": 0.015}}
+
+
+def switched(count: int, seconds: float, rate: float) -> list[Run]:
+    """Runs of a drive that changes its sign, without readings."""
+    t = np.arange(0.0, seconds, 1.0 / rate)
+    runs = []
+    for k in range(count):
+        drive = np.where(np.sin(2.0 * np.pi * (0.7 + 0.2 * k) * t + 0.3 * k) > 0.0, 1.2, -1.1)
+        drive[:5] = 0.0
+        runs.append(Run(str(k), t, drive, {"x": np.zeros(t.size)}))
+    return runs
+
+
+def measured(runs: list[Run], effects: dict[str, Any], robot: Robot = ROBOT) -> pl.DataFrame:
+    frame = replay_runs(replace(robot, effects=effects), runs)
+    noise = np.random.default_rng(3).normal(0.0, NOISE, frame.height)
+    drive = pl.Series("drive", np.concatenate([run.drive for run in runs]))
+    return frame.select("run", "t", pl.col("x") + pl.Series(noise)).with_columns(drive)
+
+
+def without(frame: pl.DataFrame, run: str, first: int, last: int | None) -> pl.DataFrame:
+    """The same with some readings of a run missing."""
+    number = pl.int_range(pl.len()).over("run")
+    gone = (pl.col("run") == run) & (number >= first)
+    if last is not None:
+        gone &= number < last
+    return frame.with_columns(x=pl.when(gone).then(None).otherwise(pl.col("x")))
+
+
+@pytest.mark.filterwarnings("error")
+class TestMissing:
+    def test_a_run_without_a_position_is_left_out_and_said(self):
+        frame = without(measured(switched(4, 4.0, 100.0), EFFECT), "1", 0, None)
+        found = diagnose(frame, ROBOT, threads=1)
+        assert any(w.startswith("run 1: x has 0 values") for w in found.report["warnings"])
+        assert found.status == "explained"
+        assert found.report["verdict"]["effects"] == ["coulomb_error"]
+        rows = found.report["where"]["runs"]
+        assert [row["run"] for row in rows] == ["0", "2", "3"]
+
+    def test_no_position_at_all_is_one_clear_line(self):
+        frame = measured(switched(2, 2.0, 100.0), {})
+        for label in "01":
+            frame = without(frame, label, 0, None)
+        with pytest.raises(DataFileError, match="column x has fewer than 20 values"):
+            diagnose(frame, ROBOT, threads=1)
+
+    def test_a_start_that_was_not_measured_may_lie_anywhere(self):
+        frame = without(measured(switched(4, 4.0, 100.0), EFFECT), "0", 0, 200)
+        found = diagnose(frame, ROBOT, threads=1)
+        assert found.report["verdict"]["effects"] == ["coulomb_error"]
+        value = found.report["candidates"][0]["parameters"]["coulomb_error"]["d_mu"]["value"]
+        assert value == pytest.approx(0.015, rel=1e-3)
+
+    def test_no_window_begins_where_nothing_was_measured(self):
+        frame = measured(switched(2, 30.0, 50.0), EFFECT)
+        for label in "01":
+            frame = without(frame, label, 200, 1300)
+        found = diagnose(frame, ROBOT, threads=1)
+        assert found.report["verdict"]["effects"] == ["coulomb_error"]
+
+    def test_a_long_run_with_hardly_a_reading_is_refused(self):
+        frame = measured(switched(2, 30.0, 50.0), EFFECT)
+        number = pl.int_range(pl.len()).over("run")
+        frame = frame.with_columns(x=pl.when(number % 60 == 0).then(pl.col("x")))
+        with pytest.raises(DataFileError, match="enough values of x"):
+            diagnose(frame, ROBOT, threads=1)
+
+
+class TestUncertain:
+    @pytest.mark.parametrize(
+        ("effects", "name"),
+        [
+            ({"viscous_friction": {"c": 0.4}}, "viscous_friction"),
+            (
+                {"direction_dependent_friction": {"F_c_forward": 0.52, "F_c_backward": 0.66}},
+                "direction_dependent_friction",
+            ),
+        ],
+    )
+    def test_the_augmented_file_replays_to_the_curves_of_the_report(self, tmp_path, effects, name):
+        uncertain = {"uncertainty.mass": 0.02, "uncertainty.gain": 0.02, "uncertainty.clock": 0.002}
+        nominal = Robot(ROBOT.parameters, {**ROBOT.other, **uncertain})
+        true = Robot({**ROBOT.parameters, "mass": 0.203}, dict(ROBOT.other))
+        frame = measured(switched(5, 3.0, 100.0), effects, true)
+        found = diagnose(frame, nominal, threads=1)
+        assert name in {n for c in found.report["verdict"]["equivalent"] for n in c}
+        found.save(tmp_path / "out")
+        model = load_robot(tmp_path / "out" / "augmented.toml")
+        read = replay_runs(model, runs_from_frame(frame))["x"].to_numpy()
+        shown = np.concatenate([trace.augmented["x"] for trace in found.traces])
+        np.testing.assert_allclose(read, shown, rtol=0.0, atol=1e-9)
+
+
+def test_small_gaps_are_located_in_spite_of_the_noise() -> None:
+    # Friction changes halfway: no sample of the gap stands out of the noise.
+    runs = switched(4, 4.0, 200.0)
+    frame = measured(runs, {"lubricant_buildup": {"k_b": 0.004}})
+    found = diagnose(frame, ROBOT, threads=1)
+    assert found.status in ("explained", "ambiguous")
+    base, real = (
+        replay_runs(replace(ROBOT, effects=e), runs)["x"].to_numpy()
+        for e in ({}, {"lubricant_buildup": {"k_b": 0.004}})
+    )
+    squares = (real - base) ** 2
+    labels, t = frame["run"].to_numpy(), frame["t"].to_numpy()
+    inside = np.zeros(t.size, dtype=bool)
+    for window in found.report["where"]["windows"]:
+        inside |= (labels == window["run"]) & (t >= window["t0"]) & (t <= window["t1"])
+    most = np.sort(squares)[::-1][: int(inside.sum())].sum()
+    assert squares[inside].sum() > 0.8 * most
