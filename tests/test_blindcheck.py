@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,11 +13,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from locosweep.blindcheck import casefiles, metrics, pictures, tables
-from locosweep.blindcheck.cases import draw_case
-from locosweep.blindcheck.experiment import World
+from locosweep.blindcheck import casefiles, metrics, nextrun, pictures, tables
+from locosweep.blindcheck.cases import Case, draw_case
+from locosweep.blindcheck.experiment import COARSE, World
 from locosweep.blindcheck.judge import Judged, judge, window_share
+from locosweep.blindcheck.sizes import ALIKE
 from locosweep.cli import main
+from locosweep.diagnosis.experiment import MENU
 from locosweep.errors import DataFileError
 from locosweep.files import load_robot
 from locosweep.measured import load_runs
@@ -340,3 +343,66 @@ def test_a_failing_diagnosis_is_an_outcome(
     assert again == outcome
     other = check._diagnose(folder / "free_0000", tmp_path / "kept", 0, "other")
     assert other.seconds != outcome.seconds
+
+
+@pytest.fixture(scope="module")
+def case() -> Case:
+    # Viscous friction on a pendulum whose torque is not measured.
+    return draw_case(5, 39)
+
+
+class TestNextRun:
+    """Runs of the menu, carried out in the reality."""
+
+    @pytest.mark.parametrize("name", [name for name, _, _ in MENU])
+    def test_a_longer_session_reads_as_the_case_does(self, case: Case, name: str) -> None:
+        longer = nextrun._longer(case, name)
+        if name in ("turn round", "incline"):
+            assert longer is None, "a pendulum has no slope"
+            return
+        assert longer is not None
+        plain = case.experiment.read([case.world], COARSE, 1)[0]
+        found = longer.read([case.world], COARSE, 1)[0]
+        assert len(found) == len(plain) + 1
+        for old, new in zip(plain, found, strict=False):
+            np.testing.assert_array_equal(old["x"], new["x"])
+        assert ("force" in longer.sensors.channels) == (name == "force sensor")
+        assert np.isfinite(longer.whitened(found)).all()
+
+    def test_a_heavier_head_moves_less(self, case: Case) -> None:
+        spans = []
+        for name in ("slower", "payload"):
+            longer = nextrun._longer(case, name)
+            assert longer is not None
+            spans.append(float(np.ptp(longer.read([case.world], COARSE, 1)[0][-1]["x"])))
+        assert spans[1] < spans[0]
+
+    def test_only_a_force_sensor_tells_back_emf_from_viscous_friction(self, case: Case) -> None:
+        assert case.world.effects[0][0] == "viscous_friction"
+        assert nextrun._nearest(case, "reverse", ["back_emf"]) < ALIKE
+        assert nextrun._nearest(case, "force sensor", ["back_emf"]) > ALIKE
+
+    def test_a_turned_robot_has_the_slope_error_turned(self) -> None:
+        slope = ("slope_error", "law", {"d_alpha_deg": 0.3})
+        assert nextrun._turned(slope) == ("slope_error", "law", {"d_alpha_deg": -0.3})
+        lag = (LAG, "law", {"T": 0.01})
+        assert nextrun._turned(lag) == lag
+
+    def test_nothing_to_tell_apart(self) -> None:
+        told = {"next_experiment": {"suggestion": None}}
+        assert nextrun.carried_out("c", 5, 39, report("explained", [VISCOUS], **told)) is None
+        pair = report("ambiguous", [VISCOUS, "back_emf"], [LAG], **told)
+        assert nextrun.carried_out("c", 5, 39, pair) is None
+        other = report("ambiguous", [LAG, "drive_delay"], **told)
+        assert nextrun.carried_out("c", 5, 39, other) is None
+
+
+def test_drawn_cases_do_not_hang_on_how_they_are_judged() -> None:
+    from locosweep.blindcheck import draw
+
+    folder = Path(draw.__file__).parent
+    imported = set()
+    for name in draw._DRAWING:
+        text = (folder / f"{name}.py").read_text()
+        imported |= set(re.findall(r"from locosweep\.blindcheck\.(\w+) import", text))
+    assert imported <= set(draw._DRAWING)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["KINDS_OF_CASE", "Case", "draw_case"]
+__all__ = ["KINDS_OF_CASE", "Case", "absent_of", "draw_case", "scale_of_runs"]
 
 KINDS_OF_CASE = {"none": 0.25, "one": 0.45, "two": 0.15, "outside": 0.15}
 """Shares of the mixture."""
@@ -151,7 +151,7 @@ def _plan(rng: Generator, rig: Rig) -> dict[str, Any]:
     }
 
 
-def _scale(experiment: Experiment) -> Scale:
+def scale_of_runs(experiment: Experiment) -> Scale:
     """Read the scale of a rig off its nominal runs."""
     rig = experiment.rig
     n = rig.nominal
@@ -171,7 +171,7 @@ def _scale(experiment: Experiment) -> Scale:
     )
 
 
-def _absent(rig: Rig) -> list[str]:
+def absent_of(rig: Rig) -> list[str]:
     """Causes that have no meaning on a bench."""
     absent = ["anchor_slip"] if rig.rotary or rig.linear_bench else []
     return [*absent, "slope_error"] if rig.rotary else absent
@@ -230,7 +230,7 @@ def _rounded(parameters: dict[str, float]) -> dict[str, float]:
 
 def _pick(rng: Generator, rig: Rig, channels: tuple[str, ...], count: int) -> list[str]:
     """Pick causes that the sensors could show."""
-    absent = [*_absent(rig), *(() if "x_rear" in channels else ("anchor_slip",))]
+    absent = [*absent_of(rig), *(() if "x_rear" in channels else ("anchor_slip",))]
     names = [c for c in CAUSES if c not in absent]
     while True:
         picked = [str(name) for name in rng.choice(names, count, replace=False)]
@@ -267,7 +267,7 @@ def _try_case(rng: Generator, kind: str, *, exact: bool, threads: int) -> Case |
     drives = _drives(rng, rig, plan["count"], plan)
     fresh = _drives(rng, rig, 3, {**plan, "repeats": False})
     blind = Experiment(rig, tuple(drives), _NO_SENSORS)
-    scale = _scale(blind)
+    scale = scale_of_runs(blind)
     if scale.travel < 0.2 * plan["travel"] / 2.5:
         return None
     sensors = draw_sensors(rng, rig, scale.travel, scale.speed, scale.force)
@@ -327,7 +327,7 @@ def _verdict(own: float, distances: dict[str, float], name: str) -> dict[str, An
 def _single(case: Case, nuisances: Nuisances, scale: Scale, gap: Floats) -> Case:
     (name, form, parameters) = case.world.effects[0]
     d = float(np.linalg.norm(gap))
-    absent = _absent(case.experiment.rig)
+    absent = absent_of(case.experiment.rig)
     distances = rival_distances(nuisances, scale, gap, absent=absent)
     law = form in ("law", "force")
     found = _verdict(0.0 if law else distances[name], distances, name)
@@ -356,7 +356,7 @@ def _pair(case: Case, scale: Scale, threads: int) -> Case:
     effects, accepted, entries = case.world.effects, [], []
     nominal = Nuisances(case.experiment, scale, World(case.world.shifts), threads)
     whole = nominal.differences([effects])[0]
-    absent = _absent(case.experiment.rig)
+    absent = absent_of(case.experiment.rig)
     singles = rival_distances(nominal, scale, whole, absent=absent)
     accepted += [[rival] for rival, left in sorted(singles.items()) if left < ALIKE]
     for i, (name, form, parameters) in enumerate(effects):
@@ -407,7 +407,7 @@ def _outside(rng: Generator, case: Case, nuisances: Nuisances, scale: Scale) -> 
     if not _LEAST <= d <= _MOST:
         return None
     parameters = _rounded(cause.effect(strength)[2])
-    absent = _absent(case.experiment.rig)
+    absent = absent_of(case.experiment.rig)
     distances = rival_distances(nuisances, scale, gap, absent=absent)
     accepted = [[rival] for rival, left in sorted(distances.items()) if left < ALIKE]
     truth = {

@@ -6,19 +6,20 @@ import hashlib
 import json
 import time
 from concurrent.futures import as_completed
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from locosweep.blindcheck.casefiles import SEAL, digest, read_truth, runs_file
 from locosweep.blindcheck.freshruns import fresh_shrink
 from locosweep.blindcheck.judge import Judged, judge
+from locosweep.blindcheck.nextrun import NextRun, carried_out
 from locosweep.blindcheck.work import code_digest, pool_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
 
-__all__ = ["Outcome", "diagnose_cases", "judge_cases"]
+__all__ = ["Outcome", "carry_out", "diagnose_cases", "judge_cases"]
 
 
 @dataclass(frozen=True)
@@ -110,3 +111,39 @@ def judge_cases(out: Path, outcomes: Sequence[Outcome]) -> list[Judged]:
         A truth is not what was sealed.
     """
     return [_judge(out, outcome) for outcome in outcomes]
+
+
+def _carry_out(out: Path, name: str, seed: int) -> NextRun | None:
+    report = json.loads((out / "diagnoses" / name / "report.json").read_text())
+    return carried_out(name, seed, int(name.rpartition("_")[2]), report)
+
+
+def carry_out(
+    out: Path,
+    judged: Sequence[Judged],
+    seed: int,
+    count: int,
+    *,
+    processes: int = 1,
+    progress: Callable[[int, int], object] | None = None,
+) -> list[Judged]:
+    """Carry out the run that a report proposes, of the first `count` that propose one.
+
+    Only where a class of one effect holds the true one and others.
+    """
+    names = [c.case for c in judged if c.kind == "one" and c.status == "ambiguous" and c.right]
+    found: dict[str, NextRun] = {}
+    with pool_of(processes) as pool:
+        waiting = [pool.submit(_carry_out, out, name, seed) for name in names[:count]]
+        for done, future in enumerate(as_completed(waiting), 1):
+            run = future.result()
+            if run is not None:
+                found[run.case] = run
+            if progress is not None:
+                progress(done, len(waiting))
+    return [
+        replace(c, next_resolves=found[c.case].resolves, next_possible=found[c.case].possible)
+        if c.case in found
+        else c
+        for c in judged
+    ]

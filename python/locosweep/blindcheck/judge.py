@@ -81,6 +81,9 @@ class Judged:
         Processor time of the diagnosis.
     error : str
         Why there is no report.
+    next_resolves, next_possible : bool or None
+        Whether the proposed run tells the true effect from its rivals, and whether any
+        run of the menu does; None where that was not tried.
     """
 
     case: str
@@ -109,6 +112,8 @@ class Judged:
     seconds: float = float("nan")
     error: str = ""
     channels: tuple[str, ...] = field(default=("x",))
+    next_resolves: bool | None = None
+    next_possible: bool | None = None
 
 
 def _covers(classes: list[list[str]], names: list[str]) -> bool:

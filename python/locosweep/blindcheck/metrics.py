@@ -232,6 +232,13 @@ def figures(judged: Sequence[Judged]) -> list[Figure]:
         ),
         _share("site right", (c.site_right for c in effects), ">= 0.95", _at_least(0.95)),
         _share("another law: right class", (c.right for c in forms), ">= 0.90", _at_least(0.90)),
+        _share(
+            "next experiment resolves the rivals",
+            (c.next_resolves for c in judged if c.next_possible),
+            ">= 0.90",
+            _at_least(0.90),
+        ),
+        _share("some experiment could", (c.next_possible for c in judged)),
         _statistic(
             "processor time of a diagnosis, median [s]",
             [c.seconds for c in judged if math.isfinite(c.seconds)],

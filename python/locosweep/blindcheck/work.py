@@ -22,13 +22,14 @@ _PACKAGE = Path(__file__).parents[1]
 
 
 def code_digest(*parts: str) -> str:
-    """Hash of the extension and of the named parts of the package.
+    """Hash of the extension and of the named folders and files of the package.
 
     Results of other code are not kept.
     """
     files = [Path(_core.__file__)]
     for part in parts:
-        files += sorted((_PACKAGE / part).rglob("*.py")) if (_PACKAGE / part).is_dir() else []
+        place = _PACKAGE / part
+        files += sorted(place.rglob("*.py")) if place.is_dir() else [place]
     whole = hashlib.sha256()
     for file in files:
         whole.update(file.read_bytes())

@@ -64,6 +64,14 @@ def _progress(label: str, *, quiet: bool) -> Callable[[int, int], None] | None:
     type=click.Path(path_type=Path),
     help="Folder for cases, truths, diagnoses and figures.",
 )
+@click.option(
+    "--experiments",
+    default=0,
+    show_default=True,
+    metavar="K",
+    type=click.IntRange(min=0),
+    help="Ambiguous verdicts whose proposed next run is carried out (half a minute each).",
+)
 @click.option("--draw-only", is_flag=True, help="Draw and seal the cases, diagnose nothing.")
 @click.option(
     "--force",
@@ -80,6 +88,7 @@ def blind_check(
     gap_free: int,
     seed: int,
     out: Path,
+    experiments: int,
     draw_only: bool,
     force: bool,
     quiet: bool,
@@ -93,7 +102,7 @@ def blind_check(
     """
     from locosweep import _core
     from locosweep.blindcheck.casefiles import SEAL, digest
-    from locosweep.blindcheck.check import diagnose_cases, judge_cases
+    from locosweep.blindcheck.check import carry_out, diagnose_cases, judge_cases
     from locosweep.blindcheck.draw import draw_cases
     from locosweep.blindcheck.tables import as_json as tables_as_json
     from locosweep.blindcheck.tables import as_text, wrong_cases
@@ -119,6 +128,11 @@ def blind_check(
         out, names, seed=seed, processes=processes, progress=_progress("diagnosing", quiet=quiet)
     )
     judged = judge_cases(out, outcomes)
+    if experiments:
+        judged = carry_out(
+            out, judged, seed, experiments, processes=processes,
+            progress=_progress("next runs", quiet=quiet),
+        )  # fmt: skip
     command = shlex.join(["locosweep", *ctx.obj])
     about = {
         "command": command,

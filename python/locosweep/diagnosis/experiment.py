@@ -18,11 +18,13 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.search import Search
 
-__all__ = ["RESOLVED", "next_experiment"]
+__all__ = ["FORCE_NOISE", "MENU", "PAYLOAD", "RESOLVED", "next_experiment"]
 
 RESOLVED = 9.0
 """Squared distance, in deviations, from which two explanations are told apart."""
-_PAYLOAD, _INCLINE = 1.3, 5.0
+PAYLOAD, _INCLINE = 1.3, 5.0
+FORCE_NOISE = 0.01
+"""Of a force sensor that is added, in the drive's largest force."""
 _SHOWN = 4
 _BESIDE = 3
 """Runs so far that rivals have to go on explaining: those with the longest motion."""
@@ -66,7 +68,7 @@ def _chirp(run: Run, _: float) -> Run:
     return replace(run, drive=top * np.sin(2.0 * np.pi * turns))
 
 
-_MENU: tuple[tuple[str, Callable[[Run, float], Run], str], ...] = (
+MENU: tuple[tuple[str, Callable[[Run, float], Run], str], ...] = (
     ("reverse", _reversed, "drive it backward: the same run with the opposite drive"),
     ("turn round", _turned, "turn the robot round on the same ground and repeat the run"),
     ("payload", _same, "repeat the run with a known payload of 30 % of the head's mass"),
@@ -86,7 +88,7 @@ def next_experiment(search: Search, fit: Fit, rivals: Sequence[Fit]) -> dict[str
     """
     separates = [sorted(set(fit.model.names) ^ set(rival.model.names)) for rival in rivals]
     rows: list[dict[str, Any]] = []
-    for name, change, text in _MENU:
+    for name, change, text in MENU:
         distance = _distance(search, fit, rivals, name, change)
         if distance is not None:
             rows.append({"run": name, "distance": float(np.sqrt(distance)), "what": text})
@@ -121,7 +123,7 @@ def _distance(
     noise = dict(problem.noise)
     channels = list(problem.channels)
     if name == "force sensor":
-        deviation = 0.01 * search.scale.force
+        deviation = FORCE_NOISE * search.scale.force
         noise["force"] = Noise(deviation, deviation, 0.0, stated=False)
         channels.append("force")
     far = sorted(problem.fitted, key=lambda r: (-moved[r], r))[:_BESIDE]
@@ -136,7 +138,7 @@ def _distance(
         blank,
         problem.threads,
         known=noise,
-        heavier={place: _PAYLOAD} if name == "payload" else {},
+        heavier={place: PAYLOAD} if name == "payload" else {},
         turned=frozenset({place}) if name == "turn round" else frozenset(),
     )
     nuisances = replace(fit.nuisances, moving=(), places=())

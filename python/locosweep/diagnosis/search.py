@@ -55,8 +55,8 @@ _NOMINAL = 9
 """Starts of the nominal model that are followed."""
 _TELLING = 2
 """Runs that starts are compared on: those that hold most of what a fit leaves."""
-_BUDGET = 60_000_000
-"""Samples replayed in a search, beyond which one set of effects a level is extended."""
+_BUDGET = 3.0
+"""Replays beyond which one set of effects a level is extended, in those of the singles."""
 _CLOSE = 8
 """Fits that are followed to their end whatever the best one reaches."""
 _FIRST = 3
@@ -66,6 +66,8 @@ _SLACK = 200.0
 reach of it also along a valley that bends."""
 _SCALED = 4.0
 """How many times larger than its start an effect is taken to act in proportion."""
+_BETTERED = 1.5
+"""What a set of effects may promise to leave, of what the best one of its size leaves."""
 _HINT = 5.0
 """What a start has to promise to gain where the model beside it leaves only noise."""
 PENALTY = 8.0
@@ -88,6 +90,7 @@ class Search:
         self.unseen: dict[int, tuple[Fit, float]] = {}
         self.fits: dict[frozenset[str], Fit] = {}
         self.extended: set[frozenset[str]] = set()
+        self.spent = 0
         self.none = fit_nominal(self.problem, self.nuisances)
         self.fits[frozenset()] = self.none
 
@@ -107,7 +110,9 @@ class Search:
 
     def singles(self) -> list[Fit]:
         """Fit every effect alone, from several starts; best first."""
-        return self.extend(None, self.names, keep=len(self.names))
+        found = self.extend(None, self.names, keep=len(self.names))
+        self.spent = self.problem.replayed
+        return found
 
     def extend(self, base: Fit | None, partners: Sequence[str], keep: int = _PARTNERS) -> list[Fit]:
         """Fit `base` with each of `partners` beside it; only the `keep` best after a scan."""
@@ -139,9 +144,11 @@ class Search:
         quiet = self._is_noise(known)
         if quiet:
             fits = _hopeful(fits, reach, worst - _HINT, every=base is None)
-        groups = [sorted([f for f in fits if f.model.names[-1] == n], key=_chi2) for n in partners]
-        groups = [g for g in groups if g]
-        groups.sort(key=lambda group: min(reach[id(f)] for f in group))
+        fits.sort(key=lambda fit: (reach[id(fit)], fit.chi2))
+        groups = [[f for f in fits if f.model.names[-1] == name] for name in partners]
+        limit = self._to_beat(len(held) + 1, telling)
+        groups = [g for g in groups if g and reach[id(g[0])] <= limit]
+        groups.sort(key=lambda group: reach[id(group[0])])
         count = _STARTS if base is None else 2
         starts = []
         for group in groups[:keep]:
@@ -153,7 +160,7 @@ class Search:
             fit_all(self.problem, starts, runs=telling, steps=3)
             starts = _promising(starts)
         evaluate(self.problem, starts)
-        self._limit(starts)
+        self._limit(starts, quiet=quiet)
         fit_all(self.problem, starts, steps=3 if quiet else 1)
         best = _promising(starts)
         least = min((f.chi2 for f in best), default=np.inf)
@@ -162,7 +169,7 @@ class Search:
         close = [f for i, f in enumerate(order) if i < _CLOSE or f.chi2 < 10.0 * least]
         steps = 30 if self.nuisances.shares else 15
         fit_all(self.problem, close[:_FIRST], steps=steps)
-        self._limit(close[_FIRST:], close[:_FIRST])
+        self._limit(close[_FIRST:], close[:_FIRST], quiet=quiet)
         fit_all(self.problem, close[_FIRST:], steps=steps, tolerance=_ROUGH)
         # Only those that may tie are worth all digits.
         least = min((self.score(f) for f in close), default=np.inf)
@@ -181,13 +188,25 @@ class Search:
                 self.fits[key] = fit
         return sorted((self.fits[key] for key in found), key=_chi2)
 
-    def _limit(self, fits: Sequence[Fit], others: Sequence[Fit] = ()) -> None:
-        """Set what fits have to come to, where some fit leaves hardly more than noise."""
+    def _to_beat(self, count: int, runs: list[int]) -> float:
+        """Chi2 on some runs that a further set of so many effects has to promise."""
+        known = [fit for names, fit in self.fits.items() if len(names) == count]
+        if count == 1 or not known:
+            return np.inf
+        best = min(known, key=_chi2)
+        same = Fit(best.model, best.nuisances, best.theta)
+        evaluate(self.problem, [same], runs)
+        return _BETTERED * same.chi2 + _SLACK
+
+    def _limit(self, fits: Sequence[Fit], others: Sequence[Fit] = (), *, quiet: bool) -> None:
+        """Set what fits have to come to, where some fit leaves hardly more than noise.
+
+        Beside a fit that is `quiet` itself nothing ties: a further effect has to gain.
+        """
         best = min([*self.fits.values(), *others], key=self.score)
         if not self._is_noise(best):
             return
-        # Beside noise alone nothing ties: an effect has to gain.
-        most = self.score(best) + (_SLACK if best.model.names else 0.0)
+        most = self.score(best) + (0.0 if quiet else _SLACK)
         for fit in fits:
             fit.limit = most - PENALTY * self.seen(fit)
 
@@ -321,7 +340,7 @@ class Search:
         """Add one effect to each of the best fits."""
         found: dict[frozenset[str], Fit] = {}
         for i, base in enumerate(list(fits)[:beam]):
-            if i and self.problem.replayed > _BUDGET:
+            if i and self.problem.replayed > _BUDGET * self.spent:
                 break
             for fit in self.extend(base, self.names):
                 found[frozenset(fit.model.names)] = fit
