@@ -29,6 +29,7 @@ test: $(VENV)/built lint
 	cargo bench --locked --bench dynamics -- --test
 	$(BIN)/python benches/border.py --quick
 	$(BIN)/python benches/heatmap.py --quick
+	$(BIN)/python benches/diagnosis.py --quick
 	$(BIN)/python benches/peers.py --quick
 	$(BIN)/python benches/dynamics_peers.py --quick
 
@@ -47,6 +48,7 @@ bench: $(VENV)/built
 	cargo bench --locked --bench dynamics
 	$(BIN)/python benches/border.py
 	$(BIN)/python benches/heatmap.py
+	$(BIN)/python benches/diagnosis.py
 	$(BIN)/python benches/peers.py
 	$(BIN)/python benches/dynamics_peers.py
 
