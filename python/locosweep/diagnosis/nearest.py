@@ -62,6 +62,7 @@ def nearest(search: Search) -> Nearest | None:
     have it, and the square of a push in one window outweighs all others. So root mean
     squares of windows are compared one by one; their scatter says how sure a difference is.
     """
+    _swap(search)
     groups: dict[int, list[Fit]] = {}
     for key, fit in search.fits.items():
         if np.isfinite(fit.chi2) and fit.residual.size:
@@ -82,6 +83,14 @@ def nearest(search: Search) -> Nearest | None:
         close = [i for i in order if _deviations(rows[i] - known) < _TIED]
         near = [fits[i] for i in [first, *(i for i in close if i != first)]][:_LISTED]
     return Nearest(best, near) if best else None
+
+
+def _swap(search: Search) -> None:
+    """Fit what may stand in place of each part of the best pair: nothing else looks for it."""
+    pairs = [fit for key, fit in search.fits.items() if len(key) == 2]
+    for name in min(pairs, key=lambda fit: fit.chi2).model.names if pairs else ():
+        if name in search.names:
+            search.extend(search.fits[frozenset({name})], search.names)
 
 
 def _windows(search: Search, fits: Sequence[Fit]) -> Floats:
