@@ -132,3 +132,26 @@ def test_small_gaps_are_located_in_spite_of_the_noise() -> None:
         inside |= (labels == window["run"]) & (t >= window["t0"]) & (t <= window["t1"])
     most = np.sort(squares)[::-1][: int(inside.sum())].sum()
     assert squares[inside].sum() > 0.8 * most
+
+
+def test_a_lag_far_shorter_than_a_sample_is_found_beside_a_weak_drive() -> None:
+    quiet = Robot(dict(ROBOT.parameters), {"sensor.position_noise": 1e-6})
+    true = {"drive_lag": {"T": 2e-4}, "drive_gain_error": {"e": -2e-3}}
+    runs = switched(4, 4.0, 100.0)
+    frame = replay_runs(replace(quiet, effects=true), runs)
+    noise = np.random.default_rng(5).normal(0.0, 1e-6, frame.height)
+    drive = pl.Series("drive", np.concatenate([run.drive for run in runs]))
+    frame = frame.select("run", "t", pl.col("x") + pl.Series(noise)).with_columns(drive)
+    found = diagnose(frame, quiet, threads=1)
+    classes = found.report["verdict"]["equivalent"]
+    assert len(classes) == 2
+    assert {"drive_lag", "drive_gain_error"} <= {name for names in classes for name in names}
+
+
+def test_a_push_that_no_drive_knows_of_is_no_other_law_of_anything() -> None:
+    runs = switched(4, 4.0, 100.0)
+    pushed = [replace(r, drive=r.drive + 0.1 * np.sin(15.0 * r.t + k)) for k, r in enumerate(runs)]
+    frame = measured(pushed, {})
+    drive = pl.Series("drive", np.concatenate([run.drive for run in runs]))
+    found = diagnose(frame.with_columns(drive), ROBOT, threads=1)
+    assert found.status == "unexplained"

@@ -41,6 +41,9 @@ not leave."""
 _MOST_ALIKE = 3
 """Causes that may tie where none of them has the law that was met: more than these say
 that no variable in particular carries it."""
+_FORESEEN = 0.5
+"""Share of a rest that another law may leave in runs that it was not fitted to: a flexible
+law can be bent to anything that it sees."""
 _CARRIED = 6
 """Fits whose own variables are tried on what they leave."""
 _AS_WELL = 6.0
@@ -123,7 +126,8 @@ def choose(search: Search, most: int) -> Choice:
             near = total(search, found) - total(search, deeper[0]) if deeper else 0.0
             deeper = [fit for fit in deeper if _gains(search, found, fit)]
         if carried and not (deeper and search.score(deeper[0]) + GAIN < carried[0]):
-            found, mismatch = carried[1], True
+            # What further effects would gain is what the law does not fit.
+            found, mismatch, near = carried[1], True, 0.0
             break
         if not deeper:
             break
@@ -234,7 +238,8 @@ def _carried(search: Search, level: Sequence[Fit]) -> tuple[float, Fit] | None:
         worth = {v: terms.worth([v], noise) for v in terms.variables if v not in own}
         if terms.worth(own, noise) < max(worth.values(), default=0.0) - _AS_WELL:
             continue
-        if not lack_of(problem, left).is_there and not terms.found(own, noise):
+        carries = not lack_of(problem, left).is_there and not terms.found(own, noise)
+        if carries and terms.foreseen(own, noise) < _FORESEEN:
             score = search.score(fit) - terms.worth(own, noise) * noise
             found.append((score, i, fit))
     if not found:
@@ -371,6 +376,9 @@ def _probability(search: Search, choice: Choice) -> float:
         # Wider laws and supersets of the chosen one are not against it.
         if fits_class or names in sets or names >= set(choice.fit.model.names):
             inside += weight
+    if choice.law_mismatch:
+        # Scores weigh laws that do not fit: they say nothing about the cause.
+        inside = 1.0
     gain = none - total(search, choice.fit)
     found = 1.0 - 0.5 * np.exp(-0.5 * max(gain - GAIN, 0.0) / 4.0)
     # A further effect that nearly gains what is asked for may well be there.

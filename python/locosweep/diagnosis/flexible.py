@@ -212,6 +212,7 @@ class Flexible:
     def __init__(self, problem: Problem, fit: Fit) -> None:
         motion = motion_of(problem, fit)
         self.residual = fit.residual
+        self._places = [problem.of_run(r, problem.fitted) for r in problem.fitted]
         forces: list[tuple[str, NDArray[np.float64]]] = []
         readings: list[tuple[str, NDArray[np.float64]]] = []
         for variable in _ALL:
@@ -266,6 +267,31 @@ class Flexible:
         """Return the residual beside terms of some variables."""
         sizes = self.solve(variables)[2]
         return self.residual - sizes @ self.basis if sizes.size else self.residual
+
+    def foreseen(self, variables: Sequence[str], noise: float) -> float:
+        """Share of what is left that terms of some variables also leave in each run unseen.
+
+        Their sizes come from all other runs; 1 where there is but one run. What a term
+        makes worse counts no more than twice.
+        """
+        rows = np.flatnonzero(np.isin(self.names, ["fit", *variables]))
+        if len(self._places) < 2 or not rows.size:
+            return 1.0
+        before = after = 0.0
+        for place in self._places:
+            others = np.ones(self.residual.size, dtype=bool)
+            others[place] = False
+            basis = self.basis[rows]
+            rest = basis[:, others]
+            values, vectors = np.linalg.eigh(rest @ rest.T)
+            keep = values > 1e-6 * values[-1]
+            along = vectors[:, keep].T @ (rest @ self.residual[others])
+            e = self.residual[place]
+            e = e - (vectors[:, keep] @ (along / values[keep])) @ basis[:, place]
+            old = float(self.residual[place] @ self.residual[place])
+            before += old - noise * place.size
+            after += min(float(e @ e), 2.0 * old) - noise * place.size
+        return after / before if before > 0.0 else 1.0
 
     def found(self, beside: Sequence[str] = (), noise: float = 1.0) -> list[tuple[str, float]]:
         """Return the variables in which something is left, and the share of chi2 they carry.

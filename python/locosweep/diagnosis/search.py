@@ -18,6 +18,7 @@ from locosweep.diagnosis.fit import (
     start_fits,
 )
 from locosweep.diagnosis.lack import lack_of
+from locosweep.diagnosis.picks import apart, chi2_of, hopeful, promising, scaled
 from locosweep.diagnosis.starts import parameters_of, starts_of
 
 if TYPE_CHECKING:
@@ -120,7 +121,7 @@ class Search:
         partners = [p for p in partners if p not in held]
         if frozenset(held) in self.extended:
             keys = [frozenset({*held, name}) for name in partners]
-            return sorted((self.fits[key] for key in keys if key in self.fits), key=_chi2)
+            return sorted((self.fits[key] for key in keys if key in self.fits), key=chi2_of)
         fits: list[Fit] = []
         for name in partners:
             rows = starts_of(name, self.scale)
@@ -140,10 +141,10 @@ class Search:
                 fit.theta[fit.theta.size - nuisance.size :] = nuisance
         known = base or self.none
         telling = self._telling(known)
-        reach, worst = self._scan(fits, telling, known)
+        reach, scales, worst = self._scan(fits, telling, known)
         quiet = self._is_noise(known)
         if quiet:
-            fits = _hopeful(fits, reach, worst - _HINT, every=base is None)
+            fits = hopeful(fits, reach, worst - _HINT, every=base is None)
         fits.sort(key=lambda fit: (reach[id(fit)], fit.chi2))
         groups = [[f for f in fits if f.model.names[-1] == name] for name in partners]
         limit = self._to_beat(len(held) + 1, telling)
@@ -153,18 +154,21 @@ class Search:
         starts = []
         for group in groups[:keep]:
             many = group[0].model.names[-1] in _RIPPLES
-            starts += _apart(group, 3 * count if many else count)
+            picked = apart(group, 3 * count if many else count)
+            # As it stands, the best start; what promises most, as strong as it promises it.
+            starts += [] if quiet else [min(group, key=chi2_of)]
+            starts += [scaled(fit, scales[id(fit)]) for fit in picked]
         if not quiet:
             # The first steps from poor starts need not see all runs.
             evaluate(self.problem, starts, telling)
             fit_all(self.problem, starts, runs=telling, steps=3)
-            starts = _promising(starts)
+            starts = promising(starts)
         evaluate(self.problem, starts)
         self._limit(starts, quiet=quiet)
         fit_all(self.problem, starts, steps=3 if quiet else 1)
-        best = _promising(starts)
+        best = promising(starts)
         least = min((f.chi2 for f in best), default=np.inf)
-        order = sorted(best, key=_chi2)
+        order = sorted(best, key=chi2_of)
         # Those that are far behind stay as they are.
         close = [f for i, f in enumerate(order) if i < _CLOSE or f.chi2 < 10.0 * least]
         steps = 30 if self.nuisances.shares else 15
@@ -175,7 +179,7 @@ class Search:
         least = min((self.score(f) for f in close), default=np.inf)
         ties = [f for f in close if self.score(f) < least + _CONTEST]
         fit_all(self.problem, ties, steps=steps)
-        close.sort(key=_chi2)
+        close.sort(key=chi2_of)
         near = [f for f in close if f.chi2 < _NEAR * close[0].chi2]
         self._leap(near[: _CLOSE if base is None else _CLOSE // 2], steps)
         self.extended.add(frozenset(held))
@@ -186,14 +190,14 @@ class Search:
                 found[key] = fit
             if key not in self.fits or fit.chi2 < self.fits[key].chi2:
                 self.fits[key] = fit
-        return sorted((self.fits[key] for key in found), key=_chi2)
+        return sorted((self.fits[key] for key in found), key=chi2_of)
 
     def _to_beat(self, count: int, runs: list[int]) -> float:
         """Chi2 on some runs that a further set of so many effects has to promise."""
         known = [fit for names, fit in self.fits.items() if len(names) == count]
         if count == 1 or not known:
             return np.inf
-        best = min(known, key=_chi2)
+        best = min(known, key=chi2_of)
         same = Fit(best.model, best.nuisances, best.theta)
         evaluate(self.problem, [same], runs)
         return _BETTERED * same.chi2 + _SLACK
@@ -269,10 +273,10 @@ class Search:
                 [Fit(fit.model, fit.nuisances, fit.theta), *self._leaps_of(fit)] for fit in todo
             ]
             runs = self._telling(todo[0])
-            self._scan([trial for trials in tried for trial in trials], runs)
+            self._scan([trial for trials in tried for trial in trials], runs, None)
             follow = []
             for fit, (same, *trials) in zip(todo, tried, strict=True):
-                best = sorted(trials, key=_chi2)[: 1 if len(trials) < _DENSE else 6]
+                best = sorted(trials, key=chi2_of)[: 1 if len(trials) < _DENSE else 6]
                 follow += [(fit, t) for t in best if t.chi2 < 0.98 * same.chi2 or len(best) > 1]
             if not follow:
                 return
@@ -310,14 +314,16 @@ class Search:
         return sorted(chosen[i] for i in order[:_TELLING])
 
     def _scan(
-        self, fits: list[Fit], runs: list[int], beside: Fit | None = None
-    ) -> tuple[dict[int, float], float]:
+        self, fits: list[Fit], runs: list[int], beside: Fit | None
+    ) -> tuple[dict[int, float], dict[int, float], float]:
         """Chi2 of many starts on some runs, without keeping their residuals.
 
         With `beside`, returns what chi2 each may come to if the change that it makes to
-        the residuals of that fit is scaled and all else refitted; and that fit's own.
+        the residuals of that fit is scaled and all else refitted, by how much that is,
+        and that fit's own.
         """
         reach: dict[int, float] = {}
+        scales: dict[int, float] = {}
         known = Fit(beside.model, beside.nuisances, beside.theta) if beside else None
         if known:
             evaluate(self.problem, [known], runs)
@@ -331,10 +337,11 @@ class Search:
                     change -= basis @ (basis.T @ change)
                     size, along = float(change @ change), -float(change @ known.residual)
                     scale = np.clip(along / size, -_SCALED, _SCALED) if size > 0.0 else 0.0
-                    scaled = known.chi2 - scale * (2.0 * along - scale * size)
-                    reach[id(fit)] = min(fit.chi2, scaled) if np.isfinite(scaled) else fit.chi2
+                    best = known.chi2 - scale * (2.0 * along - scale * size)
+                    reach[id(fit)] = min(fit.chi2, best) if np.isfinite(best) else fit.chi2
+                    scales[id(fit)] = float(scale) if np.isfinite(best) else 1.0
                 fit.residual = np.zeros(0)
-        return reach, known.chi2 if known else np.inf
+        return reach, scales, known.chi2 if known else np.inf
 
     def deepen(self, fits: Sequence[Fit], beam: int = _BEAM) -> list[Fit]:
         """Add one effect to each of the best fits."""
@@ -344,7 +351,7 @@ class Search:
                 break
             for fit in self.extend(base, self.names):
                 found[frozenset(fit.model.names)] = fit
-        return sorted(found.values(), key=_chi2)
+        return sorted(found.values(), key=chi2_of)
 
 
 def fit_nominal(problem: Problem, nuisances: Nuisances) -> Fit:
@@ -356,52 +363,10 @@ def fit_nominal(problem: Problem, nuisances: Nuisances) -> Fit:
     for fit, corner in zip(fits, corners, strict=True):
         fit.theta[: len(shares)] = corner * spread
     evaluate(problem, fits)
-    fits = sorted(fits, key=_chi2)[:_NOMINAL]
+    fits = sorted(fits, key=chi2_of)[:_NOMINAL]
     fit_all(problem, fits, steps=8)
-    fits = sorted(fits, key=_chi2)[:2]
+    fits = sorted(fits, key=chi2_of)[:2]
     for fit in fits:
         fit.done = False
     fit_all(problem, fits, steps=40)
-    return min(fits, key=_chi2)
-
-
-def _chi2(fit: Fit) -> float:
-    return fit.chi2
-
-
-def _hopeful(
-    fits: Sequence[Fit], reach: dict[int, float], limit: float, *, every: bool
-) -> list[Fit]:
-    """Pick the starts that may come below a limit; and the best one of `every` model."""
-    best: dict[tuple[str, ...], Fit] = {}
-    for fit in fits:
-        names = fit.model.names
-        if names not in best or fit.chi2 < best[names].chi2:
-            best[names] = fit
-    some = {id(fit) for fit in best.values()} if every else set()
-    return [f for f in fits if reach[id(f)] <= limit or id(f) in some]
-
-
-def _promising(fits: Sequence[Fit]) -> list[Fit]:
-    """Leave out what lies far behind the best fit of the same model."""
-    best: dict[tuple[str, ...], float] = {}
-    for fit in fits:
-        names = fit.model.names
-        best[names] = min(best.get(names, np.inf), fit.chi2)
-    return [f for f in fits if f.chi2 < 1.3 * best[f.model.names] + 20.0]
-
-
-def _apart(fits: Sequence[Fit], count: int) -> list[Fit]:
-    """Pick the best fits whose shapes differ, or whose strengths do where there is none."""
-    chosen: list[Fit] = []
-    for fit in fits:
-        logs = np.array([f.log for f in fit.model.free], dtype=bool)
-        sizes = np.array([0.3 if f.log else 0.003 * f.size for f in fit.model.free])
-        k = sizes.size
-        if logs.any():
-            sizes = np.where(logs, sizes, np.inf)
-        if all(np.any(np.abs(fit.theta[:k] - c.theta[:k]) > sizes) for c in chosen):
-            chosen.append(fit)
-        if len(chosen) == count:
-            break
-    return chosen
+    return min(fits, key=chi2_of)

@@ -197,7 +197,7 @@ def _table(
                 _NONE,
             ),
         },
-        "drive_lag": {"T": (True, 1.0, fast, 0.03 * s.interval, s.replayed, 0.0)},
+        "drive_lag": {"T": (True, 1.0, fast, 0.003 * s.interval, s.replayed, 0.0)},
         "drive_delay": {
             "T": (
                 False,
@@ -219,16 +219,16 @@ def _table(
             "b": (
                 True,
                 1.0,
-                [s.travel * r for r in (1e-3, 1e-2, 0.1)],
-                1e-5 * s.travel,
+                [s.travel * r for r in (1e-5, 1e-3, 1e-2, 0.1)],
+                1e-8 * s.travel,
                 s.travel,
                 _NONE,
             ),
             "m_d": (
                 True,
                 1.0,
-                [s.mass * r for r in (0.03, 0.2, 1.0)],
-                1e-2 * s.mass,
+                [s.mass * r for r in (0.005, 0.03, 0.2, 1.0)],
+                1e-3 * s.mass,
                 10 * s.mass,
                 _NONE,
             ),
@@ -243,7 +243,7 @@ def _table(
                 3 * critical(s.mass * 1e6),
                 _NONE,
             ),
-            "m_d": (True, 1.0, [s.mass * r for r in (0.1, 0.7)], 1e-2 * s.mass, 10 * s.mass, _NONE),
+            "m_d": (True, 1.0, [s.mass * r for r in (0.1, 0.7)], 1e-3 * s.mass, 10 * s.mass, _NONE),
         },
         "slope_error": {"d_alpha_deg": (False, degree, _SIGNED, -45.0, 45.0, 0.0)},
         "payload_mass": {"dm": (False, s.mass, (*_SIGNED, 1.0), -0.95 * s.mass, 20 * s.mass, 0.0)},

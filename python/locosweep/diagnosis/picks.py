@@ -1,0 +1,71 @@
+"""Which starts of a search are followed, and how strong."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from locosweep.diagnosis.fit import Fit
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["apart", "chi2_of", "hopeful", "promising", "scaled"]
+
+
+def chi2_of(fit: Fit) -> float:
+    """Order fits by what they leave."""
+    return fit.chi2
+
+
+def scaled(fit: Fit, scale: float) -> Fit:
+    """Return a start whose last effect is stronger by a factor, where it has a strength."""
+    theta = fit.theta.copy()
+    for i, free in enumerate(fit.model.free):
+        if free.effect != fit.model.names[-1] or np.isnan(free.off) or scale == 0.0:
+            continue
+        if not free.log:
+            moved = free.off + scale * (theta[i] - free.off)
+            theta[i] = np.clip(moved, free.low, free.high)
+        elif scale > 0.0:
+            theta[i] = np.clip(theta[i] + np.log(scale), np.log(free.low), np.log(free.high))
+    return Fit(fit.model, fit.nuisances, theta)
+
+
+def hopeful(
+    fits: Sequence[Fit], reach: dict[int, float], limit: float, *, every: bool
+) -> list[Fit]:
+    """Pick the starts that may come below a limit; and the best one of `every` model."""
+    best: dict[tuple[str, ...], Fit] = {}
+    for fit in fits:
+        names = fit.model.names
+        if names not in best or fit.chi2 < best[names].chi2:
+            best[names] = fit
+    some = {id(fit) for fit in best.values()} if every else set()
+    return [f for f in fits if reach[id(f)] <= limit or id(f) in some]
+
+
+def promising(fits: Sequence[Fit]) -> list[Fit]:
+    """Leave out what lies far behind the best fit of the same model."""
+    best: dict[tuple[str, ...], float] = {}
+    for fit in fits:
+        names = fit.model.names
+        best[names] = min(best.get(names, np.inf), fit.chi2)
+    return [f for f in fits if f.chi2 < 1.3 * best[f.model.names] + 20.0]
+
+
+def apart(fits: Sequence[Fit], count: int) -> list[Fit]:
+    """Pick the best fits whose shapes differ, or whose strengths do where there is none."""
+    chosen: list[Fit] = []
+    for fit in fits:
+        logs = np.array([f.log for f in fit.model.free], dtype=bool)
+        sizes = np.array([0.3 if f.log else 0.003 * f.size for f in fit.model.free])
+        k = sizes.size
+        if logs.any():
+            sizes = np.where(logs, sizes, np.inf)
+        if all(np.any(np.abs(fit.theta[:k] - c.theta[:k]) > sizes) for c in chosen):
+            chosen.append(fit)
+        if len(chosen) == count:
+            break
+    return chosen
