@@ -298,6 +298,8 @@ def _whole_runs(
 ) -> tuple[dict[str, Any], dict[str, Any], tuple[Trace, ...]]:
     """Return gap, places and curves of runs that are replayed from end to end."""
     nominal, point = (started(problem, one) for one in points)
+    if nominal.names != point.names:
+        nominal = replace(nominal, speeds=point.speeds, places=point.places)
     gap, tables = gap_of(problem, nominal, point, seed, warnings)
     everything = list(range(len(problem.runs)))
     before = problem.replay([nominal], everything)

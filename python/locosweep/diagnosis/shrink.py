@@ -54,21 +54,27 @@ def started(problem: Problem, point: Point) -> Point:
     return replace(point, speeds=speeds)
 
 
-def _errors(problem: Problem, point: Point, channel: str) -> list[NDArray[np.float64]]:
-    """Squared errors run by run, start offsets taken out as far as their noise goes."""
+def _errors(
+    problem: Problem, point: Point, channel: str, offsets: list[float] | None = None
+) -> tuple[list[NDArray[np.float64]], list[float]]:
+    """Squared errors run by run, and the start offsets taken out of them.
+
+    Without `offsets`, those that the model asks for as far as their noise goes.
+    """
     found = problem.replay([point], range(len(problem.runs)))[channel][0]
     e = problem.measured[channel] - found
     if channel == "x_rear":
         e = e - np.repeat(problem.rest[channel], problem.lengths)
     parts = np.split(e, problem.starts_at[1:-1])
-    if channel in problem.priors and not (channel == "x" and problem.placed):
-        noise = problem.noise[channel].sd
-        for r, part in enumerate(parts):
-            ok = np.isfinite(part)
-            prior = problem.priors[channel][r]
-            worth = ok.sum() / noise**2
-            part -= np.nansum(part) / noise**2 / (worth + prior**-2.0)
-    return [part**2 for part in parts]
+    if offsets is None:
+        offsets = [0.0] * len(parts)
+        if channel in problem.priors and not (channel == "x" and problem.placed):
+            noise = problem.noise[channel].sd
+            for r, part in enumerate(parts):
+                worth = np.isfinite(part).sum() / noise**2
+                prior = problem.priors[channel][r]
+                offsets[r] = float(np.nansum(part) / noise**2 / (worth + prior**-2.0))
+    return [(part - offset) ** 2 for part, offset in zip(parts, offsets, strict=True)], offsets
 
 
 def _rms(squares: list[NDArray[np.float64]]) -> float:
@@ -91,13 +97,21 @@ def gap_of(
     *,
     channel: str | None = None,
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the report's `gap`, and its tables by channel and by run."""
+    """Return the report's `gap`, and its tables by channel and by run.
+
+    Both models start where the second one says that the head did: a start fitted to the
+    first would hide part of the gap.
+    """
     units = units_of(problem)
     one = problem.tail < 1.0
     held = list(problem.held) or list(range(len(problem.runs)))
-    errors = {
-        c: (_errors(problem, before, c), _errors(problem, after, c)) for c in problem.channels
-    }
+    same = before.names == after.names
+    if not same:
+        before = replace(before, speeds=after.speeds, places=after.places)
+    errors = {}
+    for c in problem.channels:
+        new, offsets = _errors(problem, after, c)
+        errors[c] = _errors(problem, before, c, None if same else offsets)[0], new
 
     def judged(squares: list[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
         if one:
@@ -105,7 +119,6 @@ def gap_of(
             return [s[~k] for s, k in zip(squares, seen, strict=True)]
         return [squares[r] for r in held]
 
-    same = before.names == after.names
     # All runs say which channel shows the gap: those kept may hold little of it.
     ratios = {c: _rms(e[0]) / problem.noise[c].sd for c, e in errors.items()}
     if not same:
