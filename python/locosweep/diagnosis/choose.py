@@ -252,17 +252,19 @@ def _rivals(search: Search, found: Fit) -> list[Fit]:
     """Refit with every other effect in place of each one of the set."""
     rivals: dict[frozenset[str], Fit] = {}
     for name in found.model.names:
-        others = tuple(n for n in found.model.names if n != name)
-        base = search.fits.get(frozenset(others))
-        if others and base is None:
+        if len(found.model.names) > 1:
             base = _without(search, found, name)
-        if others:
             swaps = search.extend(base, [n for n in search.names if n != name])
         else:
             swaps = [search.fits[frozenset({n})] for n in search.names]
         for fit in swaps:
             rivals[frozenset(fit.model.names)] = fit
-    rivals.pop(frozenset(found.model.names), None)
+    # What was fitted on the way to the set counts as well.
+    names = frozenset(found.model.names)
+    for key, fit in search.fits.items():
+        if len(key) == len(names) and len(key & names) == len(names) - 1:
+            rivals[key] = fit
+    rivals.pop(names, None)
     return sorted(rivals.values(), key=lambda fit: total(search, fit))
 
 

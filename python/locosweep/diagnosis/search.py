@@ -90,7 +90,6 @@ class Search:
     def __post_init__(self) -> None:
         self.unseen: dict[int, tuple[Fit, float]] = {}
         self.fits: dict[frozenset[str], Fit] = {}
-        self.extended: set[frozenset[str]] = set()
         self.spent = 0
         self.none = fit_nominal(self.problem, self.nuisances)
         self.fits[frozenset()] = self.none
@@ -115,13 +114,20 @@ class Search:
         self.spent = self.problem.replayed
         return found
 
-    def extend(self, base: Fit | None, partners: Sequence[str], keep: int = _PARTNERS) -> list[Fit]:
-        """Fit `base` with each of `partners` beside it; only the `keep` best after a scan."""
+    def extend(
+        self,
+        base: Fit | None,
+        partners: Sequence[str],
+        keep: int = _PARTNERS,
+        *,
+        beat: bool = False,
+    ) -> list[Fit]:
+        """Fit `base` with each of `partners` beside it; only the `keep` best after a scan.
+
+        With `beat`, only those that promise to come near the best set of as many effects.
+        """
         held = base.model.names if base else ()
         partners = [p for p in partners if p not in held]
-        if frozenset(held) in self.extended:
-            keys = [frozenset({*held, name}) for name in partners]
-            return sorted((self.fits[key] for key in keys if key in self.fits), key=chi2_of)
         fits: list[Fit] = []
         for name in partners:
             rows = starts_of(name, self.scale)
@@ -147,7 +153,7 @@ class Search:
             fits = hopeful(fits, reach, worst - _HINT, every=base is None)
         fits.sort(key=lambda fit: (reach[id(fit)], fit.chi2))
         groups = [[f for f in fits if f.model.names[-1] == name] for name in partners]
-        limit = self._to_beat(len(held) + 1, telling)
+        limit = self._to_beat(len(held) + 1, telling) if beat else np.inf
         groups = [g for g in groups if g and reach[id(g[0])] <= limit]
         groups.sort(key=lambda group: reach[id(group[0])])
         count = _STARTS if base is None else 2
@@ -182,7 +188,6 @@ class Search:
         close.sort(key=chi2_of)
         near = [f for f in close if f.chi2 < _NEAR * close[0].chi2]
         self._leap(near[: _CLOSE if base is None else _CLOSE // 2], steps)
-        self.extended.add(frozenset(held))
         found: dict[frozenset[str], Fit] = {}
         for fit in best:
             key = frozenset(fit.model.names)
@@ -349,7 +354,7 @@ class Search:
         for i, base in enumerate(list(fits)[:beam]):
             if i and self.problem.replayed > _BUDGET * self.spent:
                 break
-            for fit in self.extend(base, self.names):
+            for fit in self.extend(base, self.names, beat=True):
                 found[frozenset(fit.model.names)] = fit
         return sorted(found.values(), key=chi2_of)
 
