@@ -61,6 +61,13 @@ class TestMissing:
         rows = found.report["where"]["runs"]
         assert [row["run"] for row in rows] == ["0", "2", "3"]
 
+    def test_a_body_that_one_run_does_not_measure_is_no_obstacle(self):
+        frame = measured(switched(4, 2.0, 100.0), EFFECT)
+        still = np.random.default_rng(4).normal(0.0, NOISE, frame.height)
+        seen = pl.when(pl.col("run") != "2").then(pl.Series(still))
+        found = diagnose(frame.with_columns(x_rear=seen), ROBOT, threads=1)
+        assert found.report["verdict"]["effects"] == ["coulomb_error"]
+
     def test_no_position_at_all_is_one_clear_line(self):
         frame = measured(switched(2, 2.0, 100.0), {})
         for label in "01":

@@ -149,7 +149,8 @@ class Problem:
                 # That of one sample: a bristle may give way while the drive rests.
                 # Where nothing was measured before the drive changes, it is anywhere.
                 own = float(np.hypot(noise.sd, noise.stuck))
-                prior.append(own if before.size else own + _ANYWHERE * float(np.ptp(known)))
+                span = float(np.ptp(known)) if known.size else 0.0
+                prior.append(own if before.size else own + _ANYWHERE * span)
                 level.append(
                     float(before.mean()) if before.size else float(known[0]) if known.size else 0.0
                 )
