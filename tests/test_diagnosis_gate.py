@@ -13,7 +13,7 @@ from locosweep.diagnosis import diagnose
 from locosweep.errors import DataFileError
 from locosweep.files import Robot, load_robot
 from locosweep.measured import Run, runs_from_frame
-from locosweep.replay import replay_runs
+from locosweep.replay import motor_of, replay_runs
 
 NOISE = 1e-5
 ROBOT = Robot(
@@ -162,3 +162,62 @@ def test_a_push_that_no_drive_knows_of_is_no_other_law_of_anything() -> None:
     drive = pl.Series("drive", np.concatenate([run.drive for run in runs]))
     found = diagnose(frame.with_columns(drive), ROBOT, threads=1)
     assert found.status == "unexplained"
+
+
+MOTOR = {"supply_voltage": 24.0, "winding_resistance": 20.0, "force_constant": 1.7}
+
+
+def pushed(effects: dict[str, Any]) -> pl.DataFrame:
+    """Runs of a drive that only pushes, with the electric power of its motor."""
+    t = np.arange(0.0, 3.0, 0.01)
+    runs = []
+    for k in range(4):
+        drive = np.where(np.sin(2.0 * np.pi * (0.6 + 0.2 * k) * t) > 0.2, 0.9 + 0.1 * k, 0.0)
+        runs.append(Run(str(k), t, drive, {"x": np.zeros(t.size)}))
+    read = replay_runs(replace(ROBOT, effects=effects), runs)
+    current = pl.col("force") / MOTOR["force_constant"]
+    power = MOTOR["winding_resistance"] * current**2 + pl.col("force") * pl.col("v")
+    noise = np.random.default_rng(5).normal(0.0, 1.0, (2, read.height))
+    return read.select(
+        "run",
+        "t",
+        x=pl.col("x") + pl.Series(NOISE * noise[0]),
+        power=power + pl.Series(0.02 * noise[1]),
+        drive=pl.Series(np.concatenate([run.drive for run in runs])),
+    )
+
+
+class TestPower:
+    def robot(self, motor: dict[str, float]) -> Robot:
+        return replace(
+            ROBOT,
+            parameters=ROBOT.parameters | motor,
+            other=ROBOT.other | {"sensor.power_noise": 0.02},
+        )
+
+    def test_power_tells_apart_what_the_position_cannot(self):
+        frame = pushed({"drive_gain_error": {"e": -0.06}})
+        blind = diagnose(frame.drop("power"), self.robot(MOTOR), threads=1)
+        seen = diagnose(frame, self.robot(MOTOR), threads=1)
+        # A head that is only pushed forward loses as much to friction that follows the drive.
+        assert "load_dependent_friction" in blind.report["verdict"]["equivalent"][0]
+        assert seen.status == "explained"
+        assert seen.report["verdict"]["effects"] == ["drive_gain_error"]
+        assert {"x", "power"} <= {row["channel"] for row in seen.report["where"]["channels"]}
+
+    def test_the_model_of_the_plant_leaves_no_power(self):
+        found = diagnose(pushed({}), self.robot(MOTOR), threads=1)
+        assert found.status == "none"
+
+    def test_a_file_gives_the_motor(self, tmp_path):
+        file = tmp_path / "nominal.toml"
+        file.write_text(
+            "[robot]\nsegments = 4\nmass = 0.2\n[surface]\nmu_coulomb = 0.3\n"
+            "[motor]\nsupply_voltage = 24.0\nresistance = 20.0\nforce_constant = 1.7\n"
+        )
+        assert motor_of(load_robot(file)) == (24.0, 20.0, 1.7)
+
+    def test_without_a_motor_the_column_is_left_out_and_said(self):
+        found = diagnose(pushed({}), self.robot({}), threads=1)
+        assert any(w.startswith("power is measured but") for w in found.report["warnings"])
+        assert found.status == "none"

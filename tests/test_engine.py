@@ -5,10 +5,12 @@ import gc
 import itertools
 import multiprocessing
 import os
+import platform
 import signal
 import threading
 import time
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,7 +18,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import locosweep as ls
-from locosweep import registry
+from locosweep import _core, registry
 from locosweep._core import simd_levels
 
 MU = {"mu_coulomb": 0.3}
@@ -505,3 +507,12 @@ def test_names_of_the_package():
     assert all(getattr(ls, name) is not None for name in ls.__all__)
     with pytest.raises(AttributeError, match="no attribute 'swep'"):
         _ = ls.swep
+
+
+def test_vectors_are_compiled_into_their_kernels():
+    # What the compiler did not inline runs as a call for every single operation, and
+    # says so by its name among the symbols.
+    symbols = Path(_core.__file__).read_bytes()
+    if platform.machine() in ("x86_64", "AMD64"):
+        assert b"vectorize_avx2" in symbols
+    assert b"__fearless_simd_kernel" not in symbols

@@ -1,7 +1,7 @@
 from _typeshed import Incomplete, SupportsGetItem
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["CancelToken", "Drive", "Effect", "FrictionCandidate", "FrictionData", "FrictionOutcome", "FrictionParameter", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "derivative", "drives", "effect_parameter_count", "effects", "file_choices", "file_keys", "gait_outputs", "gait_parameters", "gait_run", "gaits", "imposed_force", "laws", "methods", "noise", "parameters", "pressings", "quantities", "rank_fits", "reality_forms", "reality_run", "reductions", "simd_level", "simd_levels", "spikes", "statuses", "threads_to_use", "version"]
+__all__ = ["CancelToken", "Drive", "Effect", "FrictionCandidate", "FrictionData", "FrictionOutcome", "FrictionParameter", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "derivative", "drives", "effect_parameter_count", "effects", "file_choices", "file_keys", "gait_outputs", "gait_parameters", "gait_run", "gaits", "imposed_force", "laws", "methods", "motor_power", "noise", "parameters", "pressings", "quantities", "rank_fits", "reality_forms", "reality_run", "reality_source", "reductions", "simd_level", "simd_levels", "spikes", "statuses", "threads_to_use", "version"]
 
 @final
 class CancelToken:
@@ -518,6 +518,12 @@ def methods() -> list[tuple[str, str]]:
     Name and meaning of every method of simulation.
     """
 
+def motor_power(force: Incomplete, speed: Incomplete, motor: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex]) -> Incomplete:
+    """
+    Electric power in W at forces and speeds, of a motor that is given by its supply
+    voltage, resistance and force constant.
+    """
+
 def noise(t: Incomplete, y: Incomplete) -> float:
     """
     Standard deviation of white noise on samples of something smooth.
@@ -559,6 +565,11 @@ def reality_run(runs: SupportsGetItem[int, tuple[Incomplete, Incomplete, Support
     rig, effects as (name, form, parameters), start position and speed, longest
     step in s, seed of what is random in it). Returns x, v, x_rear and force for
     each job.
+    """
+
+def reality_source() -> str:
+    """
+    The text of all that makes the reality: cases drawn with other text are other cases.
     """
 
 def reductions() -> list[tuple[str, str]]:

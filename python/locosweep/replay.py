@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from locosweep.measured import Run
     from locosweep.progress import Progress
 
-__all__ = ["effect", "effect_values", "effects", "nominal_of", "replay_runs"]
+__all__ = ["effect", "effect_values", "effects", "motor_of", "nominal_of", "replay_runs"]
 
 
 @cache
@@ -82,6 +82,18 @@ def nominal_of(robot: Robot) -> dict[str, float]:
     if other.get("bench.kind") == "rotary":
         nominal["gravity_torque"] = float(other.get("bench.gravity_torque", 0.0))
     return nominal
+
+
+def motor_of(robot: Robot) -> tuple[float, float, float] | None:
+    """Return supply voltage, resistance and force constant that a file gives in [motor].
+
+    None where it does not: values that nobody stated predict no electric power.
+    """
+    given = robot.parameters
+    if "winding_resistance" not in given or "force_constant" not in given:
+        return None
+    supply = given.get("supply_voltage", np.inf)
+    return float(supply), float(given["winding_resistance"]), float(given["force_constant"])
 
 
 def effect_values(chosen: dict[str, dict[str, float]]) -> np.ndarray:

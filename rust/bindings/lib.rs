@@ -24,9 +24,9 @@ mod _core {
         gait_run, gaits,
     };
     #[pymodule_export]
-    use super::reality::{reality_forms, reality_run};
+    use super::reality::{reality_forms, reality_run, reality_source};
     #[pymodule_export]
-    use super::replay::{EffectRecord, Replay, effect_parameter_count, effects};
+    use super::replay::{EffectRecord, Replay, effect_parameter_count, effects, motor_power};
     #[pymodule_export]
     use super::sweep::{CancelToken, Sweep};
     #[pymodule_export]

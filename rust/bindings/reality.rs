@@ -5,7 +5,7 @@ use crate::door::{enter, input_error};
 use crate::sweep::CancelToken;
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
-use reality::{Effect, FORMS, Job, Readings, Rig, Samples, run_all};
+use reality::{Effect, FORMS, Job, Readings, Rig, SOURCE, Samples, run_all};
 use std::collections::{BTreeMap, HashMap};
 
 type GivenRun<'py> = (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>, f64);
@@ -17,6 +17,12 @@ type GivenJob = (usize, HashMap<String, f64>, Vec<GivenEffect>, (f64, f64), f64,
 #[pyfunction]
 pub fn reality_forms() -> Vec<(&'static str, &'static str, Vec<&'static str>)> {
     FORMS.iter().map(|f| (f.name, f.form, f.params.to_vec())).collect()
+}
+
+/// The text of all that makes the reality: cases drawn with other text are other cases.
+#[pyfunction]
+pub fn reality_source() -> &'static str {
+    SOURCE
 }
 
 fn rig(py: Python<'_>, given: &HashMap<String, f64>) -> PyResult<Rig> {

@@ -4,6 +4,7 @@ use crate::door::{enter, input_error, raise};
 use crate::sweep::CancelToken;
 use locosweep::lane::Level;
 use locosweep::physics::effects::{Active, EFFECT_PARAMS, EFFECTS, Effect, Nominal};
+use locosweep::physics::robot::Motor;
 use locosweep::sweep::replay::{Column, Run, replay};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -178,4 +179,23 @@ impl Replay {
 pub fn effect_parameter_count() -> usize {
     debug_assert_eq!(EFFECTS.len(), Effect::ALL.len());
     EFFECT_PARAMS
+}
+
+/// Electric power in W at forces and speeds, of a motor that is given by its supply
+/// voltage, resistance and force constant.
+#[pyfunction]
+pub fn motor_power<'py>(
+    py: Python<'py>,
+    force: PyReadonlyArray1<'py, f64>,
+    speed: PyReadonlyArray1<'py, f64>,
+    motor: (f64, f64, f64),
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let (force, speed) = (force.as_array(), speed.as_array());
+    if force.len() != speed.len() {
+        return Err(input_error(py, "force and speed must be equally long".to_owned()));
+    }
+    let (supply, resistance, force_constant) = motor;
+    let motor = Motor { supply, resistance, force_constant };
+    let power: Vec<f64> = force.iter().zip(speed).map(|(f, v)| motor.power(*f, *v)).collect();
+    Ok(power.into_pyarray(py))
 }

@@ -17,6 +17,9 @@ mod head;
 mod sensor;
 mod transmission;
 
+/// All of this crate: a case drawn with other sources is another case.
+pub const SOURCE: &str = include_str!(concat!(env!("OUT_DIR"), "/source.txt"));
+
 pub use batch::{Job, run_all};
 pub use effects::{Effect, FORMS, Form};
 pub use rig::Rig;

@@ -21,16 +21,18 @@ __all__ = ["code_digest", "pool_of"]
 _PACKAGE = Path(__file__).parents[1]
 
 
-def code_digest(*parts: str) -> str:
-    """Hash of the extension and of the named folders and files of the package.
+def code_digest(*parts: str, engine: bool) -> str:
+    """Hash of the named folders and files of the package, and of what they run on.
 
-    Results of other code are not kept.
+    Results of other code are not kept. That is the whole extension with `engine`,
+    without it only the reality, which the engine has no part in.
     """
-    files = [Path(_core.__file__)]
+    files = []
     for part in parts:
         place = _PACKAGE / part
         files += sorted(place.rglob("*.py")) if place.is_dir() else [place]
-    whole = hashlib.sha256()
+    below = Path(_core.__file__).read_bytes() if engine else _core.reality_source().encode()
+    whole = hashlib.sha256(below)
     for file in files:
         whole.update(file.read_bytes())
     return whole.hexdigest()

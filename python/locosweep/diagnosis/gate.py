@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.diagnosis.fit import Model, evaluate, fit_all, point_of, start_fits
+from locosweep.diagnosis.fit import Model, fit_all, point_of, start_fits
 from locosweep.diagnosis.search import fit_nominal
 from locosweep.errors import DataFileError, InputError
-from locosweep.replay import nominal_of
+from locosweep.replay import motor_of, nominal_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -77,6 +77,11 @@ def check_runs(runs: Sequence[Run], robot: Robot) -> list[str]:
         warnings.append(
             f"x spans {span:.3g} m, the drive without any friction would move the head by at "
             f"most {free:.3g} m: is x in another unit than m (--unit x=mm)?"
+        )
+    if motor_of(robot) is None and any("power" in run.channels for run in runs):
+        warnings.append(
+            "power is measured but the nominal file gives no resistance and force_constant "
+            "in [motor]: the column is not used"
         )
     for run in runs:
         steps = np.diff(run.t)
@@ -155,51 +160,64 @@ def hold_out(
 def moving_starts(problem: Problem, nuisances: Nuisances) -> tuple[int, ...]:
     """Find runs that begin in motion; the speed of the others is set to 0.
 
-    A run does where both the parabola through its first samples and the nominal
-    model over all of it ask for a start speed.
+    A run does where both the parabola through its first samples and the nominal model
+    ask for a start speed, over all of it or there.
     """
-    asked = []
+    asked: dict[int, tuple[int, float]] = {}
     problem.begin[:, 1] = 0.0
     for r, run in enumerate(problem.runs):
         few = int(np.clip(run.t.size // 40, 8, 60))
-        pushed = np.flatnonzero(run.drive != run.drive[0])
+        pushed = np.flatnonzero(np.diff(run.drive)) + 1
         if run.drive[0] == 0.0 and pushed.size and pushed[0] >= _BEFORE:
             # What the drive does next is no start speed.
-            few = min(few, int(pushed[0]) + 1)
+            few, pushed = min(few, int(pushed[0]) + 1), pushed[:0]
+        elif pushed.size > 1:
+            few = min(few, max(int(pushed[1]) + 1, 2 * _BEFORE))
         t, x = run.since_start[:few], run.channels["x"][:few]
         ok = np.isfinite(x)
         if ok.sum() < _BEFORE:
             continue
-        # A parabola: the head may also start from rest at once.
-        base = np.vander(t[ok], 3)
+        # A parabola: the head may also start from rest at once, or with the first push.
+        base = np.vander(t, 3)
+        if pushed.size and pushed[0] < few - 2:
+            late = np.maximum(t - run.since_start[pushed[0]], 0.0)
+            base = np.column_stack([late**2, base])
+        base = base[ok]
+        if np.linalg.matrix_rank(base) < base.shape[1]:
+            continue
         fit, *_ = np.linalg.lstsq(base, x[ok], rcond=None)
-        spread = np.sqrt(np.linalg.inv(base.T @ base)[1, 1]) * problem.noise["x"].sd
-        speed, sure = float(fit[1]), abs(fit[1]) > _SPEED * spread
+        spread = np.sqrt(np.linalg.inv(base.T @ base)[-2, -2]) * problem.noise["x"].sd
+        speed, sure = float(fit[-2]), abs(fit[-2]) > _SPEED * spread
         if "v" in run.channels and np.isfinite(run.channels["v"][0]):
             first = float(run.channels["v"][0])
             if abs(first) > _SPEED * problem.noise["v"].sd:
                 speed, sure = first, True
         if sure:
             problem.begin[r, 1] = speed
-            asked.append(r)
+            asked[r] = few, speed
     if not asked:
         return ()
     every = list(range(len(problem.runs)))
     free = replace(nuisances, moving=tuple(asked))
     with_speed = start_fits(free, Model((), ()), np.zeros((1, 0)))[0]
     fit_all(problem, [with_speed], runs=every)
-    speeds = point_of(problem, with_speed).speeds
+    fitted = point_of(problem, with_speed)
+    read, at_rest = fitted.speeds.copy(), fitted.speeds.copy()
+    for r, (_, speed) in asked.items():
+        read[r], at_rest[r] = speed, 0.0
+    points = [replace(fitted, speeds=speeds) for speeds in (at_rest, fitted.speeds, read)]
+    squares = problem.residuals(points, every) ** 2
     problem.begin[:, 1] = 0.0
-    at_rest = start_fits(nuisances, Model((), ()), np.zeros((1, 0)))[0]
-    own = len(nuisances.shares)
-    at_rest.theta[:own] = with_speed.theta[:own]
-    evaluate(problem, [at_rest], every)
     moving = []
-    for r in asked:
+    for r, (few, speed) in asked.items():
         place = problem.of_run(r, every)
-        gain = float(at_rest.residual[place] @ at_rest.residual[place])
-        gain -= float(with_speed.residual[place] @ with_speed.residual[place])
-        if gain > _GAIN:
-            problem.begin[r, 1] = speeds[r]
+        # Over the whole run a gap can ask for a speed, in the first samples only motion.
+        whole = squares[0, place].sum() - squares[1:, place].sum(axis=1)
+        early = squares[0, place[:few]].sum() - squares[1:, place[:few]].sum(axis=1)
+        if whole[0] > _GAIN and early[0] > 0.0:
+            problem.begin[r, 1] = fitted.speeds[r]
+            moving.append(r)
+        elif early[1] > _GAIN:
+            problem.begin[r, 1] = speed
             moving.append(r)
     return tuple(moving)

@@ -18,7 +18,7 @@ from locosweep.diagnosis.fit import Nuisances, point_of
 from locosweep.diagnosis.gate import check_runs, gaps_of, hold_out, moving_starts, usable
 from locosweep.diagnosis.model_file import calibrated
 from locosweep.diagnosis.nearest import nearest
-from locosweep.diagnosis.problem import FITTED, Problem
+from locosweep.diagnosis.problem import Problem
 from locosweep.diagnosis.result import Diagnosis, Trace
 from locosweep.diagnosis.search import Search
 from locosweep.diagnosis.shot_plan import for_planning, plan_of, problem_of, scale_in_windows
@@ -412,8 +412,8 @@ def _traces(
                 run.drive,
                 problem.nominal["slope_deg"] if run.slope_deg is None else run.slope_deg,
                 dict(run.channels),
-                {c: before[c][0, a:b] for c in FITTED},
-                {c: after[c][0, a:b] for c in FITTED},
+                {c: read[0, a:b] for c, read in before.items()},
+                {c: read[0, a:b] for c, read in after.items()},
                 regimes[r],
                 r in problem.held,
             )

@@ -9,7 +9,7 @@ import numpy as np
 
 from locosweep import _core
 from locosweep.diagnosis.noise import Noise, noise_of, stretches
-from locosweep.replay import effect, nominal_of
+from locosweep.replay import effect, motor_of, nominal_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,10 +19,12 @@ if TYPE_CHECKING:
     from locosweep.files import Robot
     from locosweep.measured import Run
 
-__all__ = ["FITTED", "Point", "Problem"]
+__all__ = ["FITTED", "LOST", "Point", "Problem"]
 
-FITTED = ("x", "v", "x_rear", "force")
-"""Channels that a replay predicts, in the order in which it gives them."""
+_READ = ("x", "v", "x_rear", "force")
+"""Channels that the engine gives, in its order."""
+FITTED = (*_READ, "power")
+"""Channels that a replay predicts; power only where the model has a motor."""
 LOST = 1e60
 """Reading of a model that cannot be replayed to the end: far from everything."""
 _OFFSETS = ("x", "x_rear")
@@ -73,6 +75,7 @@ class Problem:
     """A large speed of this rig, m/s."""
     noise: dict[str, Noise] = field(init=False)
     nominal: dict[str, float] = field(init=False)
+    motor: tuple[float, float, float] | None = field(init=False)
     channels: tuple[str, ...] = field(init=False)
     lengths: NDArray[np.intp] = field(init=False)
     replayed: int = field(init=False, default=0)
@@ -91,7 +94,9 @@ class Problem:
         }
         self.lengths = np.array([run.t.size for run in self.runs])
         self.starts_at = np.concatenate([[0], np.cumsum(self.lengths)])
-        self.channels = tuple(c for c in FITTED if any(c in run.channels for run in self.runs))
+        self.motor = motor_of(self.robot)
+        predicted = FITTED if self.motor else _READ
+        self.channels = tuple(c for c in predicted if any(c in run.channels for run in self.runs))
         self.noise = {
             c: self.known[c] if self.known and c in self.known else noise_of(c, self.runs, sensor)
             for c in self.channels
@@ -205,7 +210,16 @@ class Problem:
             slope = self.place("slope_error", "d_alpha_deg")
             values[np.isin(number, list(self.turned)), slope] *= -1.0
         read = self.job.run(columns, values, shares, starts, self.threads)
-        found = {c: one.reshape(len(points), -1) for c, one in zip(FITTED, read, strict=True)}
+        return self.readings(read, len(points))
+
+    def readings(
+        self, read: Sequence[NDArray[np.float64]], rows: int
+    ) -> dict[str, NDArray[np.float64]]:
+        """Lay out what the engine gave, a row a point, with the power that follows from it."""
+        found = {c: one.reshape(rows, -1) for c, one in zip(_READ, read, strict=True)}
+        if self.motor and "power" in self.channels:
+            force, speed = read[_READ.index("force")], read[_READ.index("v")]
+            found["power"] = _core.motor_power(force, speed, self.motor).reshape(rows, -1)
         wrong = ~np.isfinite(found["x"]).all(axis=1)
         for reading in found.values():
             reading[wrong] = LOST

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from locosweep.diagnosis import where
-from locosweep.diagnosis.problem import FITTED
 from locosweep.diagnosis.result import Trace
 from locosweep.diagnosis.shot_plan import tiles_of
 from locosweep.diagnosis.shrink import HORIZONS, RESAMPLES, units_of
@@ -174,7 +173,7 @@ class ShotReport:
     def traces(self, before: Point, after: Point) -> tuple[Trace, ...]:
         """Curves of the runs; the simulated ones start anew with every window."""
         read = self.tiles.replay([before, after])
-        laid = {c: [self._by_run(values, np.nan) for values in read[c]] for c in FITTED}
+        laid = {c: [self._by_run(values, np.nan) for values in rows] for c, rows in read.items()}
         return tuple(
             Trace(
                 run.label,
@@ -182,8 +181,8 @@ class ShotReport:
                 run.drive,
                 self.whole.nominal["slope_deg"] if run.slope_deg is None else run.slope_deg,
                 dict(run.channels),
-                {c: laid[c][0][r] for c in FITTED},
-                {c: laid[c][1][r] for c in FITTED},
+                {c: rows[0][r] for c, rows in laid.items()},
+                {c: rows[1][r] for c, rows in laid.items()},
                 where.regimes_of(self.whole, r),
                 r in self.whole.held,
             )

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep import _core
-from locosweep.diagnosis.problem import FITTED, LOST, Problem
+from locosweep.diagnosis.problem import LOST, Problem
 from locosweep.measured import Run
 
 if TYPE_CHECKING:
@@ -295,12 +295,8 @@ class ShotProblem(Problem):
             starts.append(start)
             scaled.append(offset)
         read = self.job.run(columns, values, shares, np.concatenate(starts), self.threads)
-        found = {c: one.reshape(len(points), -1) for c, one in zip(FITTED, read, strict=True)}
-        found["x"] = found["x"] + np.repeat(np.array(scaled), self.lengths[chosen], axis=1)
-        wrong = ~np.isfinite(found["x"]).all(axis=1)
-        for reading in found.values():
-            reading[wrong] = LOST
-        return found
+        read[0] += np.repeat(np.array(scaled), self.lengths[chosen], axis=1).ravel()
+        return self.readings(read, len(points))
 
     def _starts(self, point: Point, chosen: NDArray[np.intp]) -> tuple[Floats, Floats]:
         """Return the true states at the starts, and what a scale adds to its readings.

@@ -109,7 +109,10 @@ impl<Q: Dry, L: Lane, F: FnMut() -> bool> Exact<'_, '_, Q, L, F> {
         // What has come to a stop at the end of the last piece is decided anew.
         let resting = L::not(zero.lt(state.v.abs()));
         let may_move = L::and(resting, zero.lt(dt));
-        let way = L::select(may_move, self.release(push, drive, state.x, state.t), state.way);
+        let mut way = state.way;
+        if L::any(may_move) {
+            way = L::select(may_move, self.release(push, drive, state.x, state.t), way);
+        }
         let moving = zero.lt(way.abs());
         let place = Place { way, x: state.x, swept: zero, drive, t };
         let (level, viscous) = Q::linear(&self.set, &place);

@@ -75,6 +75,7 @@ impl<L: Lane> Given<L> for Plain<L> {
     }
 }
 
+#[inline(always)]
 fn segment<'a, L: Lane>(
     plant: &Plant<L>,
     path: &'a Path<L>,
@@ -134,12 +135,15 @@ pub fn head<L: Lane>(
     let zero = start.0.with(0.0);
     let set = plant.friction;
     let mut go_on = go_on;
-    let steep = plant.active.any(&[Effect::StribeckFriction, Effect::PositionDependentFriction]);
+    let steep = plant.is_steep();
     if let Some(link) = link {
         let longest = if steep { STEEP } else { BENT };
         let longest = (!plant.is_linear()).then_some(longest.min(samples.interval));
         let times = (samples.interval, longest);
-        let mut method = Switched::new(&segment, set, link, &state, times);
+        let mut method = zero.apart(
+            #[inline(always)]
+            || Switched::new(&segment, set, link, &state, times),
+        );
         for (i, t) in samples.instants() {
             method.advance(&mut state, &mut tally, zero.with(t));
             let force = (-plant.emf).mul_add(state.v, method.force());
@@ -162,15 +166,24 @@ pub fn head<L: Lane>(
             RungeKutta::<Measured, L, _> { segment: &segment, set, locate: true, step, go_on };
         let long = zero.with(samples.interval);
         let least = zero.with(STEEP);
-        // Every lane takes the steps that its own motion needs.
-        let sized = |method: &mut RungeKutta<Measured, L, _>, state: &State<L>| {
-            let a = if steep { method.acceleration(state) } else { zero };
-            let step = (zero.with(SHARE) / plant.pace(state.v, a, long)).max(least);
-            // As many equal ones as fill an interval.
-            let count = (long / step.min(long) * (1.0 - 1e-9)).floor() + 1.0;
-            method.step = long / count;
-        };
-        over_samples(plant, &segment, method, sized, &mut state, &mut tally, samples, read);
+        over_samples(
+            plant,
+            &segment,
+            method,
+            // Every lane takes the steps that its own motion needs.
+            #[inline(always)]
+            |method: &mut RungeKutta<Measured, L, _>, state: &State<L>| {
+                let a = if steep { method.acceleration(state) } else { zero };
+                let step = (zero.with(SHARE) / plant.pace(state.v, a, long)).max(least);
+                // As many equal ones as fill an interval.
+                let count = (long / step.min(long) * (1.0 - 1e-9)).floor() + 1.0;
+                method.step = long / count;
+            },
+            &mut state,
+            &mut tally,
+            samples,
+            read,
+        );
     }
 }
 

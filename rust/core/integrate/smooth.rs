@@ -33,8 +33,8 @@ const STABLE: f64 = 2.8;
 /// Far below every speed over which a law rises, m/s.
 const SLOWEST: f64 = 1e-12;
 
-/// Drive forces at start, middle and end of every step, where these are the
-/// same for all trajectories; empty where they are not.
+/// Shape of the drive at start, middle and end of every step, where it is the
+/// same for all trajectories, each at its own amplitude; empty where it is not.
 #[derive(Debug, Clone, Copy)]
 pub struct Ahead<'a>(pub &'a [[f64; 3]]);
 
@@ -60,8 +60,10 @@ impl<Q: Smooth, L: Lane, F: FnMut() -> bool> Advance<L> for Steps<'_, '_, Q, L, 
             taken = taken + 1.0;
             let next = L::select(last, end, taken.mul_add(h, from));
             let half = dt * 0.5;
-            let forces = [state.t, state.t + half, state.t + dt]
-                .map(|t| self.segment.commanded(t, &state.clock));
+            let (segment, clock) = (self.segment, &state.clock);
+            let (start, middle) = (segment.commanded(state.t, clock), state.t + half);
+            let middle = segment.commanded(middle, clock);
+            let forces = [start, middle, segment.commanded(state.t + dt, clock)];
             let old = *state;
             self.step(state, tally, dt, forces);
             state.t = next;
@@ -122,10 +124,13 @@ impl<'a, 'b, Q: Smooth, L: Lane, F: FnMut() -> bool> Steps<'a, 'b, Q, L, F> {
     fn in_step(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) -> bool {
         let h = self.segment.step;
         let steps = self.ahead.0.len();
-        for (i, forces) in self.ahead.0.iter().enumerate() {
+        for (i, shapes) in self.ahead.0.iter().enumerate() {
             let last = i + 1 == steps;
             let dt = if last { until - state.t } else { h };
-            let forces = forces.map(|force| h.with(force).clip(self.segment.limit));
+            let mut forces = [h; 3];
+            for (force, shape) in forces.iter_mut().zip(shapes) {
+                *force = self.segment.drive.shaped(h.with(*shape)).clip(self.segment.limit);
+            }
             self.step(state, tally, dt, forces);
             state.t = if last { until } else { h * (i + 1) as f64 };
             if i as u32 % PATIENCE == PATIENCE - 1 && !(self.go_on)() {

@@ -228,6 +228,7 @@ pub struct Switched<'a, 'b, L: Lane> {
 impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
     /// `interval` is the usual time between samples, `longest` the longest step where
     /// friction or gravity bend with the motion.
+    #[inline(always)]
     pub fn new(
         segment: &'b Segment<'a, L>,
         set: Coefficients<L>,

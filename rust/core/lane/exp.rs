@@ -29,24 +29,19 @@ fn reduced<L: Lane>(x: L, k: L) -> L {
     // ln 2 in two parts: the first has 32 trailing zero bits, k * part is exact.
     let r = k.mul_add(x.with(-6.931_471_803_691_238e-1), x);
     let r = k.mul_add(x.with(-1.908_214_929_270_587_7e-10), r);
-    // Taylor to r^13 on |r| <= 0.3466: remainder below 5e-18.
-    let mut tail = x.with(1.0 / 6_227_020_800.0);
-    for c in [
-        1.0 / 479_001_600.0,
-        1.0 / 39_916_800.0,
-        1.0 / 3_628_800.0,
-        1.0 / 362_880.0,
-        1.0 / 40_320.0,
-        1.0 / 5_040.0,
-        1.0 / 720.0,
-        1.0 / 120.0,
-        1.0 / 24.0,
-        1.0 / 6.0,
-        0.5,
-    ] {
-        tail = tail.mul_add(r, x.with(c));
+    // Taylor to r^13 on |r| <= 0.3466: remainder below 5e-18. Even and odd powers apart,
+    // so that one chain does not wait for the other.
+    let square = r * r;
+    let mut even = x.with(1.0 / 479_001_600.0);
+    for c in [1.0 / 3_628_800.0, 1.0 / 40_320.0, 1.0 / 720.0, 1.0 / 24.0, 0.5] {
+        even = even.mul_add(square, x.with(c));
     }
-    (r * r).mul_add(tail, r)
+    let mut odd = x.with(1.0 / 6_227_020_800.0);
+    for c in [1.0 / 39_916_800.0, 1.0 / 362_880.0, 1.0 / 5_040.0, 1.0 / 120.0, 1.0 / 6.0] {
+        odd = odd.mul_add(square, x.with(c));
+    }
+    let tail = odd.mul_add(r, even);
+    square.mul_add(tail, r)
 }
 
 /// e^x - 1 for x in [-700, 700], within 2 ulp.
@@ -137,14 +132,29 @@ fn motion_factors_here<L: Lane>(x: L) -> (L, L, L) {
 /// Sum of (-x)^n/(n + 2)! to n = 17 for x in [0, 1]: remainder below 1e-17.
 #[inline(always)]
 fn near_path_factor<L: Lane>(x: L) -> L {
-    let mut sum = x.with(-1.0 / 121_645_100_408_832_000.0);
-    let mut factorial = 121_645_100_408_832_000.0;
-    for n in (0..17).rev() {
-        factorial /= f64::from(n + 3);
-        let sign = if n % 2 == 0 { 1.0 } else { -1.0 };
-        sum = sum.mul_add(x, x.with(sign / factorial));
+    const EVEN: [f64; 9] = inverse_factorials(2, 1.0);
+    const ODD: [f64; 9] = inverse_factorials(3, -1.0);
+    let square = x * x;
+    let (mut even, mut odd) = (x.with(EVEN[8]), x.with(ODD[8]));
+    for n in (0..8).rev() {
+        even = even.mul_add(square, x.with(EVEN[n]));
+        odd = odd.mul_add(square, x.with(ODD[n]));
     }
-    sum
+    odd.mul_add(x, even)
+}
+
+/// sign/n! for every second n from `first` on.
+const fn inverse_factorials(first: u32, sign: f64) -> [f64; 9] {
+    let mut values = [0.0; 9];
+    let (mut n, mut factorial) = (1, 1.0);
+    while n < first + 18 {
+        factorial *= n as f64;
+        if n >= first && (n - first).is_multiple_of(2) {
+            values[((n - first) / 2) as usize] = sign / factorial;
+        }
+        n += 1;
+    }
+    values
 }
 
 /// ln(1 + x)/x for x > -1, lane by lane.

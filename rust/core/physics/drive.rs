@@ -279,7 +279,10 @@ impl<'a, L: Lane> Drive<'a, L> {
                 #[inline(always)]
                 || {
                     let force = self.varying_force(t, clock.piece);
-                    self.path.map_or(force, |path| path.force(force, t, clock))
+                    match self.path {
+                        Some(path) => path.force(force, t, clock),
+                        None => force,
+                    }
                 },
             ),
         }
@@ -363,6 +366,21 @@ impl<'a, L: Lane> Drive<'a, L> {
         }
     }
 
+    /// What a drive without pieces is an offset and an amplitude of.
+    pub fn shape(&self, t: L) -> L {
+        let (zero, one) = (t.with(0.0), t.with(1.0));
+        Drive { offset: zero, amplitude: one, ..*self }.varying_force(t, zero)
+    }
+
+    /// The force where the shape is known.
+    #[inline(always)]
+    pub fn shaped(&self, shape: L) -> L {
+        match self.kind {
+            DriveKind::Constant => self.offset,
+            _ => self.amplitude.mul_add(shape, self.offset),
+        }
+    }
+
     /// Derivative of the force by time.
     #[inline(always)]
     pub fn slope(&self, t: L, clock: &Clock<L>) -> L {
@@ -370,8 +388,10 @@ impl<'a, L: Lane> Drive<'a, L> {
             #[inline(always)]
             || {
                 let slope = self.varying_slope(t, clock.piece);
-                let value = self.varying_force(t, clock.piece);
-                self.path.map_or(slope, |path| path.slope(value, t, clock))
+                match self.path {
+                    Some(path) => path.slope(self.varying_force(t, clock.piece), t, clock),
+                    None => slope,
+                }
             },
         )
     }

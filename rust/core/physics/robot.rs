@@ -138,41 +138,41 @@ pub struct Robot<L> {
 
 impl<L: Lane> Robot<L> {
     /// `segments` equal segments and joints from the parameters of a point.
+    #[inline(always)]
     pub fn uniform(given: &impl Given<L>, segments: usize) -> Robot<L> {
-        let get = |id| given.get(id);
-        let mass = get(ParamId::Mass);
-        let weight = mass * get(ParamId::Gravity);
+        let mass = given.get(ParamId::Mass);
+        let weight = mass * given.get(ParamId::Gravity);
         // The Coulomb term may be dropped beside viscous friction; holding stays.
         let none = mass.with(0.0);
-        let viscous = get(ParamId::Viscous);
-        let dropped = L::and(get(ParamId::CoulombTerm).lt(mass.with(0.5)), viscous.gt(none));
+        let viscous = given.get(ParamId::Viscous);
+        let dropped = L::and(given.get(ParamId::CoulombTerm).lt(mass.with(0.5)), viscous.gt(none));
         let segment = Segment {
             mass,
             pull: weight * given.derived(ParamId::SlopeDeg),
-            load: weight * given.derived(ParamId::CornerDeg) * get(ParamId::SlopeDeg),
-            wall: get(ParamId::WallForce),
-            mu_static: get(ParamId::MuStatic),
-            mu_coulomb: L::select(dropped, none, get(ParamId::MuCoulomb)),
+            load: weight * given.derived(ParamId::CornerDeg) * given.get(ParamId::SlopeDeg),
+            wall: given.get(ParamId::WallForce),
+            mu_static: given.get(ParamId::MuStatic),
+            mu_coulomb: L::select(dropped, none, given.get(ParamId::MuCoulomb)),
             viscous,
-            skin_ratio: get(ParamId::SkinRatio),
+            skin_ratio: given.get(ParamId::SkinRatio),
         };
         let joint = Joint {
-            stroke: get(ParamId::Stroke),
-            limit: get(ParamId::DriveLimit),
-            speed: get(ParamId::SpeedLimit),
-            stiffness: get(ParamId::JointStiffness),
-            damping: get(ParamId::JointDamping),
+            stroke: given.get(ParamId::Stroke),
+            limit: given.get(ParamId::DriveLimit),
+            speed: given.get(ParamId::SpeedLimit),
+            stiffness: given.get(ParamId::JointStiffness),
+            damping: given.get(ParamId::JointDamping),
         };
         Robot {
             segments: vec![segment; segments],
             joints: vec![joint; segments.saturating_sub(1)],
             motor: Motor {
-                supply: get(ParamId::SupplyVoltage),
-                resistance: get(ParamId::WindingResistance),
-                force_constant: get(ParamId::ForceConstant),
+                supply: given.get(ParamId::SupplyVoltage),
+                resistance: given.get(ParamId::WindingResistance),
+                force_constant: given.get(ParamId::ForceConstant),
             },
-            wall_release: get(ParamId::WallRelease),
-            gravity: get(ParamId::Gravity),
+            wall_release: given.get(ParamId::WallRelease),
+            gravity: given.get(ParamId::Gravity),
         }
     }
 

@@ -6,7 +6,7 @@ use super::run::Control;
 use crate::error::{Error, Result};
 use crate::integrate::replay::{Reading, Samples, body, head, sensed};
 use crate::lane::{Level, Pack, Task, run};
-use crate::physics::effects::{Active, EFFECT_PARAMS, Effect, Nominal, Plant};
+use crate::physics::effects::{Active, EFFECT_PARAMS, Nominal, Plant, shortness};
 use std::sync::atomic::Ordering;
 use std::sync::{Mutex, PoisonError};
 
@@ -82,12 +82,11 @@ pub fn replay(
     // Columns that share run, window and effects go side by side. The order
     // within does not matter: no lane looks at its neighbours.
     let key = |column: &Column| (column.run, column.window, column.active);
+    let pace = |column: &Column| shortness(column.active, &column.values);
     let parts = found.parts(columns.iter().map(length));
     let mut order: Vec<(&Column, Part<'_>)> = columns.iter().zip(parts).collect();
     // Those of one pace stand together: a pack takes the steps of its slowest lane.
-    order.sort_by(|(a, _), (b, _)| {
-        key(a).cmp(&key(b)).then_with(|| stiffness(a).total_cmp(&stiffness(b)))
-    });
+    order.sort_by(|(a, _), (b, _)| key(a).cmp(&key(b)).then_with(|| pace(a).total_cmp(&pace(b))));
     let intervals: Vec<f64> = runs.iter().map(interval).collect();
     let groups: Vec<&mut [(&Column, Part<'_>)]> = order
         .chunk_by_mut(|(a, _), (b, _)| key(a) == key(b))
@@ -119,20 +118,6 @@ pub fn replay(
         return Err(Error::Cancelled { done, total: columns.len() as u64 });
     }
     Ok(found)
-}
-
-/// Grows with how short the steps of a column are.
-fn stiffness(column: &Column) -> f64 {
-    let value = |effect: Effect, i: usize| {
-        let value = column.values[effect.first() + i].abs();
-        if column.active.has(effect) && value > 0.0 { value.ln() } else { 0.0 }
-    };
-    value(Effect::PreslidingCompliance, 0)
-        - value(Effect::StribeckFriction, 1)
-        - value(Effect::PositionDependentFriction, 1)
-        + value(Effect::TransmissionCompliance, 0)
-        - value(Effect::TransmissionCompliance, 2)
-        - value(Effect::TransmissionBacklash, 1)
 }
 
 /// The usual time between samples: their median.
@@ -179,25 +164,43 @@ impl Task for Group<'_, '_, '_> {
             let samples = Samples { times: &run.times, drive: &run.drive, window, interval };
             let count = to - from;
             let [mass, level, gain, clock] = shares;
-            let plant = Plant::new(
-                nominal,
-                run.slope_deg,
-                first.active,
-                &values,
-                ([mass, level, gain], clock),
+            let shares = ([mass, level, gain], clock);
+            let plant = like.apart(
+                #[inline(always)]
+                || Plant::new(nominal, run.slope_deg, first.active, &values, shares),
             );
             readings.clear();
             readings.resize(count, nothing);
-            head(&plant, samples, start, go_on, |i, reading| readings[i] = reading);
+            head(
+                &plant,
+                samples,
+                start,
+                go_on,
+                #[inline(always)]
+                |i, reading| readings[i] = reading,
+            );
             rear.clear();
             rear.resize(count, like);
             if let Some(anchored) = &plant.body {
-                let forces = |i: usize| readings[i].force;
-                body(&plant, anchored, samples, forces, go_on, |i, x| rear[i] = x);
+                body(
+                    &plant,
+                    anchored,
+                    samples,
+                    #[inline(always)]
+                    |i: usize| readings[i].force,
+                    go_on,
+                    #[inline(always)]
+                    |i, x| rear[i] = x,
+                );
             }
-            let motion = |i: usize| (readings[i].x, readings[i].v);
             for i in 0..count {
-                let x = sensed(&plant, samples, i, motion);
+                let x = sensed(
+                    &plant,
+                    samples,
+                    i,
+                    #[inline(always)]
+                    |i: usize| (readings[i].x, readings[i].v),
+                );
                 let now = [x, readings[i].v, rear[i], readings[i].force];
                 for (lane, (_, own)) in part.iter_mut().enumerate() {
                     for (own, now) in own.iter_mut().zip(now) {

@@ -11,7 +11,7 @@ use crate::physics::drive::{Drive, DriveKind, Table};
 use crate::physics::friction::{Given, Kind, LawEntry};
 use crate::physics::point::columns;
 
-/// Most steps whose drive force is worked out ahead: 24 MB.
+/// Most steps over which the drive's shape is worked out ahead: 24 MB.
 const MOST_AHEAD: f64 = 1e6;
 
 /// What a user chooses; names as in the registries.
@@ -57,7 +57,7 @@ pub struct Simulation {
     pub sprung: bool,
     pub times: Vec<f64>,
     pub values: Vec<f64>,
-    /// Drive forces of every step, where they are the same for all points.
+    /// Shape of the drive over every step, where it is the same for all points.
     pub ahead: Vec<[f64; 3]>,
 }
 
@@ -114,6 +114,9 @@ impl Simulation {
 
     fn look_ahead(&mut self, grid: &Grid) {
         let mut names = self.drive.info().params.to_vec();
+        // These two scale a shape.
+        let scales = [ParamId::DriveForce, ParamId::DriveAmplitude].map(|id| id.param().name);
+        names.retain(|name| !scales.contains(name));
         names.extend(["duration", "time_step"]);
         let varies = |name: &&str| grid.axes.iter().any(|axis| axis.id.param().name == *name);
         if names.iter().any(varies) {
@@ -130,7 +133,7 @@ impl Simulation {
             let left = duration - t;
             let last = left <= h * LAST;
             let dt = if last { left } else { h };
-            let at = |t| drive.force(t, &drive.clock(0.0));
+            let at = |t| drive.shape(t);
             self.ahead.push([at(t), at(t + dt * 0.5), at(t + dt)]);
             t = if last { duration } else { (self.ahead.len() as f64).mul_add(h, 0.0) };
         }

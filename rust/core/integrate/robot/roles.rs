@@ -13,21 +13,20 @@ pub(super) struct Roles<L> {
 }
 
 impl<L: Lane> Roles<L> {
+    #[inline(always)]
     pub fn of(robot: &Robot<L>, schedule: &Schedule, p: usize) -> Roles<L> {
         let phase = &schedule.phases[p];
         let one = robot.gravity.with(1.0);
-        let held = |group: (usize, usize)| {
+        let mut anchors = Vec::new();
+        for (from, to) in Schedule::groups(phase, false) {
             let mut sum = robot.gravity.with(0.0);
-            for i in group.0..=group.1 {
+            for i in from..=to {
                 let segment = &robot.segments[i];
                 sum = sum + robot.levels(i, phase, one).back_hold - segment.pull;
             }
             // Anchors that hold nothing are overloaded without bound.
-            (group.0, group.1, sum.with(1.0) / sum.max(sum.with(0.0)))
-        };
-        Roles {
-            movers: Schedule::groups(phase, true),
-            anchors: Schedule::groups(phase, false).into_iter().map(held).collect(),
+            anchors.push((from, to, sum.with(1.0) / sum.max(sum.with(0.0))));
         }
+        Roles { movers: Schedule::groups(phase, true), anchors }
     }
 }

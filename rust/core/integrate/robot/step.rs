@@ -60,6 +60,7 @@ struct Elastic<'a, L, O> {
 }
 
 /// Runs a robot whose joints are all elastic.
+#[inline(always)]
 pub(super) fn run<L: Lane, O: Observer<L>>(
     robot: &Robot<L>,
     plan: &Plan,
@@ -90,8 +91,10 @@ pub(super) fn run<L: Lane, O: Observer<L>>(
         state.start[j] = joint.stroke * schedule.start[j];
         state.command[j] = state.start[j];
     }
-    let all: Vec<Roles<L>> =
-        (0..schedule.phases.len()).map(|p| Roles::of(robot, schedule, p)).collect();
+    let mut all: Vec<Roles<L>> = Vec::with_capacity(schedule.phases.len());
+    for p in 0..schedule.phases.len() {
+        all.push(Roles::of(robot, schedule, p));
+    }
     let mut moved = zero;
     for _ in 0..plan.cycles {
         for (p, role) in all.iter().enumerate() {
@@ -119,6 +122,7 @@ pub(super) fn run<L: Lane, O: Observer<L>>(
 }
 
 /// Bound of the fastest rate of any mode, 1/s.
+#[inline(always)]
 fn stiffest<L: Lane>(robot: &Robot<L>) -> L {
     let mut mass = robot.segments[0].mass;
     for segment in &robot.segments {
@@ -136,6 +140,7 @@ fn stiffest<L: Lane>(robot: &Robot<L>) -> L {
 }
 
 impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
+    #[inline(always)]
     fn phase(&mut self, schedule: &Schedule, roles: &Roles<L>, options: &RunOptions<L>) {
         let phase = &schedule.phases[self.phase];
         let zero = options.time_step.with(0.0);
@@ -166,6 +171,7 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
 
     /// A stretch of constant command rates, in equal steps. Every lane has its
     /// own number of them; those that are through wait for the others.
+    #[inline(always)]
     fn stretch(&mut self, schedule: &Schedule, roles: &Roles<L>, duration: L, driven: L) {
         let half = duration.with(0.5);
         // A quotient that rounding has put just above a whole number is meant.
@@ -203,6 +209,7 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
         }
     }
 
+    #[inline(always)]
     fn saved(&self) -> Saved<L> {
         Saved {
             x: self.x,
@@ -215,6 +222,7 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
     }
 
     /// Takes back a step where the mask does not hold.
+    #[inline(always)]
     fn restore(&mut self, mask: L::Mask, saved: &Saved<L>) {
         for i in 0..self.n {
             self.x[i] = L::select(mask, self.x[i], saved.x[i]);
@@ -365,6 +373,7 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
         });
     }
 
+    #[inline(always)]
     fn kinetic(&self) -> L {
         let mut sum = self.ledger.time.with(0.0);
         for (i, segment) in self.robot.segments.iter().enumerate() {
@@ -374,6 +383,7 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
     }
 
     /// Energy in the joints; a drive that slips holds what its limit allows.
+    #[inline(always)]
     fn elastic(&self) -> L {
         let mut sum = self.ledger.time.with(0.0);
         for (j, joint) in self.robot.joints.iter().enumerate() {

@@ -192,11 +192,14 @@ impl<L: Lane> Step<L> {
                 return;
             }
         }
-        self.exactly(open);
+        open.apart(
+            #[inline(always)]
+            || self.exactly(open),
+        );
     }
 
     /// Finishes the lanes that are still open one by one.
-    #[inline(never)]
+    #[inline(always)]
     fn exactly(&mut self, open: L) {
         // The open lanes begin anew, with nothing broken away.
         let (ahead, back) = (self.ahead, self.back);

@@ -114,26 +114,36 @@ impl<L: Lane> Ledger<L> {
     }
 
     /// Notes where a cycle ends.
+    #[inline(always)]
     pub fn cycle(&mut self, x: &[L]) {
         let here = mean(x);
         self.last_advance = here - self.cycle_start;
         self.cycle_start = here;
     }
 
+    #[inline(always)]
     pub fn close(&self, robot: &Robot<L>, end: &End<L>) -> GaitTally<L> {
         let zero = self.time.with(0.0);
         let total = mean(end.x);
         let damping = self.work - self.joint_work - end.elastic;
         let stored = end.kinetic + self.potential;
-        let weight = robot.segments.iter().fold(zero, |sum, s| sum + s.mass) * robot.gravity;
-        let slip = self.back.map(|s| s / end.cycles);
+        let mut mass = zero;
+        for segment in &robot.segments {
+            mass = mass + segment.mass;
+        }
+        let weight = mass * robot.gravity;
+        let (mut slip, mut slip_max) = (self.back, zero);
+        for slip in &mut slip {
+            *slip = *slip / end.cycles;
+            slip_max = slip_max.max(*slip);
+        }
         let tally = GaitTally {
             advance: total / end.cycles,
             last_advance: self.last_advance,
             time: self.time,
             velocity: total / self.time,
             slip,
-            slip_max: slip.iter().fold(zero, |a, b| a.max(*b)),
+            slip_max,
             anchor_safety: zero.with(1.0) / self.overload,
             propulsive_mean: self.propulsive / self.driven_time,
             propulsive_peak: self.propulsive_peak,
@@ -163,8 +173,12 @@ impl<L: Lane> Ledger<L> {
     }
 }
 
+#[inline(always)]
 pub(super) fn mean<L: Lane>(x: &[L]) -> L {
-    let sum = x[1..].iter().fold(x[0], |sum, x| sum + *x);
+    let mut sum = x[0];
+    for x in &x[1..] {
+        sum = sum + *x;
+    }
     sum / sum.with(x.len() as f64)
 }
 
@@ -172,15 +186,17 @@ macro_rules! fields {
     ($($field:ident),+) => {
         impl<L: Lane> GaitTally<L> {
             /// NaN where `mask` does not hold, with the status given there.
+            #[inline(always)]
             fn only_if(self, mask: L::Mask, status: L) -> GaitTally<L> {
-                GaitTally {
-                    $($field: self.$field.only_if(mask),)+
-                    slip: self.slip.map(|s| s.only_if(mask)),
-                    status,
+                let mut slip = self.slip;
+                for slip in &mut slip {
+                    *slip = slip.only_if(mask);
                 }
+                GaitTally { $($field: self.$field.only_if(mask),)+ slip, status }
             }
 
             /// No run at all, for this reason.
+            #[inline(always)]
             pub fn none(like: L, status: Status) -> GaitTally<L> {
                 let nan = like.with(f64::NAN);
                 GaitTally {
@@ -236,6 +252,7 @@ macro_rules! ledger {
     ($($field:ident),+) => {
         impl<L: Lane> Ledger<L> {
             /// Takes back what does not belong to `mask`.
+            #[inline(always)]
             pub fn keep(&mut self, mask: L::Mask, before: &Ledger<L>) {
                 $(self.$field = L::select(mask, self.$field, before.$field);)+
                 for (now, before) in self.back.iter_mut().zip(&before.back) {

@@ -130,13 +130,18 @@ fn plain_best<L: Lane>(p: &Point<L>) -> L {
     best.only_if(L::and(L::and(moves, hold.gt(one.with(0.0))), p.segments_min.le(p.segments_max)))
 }
 
+/// Whether a robot of `n` segments moves at all.
+#[inline(always)]
+fn moves<L: Lane>(p: &Point<L>, n: L) -> L::Mask {
+    traction::<L, false>(&p.with_segments(n)).acceleration.not_nan()
+}
+
 /// Bisection for the first count that its successor does not beat, above the
 /// last one that cannot move.
 #[inline(always)]
 fn searched_best<L: Lane>(p: &Point<L>) -> L {
     let one = p.moving.with(1.0);
     let zero = one.with(0.0);
-    let moves = |n: L| traction::<L, false>(&p.with_segments(n)).acceleration.not_nan();
     // Least count whose anchors hold the movers under an ideal drive: k B/A
     // beyond k. Rounding may have put it one too low.
     let never = zero.with(f64::NEG_INFINITY);
@@ -144,7 +149,7 @@ fn searched_best<L: Lane>(p: &Point<L>) -> L {
     let need = L::select(need.gt(zero), need, zero);
     let least = (p.moving + need).floor() + one;
     let least = least.max(p.moving + p.anchors_ahead.max(one)).max(p.segments_min);
-    let least = L::select(moves(least), least, least + one);
+    let least = L::select(moves(p, least), least, least + one);
     let (mut low, mut high) = (least, p.segments_max.min(most(p)).max(least));
     // 2^20 is above the largest count allowed.
     for _ in 0..20 {
@@ -163,7 +168,7 @@ fn searched_best<L: Lane>(p: &Point<L>) -> L {
     }
     let stops = L::or(p.brake.le(zero), braking_works(&p.with_segments(low)));
     let in_range = L::and(low.le(p.segments_max), p.segments_min.le(p.segments_max));
-    low.only_if(L::and(L::and(moves(low), stops), in_range))
+    low.only_if(L::and(L::and(moves(p, low), stops), in_range))
 }
 
 /// A count that is surely not below the best one. A head block under limits of

@@ -101,20 +101,12 @@ fn dry_phase<L: Lane>(p: &Point<L>, acceleration: L, braking: L, braked: L::Mask
 fn viscous_phase<L: Lane>(p: &Point<L>, acceleration: L, braking: L, braked: L::Mask) -> Phase<L> {
     let zero = p.stroke.with(0.0);
     let rate = p.viscous * p.per_mass;
-    // Logarithms go lane by lane: only where something brakes.
-    let any_braked = L::any(braked);
-    let braking_path = |v: L| {
-        if !any_braked {
-            return zero;
-        }
-        let path = v * v / braking * log_path_factor(rate * v / braking);
-        L::select(braked, path, zero)
-    };
+    let brake = (rate, braking, braked, L::any(braked));
     // Without viscosity and limits the stroke would take this long.
     let mut t = ((p.stroke + p.stroke) / acceleration).sqrt();
     for _ in 0..100 {
         let v = acceleration * t * speed_factor(rate * t);
-        let path = acceleration * t * t * path_factor(rate * t) + braking_path(v);
+        let path = acceleration * t * t * path_factor(rate * t) + braking_path(brake, v);
         let braked_slope = v * (acceleration + braking) / rate.mul_add(v, braking);
         let step = (path - p.stroke) / L::select(braked, braked_slope, v);
         // A lane that is done stays as it is, or its bits would depend on how
@@ -138,11 +130,23 @@ fn viscous_phase<L: Lane>(p: &Point<L>, acceleration: L, braking: L, braked: L::
     }
     let driven_path = acceleration * driven_time * driven_time * path_factor(rate * driven_time);
     let cruise_path =
-        L::select(limited, p.stroke - driven_path - braking_path(top), zero).max(zero);
+        L::select(limited, p.stroke - driven_path - braking_path(brake, top), zero).max(zero);
     let mut time = driven_time + cruise_path / top;
-    if any_braked {
+    if brake.3 {
         let braking_time = top / braking * log_factor(rate * top / braking);
         time = L::select(braked, time + braking_time, time);
     }
     Phase { mean_speed: p.stroke / time, peak_speed: top, driven_path, cruise_path }
+}
+
+/// Way of braking from a speed, where something brakes.
+#[inline(always)]
+fn braking_path<L: Lane>((rate, braking, braked, any): (L, L, L::Mask, bool), v: L) -> L {
+    let zero = v.with(0.0);
+    // Logarithms go lane by lane: only where they are needed.
+    if !any {
+        return zero;
+    }
+    let path = v * v / braking * log_path_factor(rate * v / braking);
+    L::select(braked, path, zero)
 }

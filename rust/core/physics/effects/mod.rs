@@ -7,7 +7,7 @@ mod friction;
 mod plant;
 
 pub use friction::{Coefficients, Measured};
-pub use plant::{Body, Joint, Levels, Nominal, Plant};
+pub use plant::{Body, Joint, Levels, Nominal, Plant, shortness};
 
 use crate::describe::{Param, nearest};
 use crate::error::{Error, Result};

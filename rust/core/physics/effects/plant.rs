@@ -54,9 +54,9 @@ pub struct Joint<L> {
 
 /// Lightest drive side, as a share of the head's mass.
 const LIGHTEST: f64 = 1e-3;
-/// Fastest oscillation of a joint, rad/s: what is stiffer gives way by about a
-/// micrometre at ten metres per second squared.
-const FASTEST: f64 = 3e3;
+/// Fastest oscillation of a joint, rad/s: what is stiffer gives way by about ten
+/// nanometres at ten metres per second squared.
+const FASTEST: f64 = 3e4;
 
 impl<L: Lane> Joint<L> {
     /// The joint as integrators follow it, and the reduced mass of both sides: a mass
@@ -94,11 +94,26 @@ pub struct Plant<L> {
 /// what is measured.
 const CONTACT_STIFFNESS: f64 = 2e4;
 
+/// Parameters of effects, off where an effect is not active.
+struct Values<'a, L> {
+    active: Active,
+    values: &'a [L; EFFECT_PARAMS],
+    zero: L,
+}
+
+impl<L: Lane> Values<'_, L> {
+    #[inline(always)]
+    fn get(&self, effect: Effect, i: usize, off: f64) -> L {
+        if self.active.has(effect) { self.values[effect.first() + i] } else { self.zero.with(off) }
+    }
+}
+
 impl<L: Lane> Plant<L> {
     /// `values` are the parameters of all effects in the order of the registry;
     /// those of effects that are not active do not count. `share` multiplies the
     /// nominal mass, Coulomb level and gain, `clock` delays the drive: what an
     /// uncertain nominal model leaves open. `slope_deg` is that of the run.
+    #[inline(always)]
     pub fn new(
         nominal: &Nominal,
         slope_deg: f64,
@@ -108,13 +123,11 @@ impl<L: Lane> Plant<L> {
     ) -> Self {
         let zero = clock.with(0.0);
         let one = zero.with(1.0);
-        let value = |effect: Effect, i: usize, off: f64| {
-            if active.has(effect) { values[effect.first() + i] } else { zero.with(off) }
-        };
+        let given = Values { active, values, zero };
         let known_mass = share[0] * nominal.mass;
-        let mass = known_mass + value(Effect::PayloadMass, 0, 0.0);
+        let mass = known_mass + given.get(Effect::PayloadMass, 0, 0.0);
         let grown = mass / known_mass;
-        let turns = (value(Effect::SlopeError, 0, 0.0) + slope_deg) * (1.0 / 360.0);
+        let turns = (given.get(Effect::SlopeError, 0, 0.0) + slope_deg) * (1.0 / 360.0);
         let (sine, cosine) = (sin_turns(turns), cos_turns(turns));
         let nominal_cosine = libm::cos(nominal.slope_deg.to_radians());
         // Levels of effects are given at the nominal slope.
@@ -124,48 +137,50 @@ impl<L: Lane> Plant<L> {
         });
         let coulomb = match nominal.coulomb_force {
             Some(force) => {
-                let level = share[1] * force + value(Effect::CoulombError, 1, 0.0);
+                let level = share[1] * force + given.get(Effect::CoulombError, 1, 0.0);
                 if nominal.rotary { level } else { level * grown }
             }
             None => {
-                let mu = share[1] * nominal.mu_coulomb + value(Effect::CoulombError, 0, 0.0);
+                let mu = share[1] * nominal.mu_coulomb + given.get(Effect::CoulombError, 0, 0.0);
                 mu * (mass * nominal.gravity) * cosine
             }
         };
         let coulomb = coulomb.max(zero);
-        let emf = value(Effect::BackEmf, 0, 0.0);
-        let viscous = value(Effect::ViscousFriction, 0, 0.0) + (emf + nominal.viscous);
+        let emf = given.get(Effect::BackEmf, 0, 0.0);
+        let viscous = given.get(Effect::ViscousFriction, 0, 0.0) + (emf + nominal.viscous);
         let mut friction = Coefficients::nominal(coulomb, viscous);
         friction.active = active;
-        friction.quadratic = value(Effect::QuadraticDrag, 0, 0.0);
+        friction.quadratic = given.get(Effect::QuadraticDrag, 0, 0.0);
         friction.drop = values[Effect::StribeckFriction.first()] - reference;
-        friction.per_stribeck = one / value(Effect::StribeckFriction, 1, 1.0);
-        friction.exponent = value(Effect::StribeckFriction, 2, 1.0);
+        friction.per_stribeck = one / given.get(Effect::StribeckFriction, 1, 1.0);
+        friction.exponent = given.get(Effect::StribeckFriction, 2, 1.0);
         if active.has(Effect::DirectionDependentFriction) {
             let at = Effect::DirectionDependentFriction.first();
             friction.forward = (coulomb + (values[at] - reference)).max(zero);
             friction.backward = (coulomb + (values[at + 1] - reference)).max(zero);
         }
-        friction.ripple = value(Effect::PositionDependentFriction, 0, 0.0);
-        friction.per_length = one / value(Effect::PositionDependentFriction, 1, 1.0);
-        let phase = value(Effect::PositionDependentFriction, 2, 0.0);
+        friction.ripple = given.get(Effect::PositionDependentFriction, 0, 0.0);
+        friction.per_length = one / given.get(Effect::PositionDependentFriction, 1, 1.0);
+        let phase = given.get(Effect::PositionDependentFriction, 2, 0.0);
         friction.phase = phase * (0.5 / std::f64::consts::PI);
-        friction.load = value(Effect::LoadDependentFriction, 0, 0.0);
-        friction.drift = value(Effect::FrictionDrift, 0, 0.0);
-        friction.per_drift_time = one / value(Effect::FrictionDrift, 1, 1.0);
-        friction.buildup = value(Effect::LubricantBuildup, 0, 0.0);
-        friction.stiffness = value(Effect::PreslidingCompliance, 0, 1.0);
-        friction.damping = value(Effect::PreslidingCompliance, 1, 0.0);
+        friction.load = given.get(Effect::LoadDependentFriction, 0, 0.0);
+        friction.drift = given.get(Effect::FrictionDrift, 0, 0.0);
+        friction.per_drift_time = one / given.get(Effect::FrictionDrift, 1, 1.0);
+        friction.buildup = given.get(Effect::LubricantBuildup, 0, 0.0);
+        friction.stiffness = given.get(Effect::PreslidingCompliance, 0, 1.0);
+        friction.damping = given.get(Effect::PreslidingCompliance, 1, 0.0);
 
-        let lag = value(Effect::DriveLag, 0, 0.0);
-        let gain = (value(Effect::DriveGainError, 0, 0.0) + 1.0) * (share[2] * nominal.gain);
+        let lag = given.get(Effect::DriveLag, 0, 0.0);
+        let gain = (given.get(Effect::DriveGainError, 0, 0.0) + 1.0) * (share[2] * nominal.gain);
         let path = Path {
-            delay: value(Effect::DriveDelay, 0, 0.0) + clock,
+            delay: given.get(Effect::DriveDelay, 0, 0.0) + clock,
             gain,
-            sag: value(Effect::SupplySag, 0, 0.0),
-            per_sag_time: one / value(Effect::SupplySag, 1, 1.0),
-            deadzone: value(Effect::DriveDeadzone, 0, 0.0),
-            limit: value(Effect::DriveSaturation, 0, f64::INFINITY).min(zero.with(nominal.limit)),
+            sag: given.get(Effect::SupplySag, 0, 0.0),
+            per_sag_time: one / given.get(Effect::SupplySag, 1, 1.0),
+            deadzone: given.get(Effect::DriveDeadzone, 0, 0.0),
+            limit: given
+                .get(Effect::DriveSaturation, 0, f64::INFINITY)
+                .min(zero.with(nominal.limit)),
             // No lag is the limit of a fast one.
             per_lag: one / lag.max(zero.with(1e-12)),
             sags: active.has(Effect::SupplySag),
@@ -173,14 +188,14 @@ impl<L: Lane> Plant<L> {
         };
         let joint = if active.has(Effect::TransmissionCompliance) {
             Some(Joint {
-                stiffness: value(Effect::TransmissionCompliance, 0, 1.0),
-                damping: value(Effect::TransmissionCompliance, 1, 0.0),
-                mass: value(Effect::TransmissionCompliance, 2, 1.0),
+                stiffness: given.get(Effect::TransmissionCompliance, 0, 1.0),
+                damping: given.get(Effect::TransmissionCompliance, 1, 0.0),
+                mass: given.get(Effect::TransmissionCompliance, 2, 1.0),
                 gap: zero,
                 is_spring: true,
             })
         } else if active.has(Effect::TransmissionBacklash) {
-            let side = value(Effect::TransmissionBacklash, 1, 1.0);
+            let side = given.get(Effect::TransmissionBacklash, 1, 1.0);
             let stiffness = mass * CONTACT_STIFFNESS;
             // Critical for the two masses against each other.
             let reduced = (mass * side) / (mass + side);
@@ -188,21 +203,25 @@ impl<L: Lane> Plant<L> {
                 stiffness,
                 damping: (stiffness * reduced).sqrt() * 2.0,
                 mass: side,
-                gap: value(Effect::TransmissionBacklash, 0, 0.0),
+                gap: given.get(Effect::TransmissionBacklash, 0, 0.0),
                 is_spring: false,
             })
         } else {
             None
         };
         let others = zero.with((nominal.segments - 1.0) * nominal.mass * nominal.gravity);
-        let body = active.has(Effect::AnchorSlip).then(|| Body {
-            mass: zero.with((nominal.segments - 1.0) * nominal.mass),
-            weight: others * sine,
-            levels: Levels {
-                holding: value(Effect::AnchorSlip, 0, 0.0) * others * cosine,
-                coulomb: value(Effect::AnchorSlip, 1, 0.0) * others * cosine,
-            },
-        });
+        let body = if active.has(Effect::AnchorSlip) {
+            Some(Body {
+                mass: zero.with((nominal.segments - 1.0) * nominal.mass),
+                weight: others * sine,
+                levels: Levels {
+                    holding: given.get(Effect::AnchorSlip, 0, 0.0) * others * cosine,
+                    coulomb: given.get(Effect::AnchorSlip, 1, 0.0) * others * cosine,
+                },
+            })
+        } else {
+            None
+        };
         let (weight, swing) = if nominal.rotary {
             (zero, grown * nominal.gravity_torque)
         } else {
@@ -220,9 +239,9 @@ impl<L: Lane> Plant<L> {
             joint,
             body,
             sensor: [
-                value(Effect::SensorScale, 0, 0.0),
-                value(Effect::SensorDrift, 0, 0.0),
-                value(Effect::SensorDelay, 0, 0.0),
+                given.get(Effect::SensorScale, 0, 0.0),
+                given.get(Effect::SensorDrift, 0, 0.0),
+                given.get(Effect::SensorDelay, 0, 0.0),
             ],
         }
     }
@@ -240,6 +259,11 @@ impl<L: Lane> Plant<L> {
         // The load of a joint follows its own oscillation.
         let loaded = self.joint.is_some() && self.active.has(Effect::LoadDependentFriction);
         !self.rotary && !loaded && !self.active.any(&bent)
+    }
+
+    /// Whether friction changes over speeds or ways that a step may jump over.
+    pub fn is_steep(&self) -> bool {
+        self.active.any(&[Effect::StribeckFriction, Effect::PositionDependentFriction])
     }
 
     /// Rate at which what bends the motion changes within `dt` from a speed and an
@@ -271,4 +295,18 @@ impl<L: Lane> Plant<L> {
         }
         rate
     }
+}
+
+/// Grows with how short the steps are that these effects need.
+pub fn shortness(active: Active, values: &[f64; EFFECT_PARAMS]) -> f64 {
+    let value = |effect: Effect, i: usize| {
+        let value = values[effect.first() + i].abs();
+        if active.has(effect) && value > 0.0 { value.ln() } else { 0.0 }
+    };
+    value(Effect::PreslidingCompliance, 0)
+        - value(Effect::StribeckFriction, 1)
+        - value(Effect::PositionDependentFriction, 1)
+        + value(Effect::TransmissionCompliance, 0)
+        - value(Effect::TransmissionCompliance, 2)
+        - value(Effect::TransmissionBacklash, 1)
 }

@@ -111,13 +111,17 @@ impl Law for MaxwellSlip {
             sum = sum + parts[i];
         }
         let unit = given.get(ParamId::BristleStiffness) / sum;
-        let stiffness = parts.map(|part| unit * part);
         let attraction = given.get(ParamId::Attraction);
+        let (mut stiffness, mut decay) = (parts, parts);
+        for i in 0..MOST_STATES {
+            stiffness[i] = unit * parts[i];
+            decay[i] = attraction * SHARE / stiffness[i];
+        }
         Elements {
             bell: Bell::of(contact, given),
             viscous: contact.viscous,
             stiffness,
-            decay: stiffness.map(|k| attraction * SHARE / k),
+            decay,
             per_width: one / (one - given.get(ParamId::ElasticShare)),
         }
     }
@@ -174,6 +178,10 @@ impl Bristle for MaxwellSlip {
     #[inline(always)]
     fn steady<L: Lane>(set: &Elements<L>, v: L) -> [L; MOST_STATES] {
         let (level, _) = set.bell.level(v);
-        set.stiffness.map(|k| sign(v) * (level * SHARE / k))
+        let mut z = set.stiffness;
+        for z in &mut z {
+            *z = sign(v) * (level * SHARE / *z);
+        }
+        z
     }
 }

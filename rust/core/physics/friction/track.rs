@@ -91,7 +91,10 @@ impl Law for Track {
     fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Spline<L> {
         use ParamId::{Track1, Track2, Track3, Track4, Track5, Track6};
         let length = given.get(ParamId::TrackLength);
-        let knots = [Track1, Track2, Track3, Track4, Track5, Track6].map(|id| given.get(id));
+        let mut knots = [length; KNOTS];
+        for (knot, id) in knots.iter_mut().zip([Track1, Track2, Track3, Track4, Track5, Track6]) {
+            *knot = given.get(id);
+        }
         let at = |i: usize| knots[i % KNOTS];
         let turn = |i: usize| (at(i + 1) - at(i)) - (at(i) - at(i + 5));
         // b[i-1] + 4 b[i] + b[i+1] = turn[i] all round: the inverse of that
