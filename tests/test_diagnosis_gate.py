@@ -164,7 +164,7 @@ def test_a_push_that_no_drive_knows_of_is_no_other_law_of_anything() -> None:
     assert found.status == "unexplained"
 
 
-MOTOR = {"supply_voltage": 24.0, "winding_resistance": 20.0, "force_constant": 1.7}
+MOTOR = {"supply_voltage": 6.0, "winding_resistance": 20.0, "force_constant": 1.7}
 
 
 def pushed(effects: dict[str, Any]) -> pl.DataFrame:
@@ -215,7 +215,7 @@ class TestPower:
             "[robot]\nsegments = 4\nmass = 0.2\n[surface]\nmu_coulomb = 0.3\n"
             "[motor]\nsupply_voltage = 24.0\nresistance = 20.0\nforce_constant = 1.7\n"
         )
-        assert motor_of(load_robot(file)) == (24.0, 20.0, 1.7)
+        assert motor_of(load_robot(file)) == (20.0, 1.7)
 
     def test_without_a_motor_the_column_is_left_out_and_said(self):
         found = diagnose(pushed({}), self.robot({}), threads=1)

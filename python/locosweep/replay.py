@@ -84,16 +84,15 @@ def nominal_of(robot: Robot) -> dict[str, float]:
     return nominal
 
 
-def motor_of(robot: Robot) -> tuple[float, float, float] | None:
-    """Return supply voltage, resistance and force constant that a file gives in [motor].
+def motor_of(robot: Robot) -> tuple[float, float] | None:
+    """Return winding resistance and force constant that a file gives in [motor].
 
     None where it does not: values that nobody stated predict no electric power.
     """
     given = robot.parameters
     if "winding_resistance" not in given or "force_constant" not in given:
         return None
-    supply = given.get("supply_voltage", np.inf)
-    return float(supply), float(given["winding_resistance"]), float(given["force_constant"])
+    return float(given["winding_resistance"]), float(given["force_constant"])
 
 
 def effect_values(chosen: dict[str, dict[str, float]]) -> np.ndarray:

@@ -75,7 +75,7 @@ class Problem:
     """A large speed of this rig, m/s."""
     noise: dict[str, Noise] = field(init=False)
     nominal: dict[str, float] = field(init=False)
-    motor: tuple[float, float, float] | None = field(init=False)
+    motor: tuple[float, float] | None = field(init=False)
     channels: tuple[str, ...] = field(init=False)
     lengths: NDArray[np.intp] = field(init=False)
     replayed: int = field(init=False, default=0)
@@ -219,7 +219,9 @@ class Problem:
         found = {c: one.reshape(rows, -1) for c, one in zip(_READ, read, strict=True)}
         if self.motor and "power" in self.channels:
             force, speed = read[_READ.index("force")], read[_READ.index("v")]
-            found["power"] = _core.motor_power(force, speed, self.motor).reshape(rows, -1)
+            # A force that was given had the voltage that it needs.
+            motor = (np.inf, *self.motor)
+            found["power"] = _core.motor_power(force, speed, motor).reshape(rows, -1)
         wrong = ~np.isfinite(found["x"]).all(axis=1)
         for reading in found.values():
             reading[wrong] = LOST
