@@ -51,6 +51,11 @@ class Effect:
         TeX.
         """
     @property
+    def levels(self, /) -> list[str]:
+        """
+        Names of those that stand beside the nominal Coulomb level.
+        """
+    @property
     def meaning(self, /) -> str: ...
     @property
     def name(self, /) -> str: ...
@@ -363,14 +368,14 @@ class Replay:
         """
         Samples of each run.
         """
-    def run(self, /, columns: SupportsGetItem[int, tuple[SupportsIndex, SupportsIndex, SupportsIndex, SupportsGetItem[int, str]]], values: Incomplete, shares: Incomplete, starts: Incomplete, threads: SupportsIndex, progress: Any | None = None, token: CancelToken | None = None) -> list[Incomplete]:
+    def run(self, /, columns: SupportsGetItem[int, tuple[SupportsIndex, SupportsIndex, SupportsIndex, SupportsGetItem[int, str]]], values: Incomplete, shares: Incomplete, starts: Incomplete, threads: SupportsIndex, progress: Any | None = None, token: CancelToken | None = None) -> Incomplete:
         """
         Replay columns, each (run, first sample, one beyond the last, effects).
 
         `values` holds the parameters of all effects, a row a column; `shares`
         factors on nominal mass, Coulomb level and gain, and the clock offset in
-        s; `starts` position and speed at the window's start. Returns x, v, x_rear
-        and force, all columns one after another.
+        s; `starts` position and speed at the window's start. Returns rows of x, v,
+        x_rear and force, all columns one after another.
         """
 
 @final

@@ -3,10 +3,11 @@
 use crate::door::{enter, input_error, raise};
 use crate::sweep::CancelToken;
 use locosweep::lane::Level;
-use locosweep::physics::effects::{Active, EFFECT_PARAMS, EFFECTS, Effect, Nominal};
+use locosweep::physics::effects::{Active, EFFECT_PARAMS, EFFECTS, Effect, Nominal, Off};
 use locosweep::physics::robot::Motor;
-use locosweep::sweep::replay::{Column, Run, replay};
-use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray2};
+use locosweep::sweep::replay::{Column, Run, replay_into, samples};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyArrayMethods, PyReadwriteArray2};
 use pyo3::prelude::*;
 use std::collections::HashMap;
 
@@ -22,6 +23,8 @@ pub struct EffectRecord {
     formula: &'static str,
     meaning: &'static str,
     parameters: Vec<Py<Parameter>>,
+    /// Names of those that stand beside the nominal Coulomb level.
+    levels: Vec<&'static str>,
     /// Place of the first parameter among those of all effects.
     first: usize,
 }
@@ -38,6 +41,7 @@ impl EffectRecord {
 pub fn effects(py: Python<'_>) -> PyResult<Vec<EffectRecord>> {
     let record = |effect: &Effect| {
         let info = effect.info();
+        let levels = info.params.iter().filter(|p| p.off == Off::Coulomb);
         let parameters = info.params.iter().map(|p| Py::new(py, Parameter::from(&p.param)));
         Ok(EffectRecord {
             name: info.name,
@@ -45,6 +49,7 @@ pub fn effects(py: Python<'_>) -> PyResult<Vec<EffectRecord>> {
             formula: info.formula,
             meaning: info.meaning,
             parameters: parameters.collect::<PyResult<_>>()?,
+            levels: levels.map(|p| p.param.name).collect(),
             first: effect.first(),
         })
     };
@@ -119,8 +124,8 @@ impl Replay {
     ///
     /// `values` holds the parameters of all effects, a row a column; `shares`
     /// factors on nominal mass, Coulomb level and gain, and the clock offset in
-    /// s; `starts` position and speed at the window's start. Returns x, v, x_rear
-    /// and force, all columns one after another.
+    /// s; `starts` position and speed at the window's start. Returns rows of x, v,
+    /// x_rear and force, all columns one after another.
     #[pyo3(signature = (columns, values, shares, starts, threads, progress=None, token=None))]
     #[allow(clippy::too_many_arguments, clippy::type_complexity)]
     fn run<'py>(
@@ -133,7 +138,7 @@ impl Replay {
         threads: usize,
         progress: Option<Py<PyAny>>,
         token: Option<&CancelToken>,
-    ) -> PyResult<[Bound<'py, PyArray1<f64>>; 4]> {
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let count = columns.len();
         let (values, shares, starts) = (values.as_array(), shares.as_array(), starts.as_array());
         let shapes = [values.dim(), shares.dim(), starts.dim()];
@@ -167,10 +172,20 @@ impl Replay {
         }
         let level = Level::current().map_err(|error| raise(py, error))?;
         let control = token.map_or_else(Default::default, CancelToken::control);
-        let work = || replay(&self.nominal, &self.runs, &made, (level, threads), &control);
-        let found = enter(py, &control, count as u64, progress.as_ref(), work)?;
-        let all = [found.x, found.v, found.x_rear, found.force];
-        Ok(all.map(|field| field.into_pyarray(py)))
+        let total = samples(&made);
+        // NumPy asks for huge pages where there is much of it.
+        let read = PyArray2::<f64>::zeros(py, [4, total], false);
+        let mut writable: PyReadwriteArray2<f64> = read.readwrite();
+        let whole = writable.as_slice_mut().map_err(|e| input_error(py, e.to_string()))?;
+        let (front, back) = whole.split_at_mut(2 * total);
+        let (x, v) = front.split_at_mut(total);
+        let (x_rear, force) = back.split_at_mut(total);
+        let to = [x, v, x_rear, force];
+        let how = (level, threads);
+        let work = || replay_into(&self.nominal, &self.runs, &made, how, &control, to);
+        enter(py, &control, count as u64, progress.as_ref(), work)?;
+        drop(writable);
+        Ok(read)
     }
 }
 

@@ -90,12 +90,17 @@ def plot_calibration(judged: Sequence[Judged], ax: Axes | None = None) -> Axes:
                 textcoords="offset points",
                 fontsize=8,
             )
-    ax.legend(loc="upper left", frameon=False)
+    _legend_above(ax)
     ax.set(
         xlabel="stated probability [1]", ylabel="share right [1]", xlim=(0, 1.04), ylim=(0, 1.04)
     )
     ax.set_aspect("equal")
     return ax
+
+
+def _legend_above(ax: Axes) -> None:
+    """Place the legend where no bar runs through it."""
+    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False, fontsize=8)
 
 
 def plot_shrink(judged: Sequence[Judged], ax: Axes | None = None) -> Axes:
@@ -104,7 +109,7 @@ def plot_shrink(judged: Sequence[Judged], ax: Axes | None = None) -> Axes:
     cases = [c for c in judged if c.right and c.claimed is not None and c.fresh is not None]
     claimed = np.array([c.claimed for c in cases], dtype=float)
     fresh = np.array([c.fresh for c in cases], dtype=float)
-    ax.plot([0, 1], [0, 1], color="0.6", linestyle="--")
+    ax.plot([0, 1], [0, 1], color="0.6", linestyle="--", label="as stated")
     ends = np.array([c.interval or (c.claimed, c.claimed) for c in cases], dtype=float)
     if cases:
         size = np.maximum(np.abs(ends.T - claimed), 0.0)
@@ -117,7 +122,9 @@ def plot_shrink(judged: Sequence[Judged], ax: Axes | None = None) -> Axes:
             ecolor="0.75",
             markersize=3,
             alpha=0.7,
+            label="right verdicts, stated 90 % interval",
         )
+    _legend_above(ax)
     ax.set(
         xlabel="shrink on fresh runs [1]",
         ylabel="shrink stated [1]",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from locosweep import _core
 from locosweep.diagnosis.starts import level_of
 from locosweep.files import Robot, load_robot
-from locosweep.replay import nominal_of
+from locosweep.replay import effect, nominal_of
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -18,12 +18,6 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.problem import Point
 
 __all__ = ["calibrated", "write_augmented"]
-
-_LEVELS = {
-    "stribeck_friction": ("F_s",),
-    "direction_dependent_friction": ("F_c_forward", "F_c_backward"),
-}
-"""Parameters that stand beside the nominal Coulomb level."""
 
 
 def calibrated(robot: Robot, point: Point, effects: dict[str, dict[str, float]]) -> Robot:
@@ -52,7 +46,7 @@ def calibrated(robot: Robot, point: Point, effects: dict[str, dict[str, float]])
     found = Robot(parameters, other)
     shift = level_of(nominal_of(found)) - level_of(before)
     moved = {
-        name: {k: v + shift if k in _LEVELS.get(name, ()) else v for k, v in values.items()}
+        name: {k: v + shift if k in effect(name).levels else v for k, v in values.items()}
         for name, values in effects.items()
     }
     if clock != 0.0:

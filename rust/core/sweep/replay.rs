@@ -4,7 +4,7 @@
 use super::pool::pool;
 use super::run::Control;
 use crate::error::{Error, Result};
-use crate::integrate::replay::{Reading, Samples, body, head, sensed};
+use crate::integrate::replay::{Samples, body, head, sensed};
 use crate::lane::{Level, Pack, Task, run};
 use crate::physics::effects::{Active, EFFECT_PARAMS, Nominal, Plant, shortness};
 use std::sync::atomic::Ordering;
@@ -43,27 +43,19 @@ pub struct Readings {
     pub force: Vec<f64>,
 }
 
-impl Readings {
-    fn zeros(count: usize) -> Readings {
-        let new = || vec![0.0; count];
-        Readings { x: new(), v: new(), x_rear: new(), force: new() }
-    }
-
-    /// The part of every column, one after another.
-    fn parts(&mut self, lengths: impl Iterator<Item = usize>) -> Vec<Part<'_>> {
-        let mut rest: Part<'_> =
-            [&mut self.x, &mut self.v, &mut self.x_rear, &mut self.force].map(Vec::as_mut_slice);
-        lengths
-            .map(|length| {
-                let mut part: Part<'_> = Default::default();
-                for (rest, part) in rest.iter_mut().zip(&mut part) {
-                    let (own, others) = std::mem::take(rest).split_at_mut(length);
-                    (*part, *rest) = (own, others);
-                }
-                part
-            })
-            .collect()
-    }
+/// The part of every column, one after another.
+fn parts<'a>(to: [&'a mut [f64]; 4], lengths: impl Iterator<Item = usize>) -> Vec<Part<'a>> {
+    let mut rest: Part<'a> = to;
+    lengths
+        .map(|length| {
+            let mut part: Part<'a> = Default::default();
+            for (rest, part) in rest.iter_mut().zip(&mut part) {
+                let (own, others) = std::mem::take(rest).split_at_mut(length);
+                (*part, *rest) = (own, others);
+            }
+            part
+        })
+        .collect()
 }
 
 /// Readings of one column: x, v, x_rear, force.
@@ -77,13 +69,35 @@ pub fn replay(
     (level, threads): (Level, usize),
     control: &Control,
 ) -> Result<Readings> {
+    let count = samples(columns);
+    let new = || vec![0.0; count];
+    let mut found = Readings { x: new(), v: new(), x_rear: new(), force: new() };
+    let Readings { x, v, x_rear, force } = &mut found;
+    replay_into(nominal, runs, columns, (level, threads), control, [x, v, x_rear, force])?;
+    Ok(found)
+}
+
+/// Samples of all columns.
+pub fn samples(columns: &[Column]) -> usize {
+    columns.iter().map(|column| column.window.1 - column.window.0).sum()
+}
+
+/// The same into x, v, x_rear and force of as many samples, all of them 0: memory that
+/// was never touched stays so where nothing is read.
+pub fn replay_into(
+    nominal: &Nominal,
+    runs: &[Run],
+    columns: &[Column],
+    (level, threads): (Level, usize),
+    control: &Control,
+    to: [&mut [f64]; 4],
+) -> Result<()> {
     let length = |column: &Column| column.window.1 - column.window.0;
-    let mut found = Readings::zeros(columns.iter().map(length).sum());
     // Columns that share run, window and effects go side by side. The order
     // within does not matter: no lane looks at its neighbours.
     let key = |column: &Column| (column.run, column.window, column.active);
     let pace = |column: &Column| shortness(column.active, &column.values);
-    let parts = found.parts(columns.iter().map(length));
+    let parts = parts(to, columns.iter().map(length));
     let mut order: Vec<(&Column, Part<'_>)> = columns.iter().zip(parts).collect();
     // Those of one pace stand together: a pack takes the steps of its slowest lane.
     order.sort_by(|(a, _), (b, _)| key(a).cmp(&key(b)).then_with(|| pace(a).total_cmp(&pace(b))));
@@ -95,12 +109,14 @@ pub fn replay(
     let queue = Mutex::new(groups.into_iter());
     let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
     let work = || {
+        let mut scratch = Scratch::default();
         while let Some(group) = next() {
             if control.cancel.load(Ordering::Relaxed) {
                 return;
             }
             let count = group.len() as u64;
-            run(level, Group { nominal, runs, intervals: &intervals, group, control });
+            let (intervals, scratch) = (&intervals, &mut scratch);
+            run(level, Group { nominal, runs, intervals, group, control, scratch });
             control.done.fetch_add(count, Ordering::Relaxed);
         }
     };
@@ -117,7 +133,7 @@ pub fn replay(
         let done = control.done.load(Ordering::Relaxed);
         return Err(Error::Cancelled { done, total: columns.len() as u64 });
     }
-    Ok(found)
+    Ok(())
 }
 
 /// The usual time between samples: their median.
@@ -136,7 +152,21 @@ struct Group<'a, 'b, 'c> {
     intervals: &'a [f64],
     group: &'b mut [(&'a Column, Part<'c>)],
     control: &'a Control,
+    scratch: &'b mut Scratch,
 }
+
+/// Readings of one pack, a sample after another, kept from group to group.
+#[derive(Default)]
+struct Scratch {
+    /// x, v and force of all lanes.
+    head: Vec<f64>,
+    rear: Vec<f64>,
+    /// What the position sensor reads.
+    seen: Vec<f64>,
+}
+
+/// Samples that go to the columns at a time.
+const TILE: usize = 32;
 
 impl Task for Group<'_, '_, '_> {
     type Output = ();
@@ -144,11 +174,9 @@ impl Task for Group<'_, '_, '_> {
 
     #[inline(always)]
     fn run<P: Pack>(self, token: P::Token) {
-        let Group { nominal, runs, intervals, group, control } = self;
+        let Group { nominal, runs, intervals, group, control, scratch } = self;
         let go_on = || !control.cancel.load(Ordering::Relaxed);
         let like = P::splat(token, 0.0);
-        let nothing = Reading { x: like, v: like, force: like };
-        let (mut readings, mut rear) = (Vec::new(), Vec::new());
         for part in group.chunks_mut(P::LANES) {
             let first = part[0].0;
             let run = &runs[first.run];
@@ -169,28 +197,38 @@ impl Task for Group<'_, '_, '_> {
                 #[inline(always)]
                 || Plant::new(nominal, run.slope_deg, first.active, &values, shares),
             );
-            readings.clear();
-            readings.resize(count, nothing);
+            let Scratch { head: motion, rear, seen } = &mut *scratch;
+            let (own, all) = (P::LANES, 3 * P::LANES);
+            // What a cancelled run leaves out is 0, not another column's.
+            motion.clear();
+            motion.resize(count * all, 0.0);
+            seen.resize(seen.len().max(count * own), 0.0);
             head(
                 &plant,
                 samples,
                 start,
                 go_on,
                 #[inline(always)]
-                |i, reading| readings[i] = reading,
+                |i, reading| {
+                    let to = &mut motion[i * all..(i + 1) * all];
+                    reading.x.store(&mut to[..own]);
+                    reading.v.store(&mut to[own..2 * own]);
+                    reading.force.store(&mut to[2 * own..]);
+                },
             );
-            rear.clear();
-            rear.resize(count, like);
+            let slides = plant.body.is_some();
             if let Some(anchored) = &plant.body {
+                rear.clear();
+                rear.resize(count * own, 0.0);
                 body(
                     &plant,
                     anchored,
                     samples,
                     #[inline(always)]
-                    |i: usize| readings[i].force,
+                    |i: usize| P::load(token, &motion[i * all + 2 * own..]),
                     go_on,
                     #[inline(always)]
-                    |i, x| rear[i] = x,
+                    |i, x: P| x.store(&mut rear[i * own..]),
                 );
             }
             for i in 0..count {
@@ -199,12 +237,23 @@ impl Task for Group<'_, '_, '_> {
                     samples,
                     i,
                     #[inline(always)]
-                    |i: usize| (readings[i].x, readings[i].v),
+                    |i: usize| {
+                        let at = &motion[i * all..];
+                        (P::load(token, at), P::load(token, &at[own..]))
+                    },
                 );
-                let now = [x, readings[i].v, rear[i], readings[i].force];
-                for (lane, (_, own)) in part.iter_mut().enumerate() {
-                    for (own, now) in own.iter_mut().zip(now) {
-                        own[i] = now.lane(lane);
+                x.store(&mut seen[i * own..]);
+            }
+            // Tile by tile, so that what is read for one lane is at hand for the next.
+            for tile in (0..count).step_by(TILE) {
+                for (lane, (_, [x, v, x_rear, force])) in part.iter_mut().enumerate() {
+                    for i in tile..(tile + TILE).min(count) {
+                        x[i] = seen[i * own + lane];
+                        v[i] = motion[i * all + own + lane];
+                        force[i] = motion[i * all + 2 * own + lane];
+                        if slides {
+                            x_rear[i] = rear[i * own + lane];
+                        }
                     }
                 }
             }
