@@ -13,12 +13,21 @@ from locosweep.registry import unknown
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Collection, Mapping
+    from collections.abc import Collection, Iterator, Mapping, Sequence
 
     import polars as pl
     from numpy.typing import NDArray
 
-__all__ = ["UNITS", "checksum", "label_of", "number_column", "read_frame"]
+__all__ = [
+    "UNITS",
+    "check_units",
+    "checksum",
+    "label_of",
+    "number_column",
+    "number_columns",
+    "read_frame",
+    "rows_by_run",
+]
 
 UNITS = {
     "m": 1.0,
@@ -44,6 +53,8 @@ UNITS = {
     "1": 1.0,
 }
 """Factors to the SI unit of a column."""
+_LEAST = 20
+"""Samples that a run needs."""
 
 
 def checksum(path: str | os.PathLike[str]) -> str:
@@ -177,3 +188,63 @@ def label_of(path: str | os.PathLike[str], frame: pl.DataFrame) -> list[str]:
     if len(missing):
         raise DataFileError(f"{path}: row {int(missing[0]) + 1}, column run: no label")
     return labels.to_list()
+
+
+def check_units(units: Mapping[str, str], names: Sequence[str]) -> None:
+    """Refuse units of columns that there are not."""
+    for name in units:
+        if name not in names:
+            raise InputError(f"unit: {unknown('column', name, names)}")
+
+
+def number_columns(
+    path: str | os.PathLike[str],
+    frame: pl.DataFrame,
+    names: Sequence[str],
+    units: Mapping[str, str],
+    columns: Mapping[str, str],
+) -> dict[str, NDArray[np.float64]]:
+    """Return those of `names` that a frame has, as numbers in SI units."""
+    return {
+        name: number_column(path, frame, name, units.get(name), label=columns.get(name))
+        for name in names
+        if name in frame.columns
+    }
+
+
+def rows_by_run(
+    path: str, frame: pl.DataFrame, t: NDArray[np.float64], wanted: Collection[str] | None = None
+) -> Iterator[tuple[str, str, NDArray[np.intp]]]:
+    """Yield label, place for messages and rows of every run, in the order of their first rows.
+
+    Raises
+    ------
+    DataFileError
+        Fewer than 20 samples in a run, or time that is missing or does not rise.
+    InputError
+        No run of a label that is wanted.
+    """
+    labels = np.array(label_of(path, frame))
+    there = list(dict.fromkeys(labels.tolist()))
+    for label in wanted or ():
+        if label not in there:
+            raise InputError(f"runs: {unknown('run', label, there)}")
+    for label in there:
+        if wanted is not None and label not in wanted:
+            continue
+        rows = np.flatnonzero(labels == label)
+        where = f"{path}: run {label}"
+        if rows.size < _LEAST:
+            raise DataFileError(f"{where}: {rows.size} samples, allowed are {_LEAST} or more")
+        times = t[rows]
+        gone = np.flatnonzero(~np.isfinite(times))
+        if gone.size:
+            raise DataFileError(f"{where}, row {rows[gone[0]] + 1}, column t: missing")
+        back = np.flatnonzero(np.diff(times) <= 0.0)
+        if back.size:
+            row = back[0] + 1
+            raise DataFileError(
+                f"{where}, row {rows[row] + 1}, column t: {times[row]:g} s after "
+                f"{times[row - 1]:g} s, time must rise"
+            )
+        yield label, where, rows

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.datafile import label_of, number_column, read_frame
+from locosweep.datafile import check_units, number_columns, read_frame, rows_by_run
 from locosweep.errors import DataFileError, InputError
-from locosweep.registry import unknown
 
 if TYPE_CHECKING:
     import os
@@ -30,8 +29,6 @@ CHANNELS = {
 """What may be measured, beside time and drive."""
 
 _COLUMNS = ("run", "t", "drive", *CHANNELS, "slope_deg")
-_LEAST = 20
-"""Samples that a run needs."""
 
 
 @dataclass(frozen=True)
@@ -120,9 +117,7 @@ def load_runs(
         line with file, run, row and column.
     """
     columns, units = dict(columns or {}), dict(units or {})
-    for name in units:
-        if name not in _COLUMNS[1:]:
-            raise InputError(f"unit: {unknown('column', name, _COLUMNS[1:])}")
+    check_units(units, _COLUMNS[1:])
     frame, others = read_frame(path, _COLUMNS, needs, columns)
     runs, notices = _runs(str(path), frame, columns, units)
     if others:
@@ -141,33 +136,14 @@ def runs_from_frame(frame: pl.DataFrame, name: str = "runs") -> list[Run]:
 def _runs(
     path: str, frame: pl.DataFrame, columns: Mapping[str, str], units: Mapping[str, str]
 ) -> tuple[list[Run], list[str]]:
-    labels = np.array(label_of(path, frame))
-    numbers = {
-        name: number_column(path, frame, name, units.get(name), label=columns.get(name))
-        for name in _COLUMNS[1:]
-        if name in frame.columns
-    }
+    numbers = number_columns(path, frame, _COLUMNS[1:], units, columns)
     notices: list[str] = []
     runs = []
-    for label in dict.fromkeys(labels.tolist()):
-        rows = np.flatnonzero(labels == label)
-        where = f"{path}: run {label}"
-        if rows.size < _LEAST:
-            raise DataFileError(f"{where}: {rows.size} samples, allowed are {_LEAST} or more")
-        t = numbers["t"][rows]
-        gone = np.flatnonzero(~np.isfinite(t))
-        if gone.size:
-            raise DataFileError(f"{where}, row {rows[gone[0]] + 1}, column t: missing")
-        back = np.flatnonzero(np.diff(t) <= 0.0)
-        if back.size:
-            row = back[0] + 1
-            raise DataFileError(
-                f"{where}, row {rows[row] + 1}, column t: {t[row]:g} s after {t[row - 1]:g} s, "
-                "time must rise"
-            )
+    for label, where, rows in rows_by_run(path, frame, numbers["t"]):
         drive = _held(numbers["drive"][rows], where, notices)
         channels = {name: numbers[name][rows] for name in CHANNELS if name in numbers}
-        runs.append(Run(label, t, drive, channels, _slope(numbers, rows, where)))
+        slope = _slope(numbers, rows, where)
+        runs.append(Run(label, numbers["t"][rows], drive, channels, slope))
     return runs, notices
 
 

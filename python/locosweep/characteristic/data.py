@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.datafile import label_of, number_column, read_frame
+from locosweep.datafile import check_units, number_columns, read_frame, rows_by_run
 from locosweep.errors import DataFileError, InputError
-from locosweep.registry import unknown
 
 if TYPE_CHECKING:
     import os
@@ -34,8 +33,6 @@ COLUMNS = {
 """What a data file may hold."""
 
 _NUMBERS = tuple(COLUMNS)[1:]
-_LEAST = 20
-"""Samples that a run needs."""
 
 
 @dataclass(frozen=True)
@@ -106,9 +103,7 @@ def read_friction(
     ('0', ['force', 'v'])
     """
     columns, units = dict(columns or {}), dict(units or {})
-    for name in units:
-        if name not in _NUMBERS:
-            raise InputError(f"unit: {unknown('column', name, _NUMBERS)}")
+    check_units(units, _NUMBERS)
     name, frame, others = _frame(data, columns)
     for either in (("x", "v"), ("force", "drive")):
         if not set(either) & set(frame.columns):
@@ -123,7 +118,12 @@ def read_friction(
             "allowed is a mass in kg or a column force"
         )
     notices = [f"{name}: columns not used: {', '.join(others)}"] if others else []
-    return _split(name, frame, columns, units, runs), notices
+    numbers = number_columns(name, frame, _NUMBERS, units, columns)
+    found = []
+    for label, _, rows in rows_by_run(name, frame, numbers["t"], runs):
+        rest = {column: values[rows] for column, values in numbers.items() if column != "t"}
+        found.append(FrictionRun(label, numbers["t"][rows], rest))
+    return found, notices
 
 
 def _frame(
@@ -149,44 +149,3 @@ def _frame(
         return "data", frame.select(list(present)).rename(present), others
     frame, others = read_frame(data, tuple(COLUMNS), ("t",), columns)
     return str(Path(data)), frame, others
-
-
-def _split(
-    name: str,
-    frame: pl.DataFrame,
-    columns: Mapping[str, str],
-    units: Mapping[str, str],
-    wanted: Collection[str] | None,
-) -> list[FrictionRun]:
-    labels = np.array(label_of(name, frame))
-    there = list(dict.fromkeys(labels.tolist()))
-    for label in wanted or ():
-        if label not in there:
-            raise InputError(f"runs: {unknown('run', label, there)}")
-    numbers = {
-        column: number_column(name, frame, column, units.get(column), label=columns.get(column))
-        for column in _NUMBERS
-        if column in frame.columns
-    }
-    found = []
-    for label in there:
-        if wanted is not None and label not in wanted:
-            continue
-        rows = np.flatnonzero(labels == label)
-        where = f"{name}: run {label}"
-        if rows.size < _LEAST:
-            raise DataFileError(f"{where}: {rows.size} samples, allowed are {_LEAST} or more")
-        t = numbers["t"][rows]
-        gone = np.flatnonzero(~np.isfinite(t))
-        if gone.size:
-            raise DataFileError(f"{where}, row {rows[gone[0]] + 1}, column t: missing")
-        back = np.flatnonzero(np.diff(t) <= 0.0)
-        if back.size:
-            row = back[0] + 1
-            raise DataFileError(
-                f"{where}, row {rows[row] + 1}, column t: {t[row]:g} s after {t[row - 1]:g} s, "
-                "time must rise"
-            )
-        rest = {column: values[rows] for column, values in numbers.items() if column != "t"}
-        found.append(FrictionRun(label, t, rest))
-    return found
