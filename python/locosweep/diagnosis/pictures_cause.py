@@ -51,7 +51,7 @@ def candidates(diagnosis: Diagnosis) -> Figure | None:
         right.plot(row["shrink"], place, "o", color="black", markersize=5)
     left.set_yticks(range(len(rows)), names, fontsize=8)
     left.set_ylim(len(rows) - 0.4, -0.6)
-    left.set(xlim=(0, 1.15), xlabel="probability [1]", ylabel="cause")
+    left.set(xlim=(0, 1.15), xlabel="probability, if it is one of these [1]", ylabel="cause")
     right.set_xlabel("shrink of the error on runs kept from the fit [1]")
     low, high = right.get_xlim()
     right.set_xlim(max(min(low, -0.02), -1.0), max(high, 1.02))

@@ -34,7 +34,7 @@ _VARIABLES = {
     "v": ("velocity $v$", "m/s", "rad/s"),
     "x": ("position $x$", "m", "rad"),
     "t": ("time in the run $t$", "s", "s"),
-    "drive": ("drive command", "", ""),
+    "drive": ("drive command, in units of its column", "", ""),
     "distance": ("distance swept forward $s$", "m", "rad"),
 }
 
