@@ -165,7 +165,7 @@ def families(rig: Rig, *, force_level: bool = False) -> dict[str, Family]:
     found = [
         Family("viscous_friction", _scaled("c", drag), least, 10.0),
         Family("quadratic_drag", _scaled("c2", drag / r.speed), 0.0, 10.0),
-        Family("stribeck_friction", stribeck, -0.9, 10.0,
+        Family("stribeck_friction", stribeck, 0.0, 10.0,
                (speeds, Shape("delta", (1.0,), 0.5, 2.5))),
         Family("presliding_compliance", presliding, 0.0, 10.0, (damping,), 1e-9),
         Family("direction_dependent_friction", direction, -1.0, 1.0,

@@ -136,7 +136,8 @@ def _table(
             "c2": (False, viscosity / s.speed, _POSITIVE, 0.0, inf, 0.0),
         },
         "stribeck_friction": {
-            "F_s": (False, s.level, (1.03, 1.1, 1.4), 0.0, 20 * s.force, s.level),
+            # Friction that rises from rest on is another cause.
+            "F_s": (False, s.level, (1.03, 1.1, 1.4), s.level, 20 * s.force, s.level),
             "v_s": (
                 True,
                 1.0,
