@@ -221,3 +221,14 @@ class TestPower:
         found = diagnose(pushed({}), self.robot({}), threads=1)
         assert any(w.startswith("power is measured but") for w in found.report["warnings"])
         assert found.status == "none"
+
+
+def test_a_head_that_slides_to_rest_before_the_first_push_is_no_gap():
+    t = np.arange(0.0, 3.0, 0.01)
+    runs = []
+    for k, speed in enumerate((0.0, 0.08, -0.05, 0.12)):
+        drive = np.where((t > 0.3) & (np.sin(2.0 * np.pi * (0.6 + 0.2 * k) * t) > 0.0), 1.1, 0.0)
+        runs.append(Run(str(k), t, drive, {"x": np.zeros(t.size), "v": np.full(t.size, speed)}))
+    found = diagnose(measured(runs, {}), ROBOT, threads=1)
+    assert found.status == "none"
+    assert measured(runs, {}).filter(pl.col("run") == "1")["x"].max() > 50 * NOISE

@@ -197,6 +197,11 @@ def moving_starts(problem: Problem, nuisances: Nuisances) -> tuple[int, ...]:
             asked[r] = few, speed
     if not asked:
         return ()
+    resting = problem.begin[:, 0].copy()
+    for r in asked:
+        # Where it rests later is not where it began.
+        x = problem.runs[r].channels["x"]
+        problem.begin[r, 0] = x[np.isfinite(x)][0]
     every = list(range(len(problem.runs)))
     free = replace(nuisances, moving=tuple(asked))
     with_speed = start_fits(free, Model((), ()), np.zeros((1, 0)))[0]
@@ -220,4 +225,6 @@ def moving_starts(problem: Problem, nuisances: Nuisances) -> tuple[int, ...]:
         elif early[1] > _GAIN:
             problem.begin[r, 1] = speed
             moving.append(r)
+        else:
+            problem.begin[r, 0] = resting[r]
     return tuple(moving)
