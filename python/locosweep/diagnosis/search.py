@@ -97,7 +97,7 @@ class Search:
     def model(self, names: Iterable[str]) -> Model:
         """Return a set of effects with its free parameters."""
         names = tuple(names)
-        free = tuple(f for name in names for f in parameters_of(name, self.scale))
+        free = tuple(f for name in names for f in parameters_of(name, self.scale, names))
         return Model(names, free)
 
     def score(self, fit: Fit) -> float:

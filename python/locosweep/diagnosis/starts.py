@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING
 
@@ -11,7 +11,7 @@ import numpy as np
 from locosweep.replay import effect, effects, nominal_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -27,6 +27,8 @@ class Scale:
 
     mass: float
     level: float
+    least_level: float
+    """What the Coulomb level may be where the nominal file leaves it uncertain."""
     force: float
     speed: float
     travel: float
@@ -72,6 +74,7 @@ def scale_of(robot: Robot, runs: Sequence[Run]) -> Scale:
     weight = mass * nominal["gravity"]
     cosine = float(np.cos(np.radians(nominal["slope_deg"])))
     level = level_of(nominal)
+    doubts = [robot.other.get(f"uncertainty.{key}", 0.0) for key in ("mass", "mu_coulomb")]
     drives = np.concatenate([run.drive for run in runs]) * nominal["gain"]
     force = float(np.quantile(np.abs(drives), 0.98)) or float(np.abs(drives).max()) or weight
     travel, speed = [], []
@@ -92,6 +95,7 @@ def scale_of(robot: Robot, runs: Sequence[Run]) -> Scale:
     return Scale(
         mass=mass,
         level=max(level, 1e-3 * force),
+        least_level=max(level, 1e-3 * force) * max(0.0, 1.0 - _DOUBT * sum(map(float, doubts))),
         force=force,
         speed=max(fast, 1e-6),
         travel=max(far, 1e-7),
@@ -105,6 +109,12 @@ def scale_of(robot: Robot, runs: Sequence[Run]) -> Scale:
         replayed=duration,
     )
 
+
+# Standard deviations that an uncertain value may be off.
+_DOUBT = 3.0
+# With these beside it, friction at rest may lie below the nominal Coulomb level and
+# still above the true one.
+_LOWERS_FRICTION = frozenset({"coulomb_error", "payload_mass"})
 
 _SIGNED = (-0.3, -0.1, -0.03, -0.01, -0.003, 0.003, 0.01, 0.03, 0.1, 0.3)
 _POSITIVE = (0.003, 0.01, 0.03, 0.1, 0.3)
@@ -137,7 +147,7 @@ def _table(
         },
         "stribeck_friction": {
             # Friction that rises from rest on is another cause.
-            "F_s": (False, s.level, (1.03, 1.1, 1.4), s.level, 20 * s.force, s.level),
+            "F_s": (False, s.level, (1.03, 1.1, 1.4), s.least_level, 20 * s.force, s.level),
             "v_s": (
                 True,
                 1.0,
@@ -298,9 +308,11 @@ def candidates(robot: Robot, runs: Sequence[Run], scale: Scale) -> tuple[list[st
     return [record.name for record in effects() if record.name not in out], out
 
 
-def parameters_of(name: str, scale: Scale) -> list[Free]:
-    """Return the free parameters of an effect on a rig of this scale."""
+def parameters_of(name: str, scale: Scale, beside: Collection[str] = ()) -> list[Free]:
+    """Return the free parameters of an effect with others beside it, on a rig of this scale."""
     units = {p.name: p.unit for p in effect(name).parameters}
+    if _LOWERS_FRICTION.intersection(beside):
+        scale = replace(scale, least_level=0.0)
     table = _table(scale)[name]
     ends = {**{key: row[3:5] for key, row in table.items()}, **_resolved(name, scale)}
     return [

@@ -165,6 +165,14 @@ struct Scratch {
     seen: Vec<f64>,
 }
 
+/// Every `stride`th of `from`.
+#[inline(always)]
+fn spread(from: &[f64], stride: usize, to: &mut [f64]) {
+    for (to, from) in to.iter_mut().zip(from.iter().step_by(stride)) {
+        *to = *from;
+    }
+}
+
 /// Samples that go to the columns at a time.
 const TILE: usize = 32;
 
@@ -245,15 +253,19 @@ impl Task for Group<'_, '_, '_> {
                 x.store(&mut seen[i * own..]);
             }
             // Tile by tile, so that what is read for one lane is at hand for the next.
-            for tile in (0..count).step_by(TILE) {
+            for first in (0..count).step_by(TILE) {
+                let last = (first + TILE).min(count);
                 for (lane, (_, [x, v, x_rear, force])) in part.iter_mut().enumerate() {
-                    for i in tile..(tile + TILE).min(count) {
-                        x[i] = seen[i * own + lane];
-                        v[i] = motion[i * all + own + lane];
-                        force[i] = motion[i * all + 2 * own + lane];
-                        if slides {
-                            x_rear[i] = rear[i * own + lane];
-                        }
+                    let moved = &motion[first * all + lane..last * all];
+                    spread(&seen[first * own + lane..last * own], own, &mut x[first..last]);
+                    spread(&moved[own..], all, &mut v[first..last]);
+                    spread(&moved[2 * own..], all, &mut force[first..last]);
+                    if slides {
+                        spread(
+                            &rear[first * own + lane..last * own],
+                            own,
+                            &mut x_rear[first..last],
+                        );
                     }
                 }
             }

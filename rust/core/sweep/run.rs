@@ -103,6 +103,8 @@ struct Worker<'a> {
 
 #[derive(Default)]
 struct Scratch {
+    /// Cells of the block; `values` may be longer, for the widest pack.
+    cells: usize,
     values: Vec<f64>,
     best: Vec<f64>,
     at: Vec<f64>,
@@ -215,8 +217,13 @@ impl<'a> Worker<'a> {
         let mut scratch = std::mem::take(&mut self.scratch);
         // Every kernel fills it: only the length counts.
         scratch.values.resize(padded, f64::NAN);
+        scratch.cells = len;
         match reduce {
-            None => self.dense(request, cell, &mut scratch.values, false),
+            None if entry.closed().is_some() => {
+                self.dense(request, cell, &mut scratch.values, false);
+            }
+            // What only fills a pack up is not simulated.
+            None => self.dense(request, cell, &mut scratch.values[..len], false),
             Some(reduce) => self.reduce(entry, *reduce, cell, &mut scratch),
         }
         self.scratch = scratch;
@@ -332,7 +339,7 @@ impl<'a> Worker<'a> {
         let plain = vary == Vary::Main;
         let (job, level, control) = (self.job, self.level, self.control);
         let columns = self.cursor.at(cell, vary as u8);
-        let Scratch { values, chosen, best, at, count, .. } = scratch;
+        let Scratch { cells, values, chosen, best, at, count, .. } = scratch;
         for place in 0..job.rival_count() {
             if control.cancel.load(Ordering::Relaxed) {
                 return;
@@ -346,10 +353,10 @@ impl<'a> Worker<'a> {
                     dense(level, Points { columns, plain, vary }, values, false);
                 }
                 way => {
-                    let cells = (cell, values.len(), place);
+                    let stretch = (cell, *cells, place);
                     let cancel = &control.cancel;
-                    let found = self.runs.values(job, level, cancel, columns, way, cells);
-                    values.copy_from_slice(found);
+                    let found = self.runs.values(job, level, cancel, columns, way, stretch);
+                    values[..*cells].copy_from_slice(found);
                 }
             }
             fold(level, place, values, Kept { best, at, count });
@@ -360,7 +367,7 @@ impl<'a> Worker<'a> {
     fn value_at_best(&mut self, entry: &Entry, cell: usize, scratch: &mut Scratch) {
         let param = self.over().id;
         let columns = self.cursor.at(cell, Vary::ANY);
-        let Scratch { chosen, at, values, .. } = scratch;
+        let Scratch { cells, chosen, at, values, .. } = scratch;
         for (chosen, rivals) in chosen.iter_mut().zip(&self.job.rivals) {
             reset(chosen, at.len() + PADDING, f64::NAN);
             look_up(rivals, at, chosen);
@@ -371,10 +378,10 @@ impl<'a> Worker<'a> {
                 dense(self.level, Points { columns, plain: false, vary: Vary::Any }, values, false);
             }
             way => {
-                let cells = (cell, values.len(), usize::MAX);
+                let stretch = (cell, *cells, usize::MAX);
                 let (job, cancel) = (self.job, &self.control.cancel);
-                let found = self.runs.values(job, self.level, cancel, columns, way, cells);
-                values.copy_from_slice(found);
+                let found = self.runs.values(job, self.level, cancel, columns, way, stretch);
+                values[..*cells].copy_from_slice(found);
             }
         }
         for (value, at) in values.iter_mut().zip(at) {
