@@ -52,7 +52,7 @@ HATCHES = (
 )
 """One per status after ok, the same one in every picture."""
 
-LINES = (
+LINES: tuple[tuple[str, str | tuple[int, tuple[int, ...]], str], ...] = (
     ("#0072b2", "-", "o"),
     ("#d55e00", "--", "s"),
     ("#009e73", "-.", "^"),

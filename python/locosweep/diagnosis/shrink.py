@@ -22,8 +22,13 @@ HORIZONS = (0.1, 0.5, 2.0)
 RESAMPLES = 400
 _STEPS = 4
 """Steps of a fit of a start speed."""
+_FEW = 4
 _BLOCKS = 8
 """Blocks of a run that are drawn where there are too few runs to draw whole ones."""
+_LEAST_FALL = 0.02
+"""Fall of the logarithm of a run's squared error that counts as none."""
+_MOST = 300.0
+"""Logarithms beyond which squares leave what a double holds."""
 
 
 def units_of(problem: Problem) -> dict[str, str]:
@@ -177,17 +182,50 @@ def _interval(
     shrink: float,
     seed: int,
 ) -> list[float]:
-    """90 % interval of the shrink on as many runs like these, drawn from all of them."""
+    """90 % interval of the shrink on as many runs as were kept, drawn from all of them.
+
+    It spans what the runs as they are give and what runs like them do: the next run lies
+    beyond a few more often than in one of ten cases.
+    """
     generator = np.random.default_rng(seed)
-    few = len(problem.runs) < 4
-    blocks: list[tuple[float, float, int]] = []
+    few = len(problem.runs) < _FEW
+    blocks: list[tuple[float, float]] = []
     for a, b in zip(*errors, strict=True):
         cuts = np.array_split(np.arange(a.size), _BLOCKS if few else 1)
-        blocks += [(float(np.nansum(a[c])), float(np.nansum(b[c])), c.size) for c in cuts]
+        blocks += [(float(np.nansum(a[c])), float(np.nansum(b[c]))) for c in cuts]
     table = np.array(blocks)
-    draw = max(1, len(problem.held)) * (_BLOCKS if few else 1)
-    picks = generator.integers(0, len(table), size=(RESAMPLES, draw))
-    sums = table[picks].sum(axis=1)
-    ratios = np.sqrt(sums[:, 1] / np.maximum(sums[:, 0], 1e-300))
-    low, high = np.quantile(1.0 - ratios, [0.05, 0.95])
+    kept = max(1, len(problem.held))
+    picks = generator.integers(0, len(table), size=(RESAMPLES, kept * (_BLOCKS if few else 1)))
+    drawn = [table[picks].sum(axis=1)]
+    runs = table.reshape(len(errors[0]), -1, 2).sum(axis=1)
+    runs = runs[(runs > 0.0).all(axis=1)]
+    if len(runs) > 2:
+        drawn.append(_like(runs, kept, generator))
+    ends = [
+        np.quantile(1.0 - np.sqrt(sums[:, 1] / np.maximum(sums[:, 0], 1e-300)), [0.05, 0.95])
+        for sums in drawn
+    ]
+    low, high = np.min(ends, axis=0)[0], np.max(ends, axis=0)[1]
     return [float(min(low, shrink)), float(max(high, shrink))]
+
+
+def _like(
+    runs: NDArray[np.float64], count: int, generator: np.random.Generator
+) -> NDArray[np.float64]:
+    """Draw sums of squared errors, before and after, of `count` runs like these.
+
+    Shape (draws, 2). The logarithms of the error after and of how far it falls are taken
+    for normal with unknown mean and spread: what comes next is distributed like Student's t.
+    """
+    n = len(runs)
+    fall = np.log(runs[:, 0] / runs[:, 1])
+    points = np.stack([np.log(runs[:, 1]), np.log(np.maximum(fall, _LEAST_FALL))], axis=1)
+    wider = np.sqrt((n - 1.0) / generator.chisquare(n - 1.0, RESAMPLES))[:, None, None]
+    middle, each = (
+        generator.multivariate_normal([0.0, 0.0], np.cov(points, rowvar=False) / m, size)
+        for m, size in ((n, (RESAMPLES, 1)), (1, (RESAMPLES, count)))
+    )
+    drawn = points.mean(axis=0) + wider * (middle + each)
+    after = np.exp(np.clip(drawn[..., 0], -_MOST, _MOST))
+    before = after * np.exp(np.exp(np.minimum(drawn[..., 1], np.log(_MOST))))
+    return np.stack([before.sum(axis=1), after.sum(axis=1)], axis=1)
