@@ -34,10 +34,18 @@ def ok(*arguments, cwd, **options):
     return done.stdout
 
 
-def test_the_console_script_is_installed():
-    script = Path(sys.executable).with_name("locosweep")
-    done = subprocess.run([script, "--version"], capture_output=True, text=True, check=True)
+@pytest.mark.parametrize(
+    "command",
+    [[Path(sys.executable).with_name("locosweep")], [sys.executable, "-m", "locosweep"]],
+    ids=["script", "module"],
+)
+def test_the_command_is_installed(command):
+    done = subprocess.run([*command, "--version"], capture_output=True, text=True, check=True)
     assert done.stdout == f"locosweep {ls.__version__}\n"
+    wrong = [*command, "heatmap", "speed"]
+    refused = subprocess.run(wrong, capture_output=True, text=True, check=False)
+    assert refused.returncode == 2
+    assert refused.stderr.startswith("locosweep: Invalid value for 'QUANTITY': unknown quantity")
 
 
 def test_help_loads_neither_numpy_nor_matplotlib():
