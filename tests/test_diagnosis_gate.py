@@ -232,3 +232,19 @@ def test_a_head_that_slides_to_rest_before_the_first_push_is_no_gap():
     found = diagnose(measured(runs, {}), ROBOT, threads=1)
     assert found.status == "none"
     assert measured(runs, {}).filter(pl.col("run") == "1")["x"].max() > 50 * NOISE
+
+
+def test_a_slow_start_under_a_drive_that_is_on_is_no_gap() -> None:
+    # Cut from longer runs in mid-motion: too slow for a parabola through the first samples.
+    t = np.arange(0.0, 4.0, 1.0 / 250.0)
+    long = [
+        Run(str(k), t, (0.64 + 0.01 * k) * np.sin(2.0 * np.pi * 0.5 * t), {"x": 0.0 * t})
+        for k in range(4)
+    ]
+    frame = measured(long, {})
+    speeds = replay_runs(ROBOT, long)["v"].to_numpy().reshape(4, -1)
+    cuts = [int(np.flatnonzero((v[:-1] < 0.0015) & (v[1:] >= 0.0015))[0]) for v in speeds]
+    number = pl.int_range(pl.len()).over("run")
+    first = pl.col("run").replace_strict({str(k): cut for k, cut in enumerate(cuts)})
+    found = diagnose(frame.filter(number >= first), ROBOT, threads=1)
+    assert found.status == "none"

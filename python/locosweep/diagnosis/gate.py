@@ -157,16 +157,37 @@ def hold_out(
     return tuple(sorted(order[:count])), 1.0, False
 
 
+def _drifts(problem: Problem, r: int) -> tuple[int, float, bool]:
+    """Return the first samples of a run, their mean speed, and whether it is not 0."""
+    run = problem.runs[r]
+    few = _first(run)
+    t, x = run.since_start[:few], run.channels["x"][:few]
+    ok = np.isfinite(x)
+    t, x = t[ok], x[ok]
+    if t.size < _BEFORE:
+        return few, 0.0, False
+    arms = t - t.mean()
+    speed = float(arms @ x / (arms @ arms))
+    return few, speed, abs(speed) > _SPEED * problem.noise["x"].sd / float(np.sqrt(arms @ arms))
+
+
+def _first(run: Run) -> int:
+    return int(np.clip(run.t.size // 40, 8, 60))
+
+
 def moving_starts(problem: Problem, nuisances: Nuisances) -> tuple[int, ...]:
     """Find runs that begin in motion; the speed of the others is set to 0.
 
     A run does where both the parabola through its first samples and the nominal model
-    ask for a start speed, over all of it or there.
+    ask for a start speed, over all of it or there. Where the drive is on at the first
+    sample, which a parabola cannot tell from a speed, the nominal model must ask both
+    over all of it and there.
     """
     asked: dict[int, tuple[int, float]] = {}
+    driven: set[int] = set()
     problem.begin[:, 1] = 0.0
     for r, run in enumerate(problem.runs):
-        few = int(np.clip(run.t.size // 40, 8, 60))
+        few = _first(run)
         pushed = np.flatnonzero(np.diff(run.drive)) + 1
         if run.drive[0] == 0.0 and pushed.size and pushed[0] >= _BEFORE:
             # What the drive does next is no start speed.
@@ -192,6 +213,9 @@ def moving_starts(problem: Problem, nuisances: Nuisances) -> tuple[int, ...]:
             first = float(run.channels["v"][0])
             if abs(first) > _SPEED * problem.noise["v"].sd:
                 speed, sure = first, True
+        if not sure and run.drive[0] != 0.0:
+            few, speed, sure = _drifts(problem, r)
+            driven.update([r] if sure else [])
         if sure:
             problem.begin[r, 1] = speed
             asked[r] = few, speed
@@ -219,10 +243,10 @@ def moving_starts(problem: Problem, nuisances: Nuisances) -> tuple[int, ...]:
         # Over the whole run a gap can ask for a speed, in the first samples only motion.
         whole = squares[0, place].sum() - squares[1:, place].sum(axis=1)
         early = squares[0, place[:few]].sum() - squares[1:, place[:few]].sum(axis=1)
-        if whole[0] > _GAIN and early[0] > 0.0:
+        if whole[0] > _GAIN and early[0] > (_GAIN if r in driven else 0.0):
             problem.begin[r, 1] = fitted.speeds[r]
             moving.append(r)
-        elif early[1] > _GAIN:
+        elif r not in driven and early[1] > _GAIN:
             problem.begin[r, 1] = speed
             moving.append(r)
         else:
