@@ -32,6 +32,13 @@ _MOST_SAMPLES = 16000
 """Of all runs of a case."""
 _LEAST, _MOST = 0.8, 600.0
 """Sizes outside are drawn anew: an effect that sets in at once cannot be made small."""
+_OPEN = {
+    "payload_mass": "mass",
+    "coulomb_error": "mu_coulomb",
+    "drive_gain_error": "gain",
+    "drive_delay": "clock",
+}
+"""Errors of values: no effect where the nominal file says that the value is uncertain."""
 _NO_SENSORS = Sensors(1.0, 1.0)
 """Sensors that do not matter yet."""
 
@@ -232,10 +239,11 @@ def _pick(rng: Generator, rig: Rig, channels: tuple[str, ...], count: int) -> li
     """Pick causes that the sensors could show."""
     absent = [*absent_of(rig), *(() if "x_rear" in channels else ("anchor_slip",))]
     names = [c for c in CAUSES if c not in absent]
+    both = {"transmission_backlash", "transmission_compliance"}
+    left_open = {cause for cause, value in _OPEN.items() if value in rig.uncertainty}
     while True:
         picked = [str(name) for name in rng.choice(names, count, replace=False)]
-        both = {"transmission_backlash", "transmission_compliance"}
-        if not both <= set(picked):
+        if not both <= set(picked) and not left_open & set(picked):
             return picked
 
 
@@ -328,7 +336,7 @@ def _single(case: Case, nuisances: Nuisances, scale: Scale, gap: Floats) -> Case
     (name, form, parameters) = case.world.effects[0]
     d = float(np.linalg.norm(gap))
     absent = absent_of(case.experiment.rig)
-    distances = rival_distances(nuisances, scale, gap, absent=absent)
+    distances = rival_distances(nuisances, scale, gap, own=case.world.effects[0], absent=absent)
     law = form in ("law", "force")
     found = _verdict(0.0 if law else distances[name], distances, name)
     entry = {
@@ -368,7 +376,9 @@ def _pair(case: Case, scale: Scale, threads: int) -> Case:
         moved = case.experiment.read([world], COARSE, threads)[0]
         other_way = around.left(case.experiment.whitened(moved) - around.base)
         beside = [other_way] if np.linalg.norm(other_way) > 0.0 else []
-        distances = rival_distances(around, scale, gap, beside=beside, absent=[*absent, other[0]])
+        distances = rival_distances(
+            around, scale, gap, own=effects[i], beside=beside, absent=[*absent, other[0]]
+        )
         found = _verdict(0.0, distances, name)
         d = float(np.linalg.norm(gap - sum((b * (b @ gap) / (b @ b) for b in beside), 0.0)))
         entries.append({

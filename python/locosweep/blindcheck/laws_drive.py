@@ -22,6 +22,11 @@ def _side_mass(k: Scale, share: float, s: float) -> float:
     return k.mass * share * float(np.clip(s / 0.3, 0.02, 1.0))
 
 
+def _play(k: Scale, s: float) -> float:
+    # Less weak than the mass behind it: play that nobody can see is none.
+    return 0.15 * float(np.sqrt(s)) * k.travel
+
+
 def _spring(k: Scale, rng: Generator) -> Strength:
     share, zeta = rng.uniform(0.05, 0.3), log_uniform(rng, 0.08, 0.5)
 
@@ -134,7 +139,7 @@ def _(k: Scale, rng: Generator) -> Strength:
 @law("transmission_backlash")
 def _(k: Scale, rng: Generator) -> Strength:
     share = rng.uniform(0.05, 0.3)
-    return lambda s: {"b": 0.15 * s * k.travel, "m_d": _side_mass(k, share, s)}
+    return lambda s: {"b": _play(k, s), "m_d": _side_mass(k, share, s)}
 
 
 @law("transmission_backlash", "soft")
@@ -144,7 +149,7 @@ def _(k: Scale, rng: Generator) -> Strength:
     def at(s: float) -> dict[str, float]:
         side = _side_mass(k, share, s)
         damping = 0.8 * float(np.sqrt(stiff * side * k.mass / (side + k.mass)))
-        return {"b": 0.15 * s * k.travel, "m_d": side, "k": stiff, "d": damping}
+        return {"b": _play(k, s), "m_d": side, "k": stiff, "d": damping}
 
     return at
 

@@ -28,6 +28,12 @@ __all__ = ["ALIKE", "Nuisances", "rival_distances"]
 
 ALIKE = 3.0
 """Causes nearer than this cannot be told apart."""
+_RIGID = {
+    "transmission_backlash": "transmission_compliance",
+    "transmission_compliance": "transmission_backlash",
+}
+"""Causes that are one where nothing gives way: a mass more on the side of the drive."""
+_NO_PLAY = 1e-9
 
 
 class Nuisances:
@@ -108,6 +114,7 @@ def rival_distances(
     scale: Scale,
     gap: Floats,
     *,
+    own: Effect | None = None,
     beside: Sequence[Floats] = (),
     absent: Sequence[str] = (),
 ) -> dict[str, float]:
@@ -121,6 +128,8 @@ def rival_distances(
         Of the rig.
     gap : ndarray
         The projected difference that rivals try to copy.
+    own : tuple of str, str and dict, optional
+        The effect that makes it.
     beside : sequence of ndarray
         Projected sensitivities of effects that stay and are refitted as well.
     absent : sequence of str
@@ -149,6 +158,10 @@ def rival_distances(
     best: dict[str, float] = {cause: size for cause in CAUSES if cause not in absent}
     if size == 0.0:
         return best
+    if own and own[0] in _RIGID:
+        stiff = {"b": _NO_PLAY * scale.travel, "m_d": own[2]["m_d"]}
+        rigid = nuisances.differences([(("transmission_backlash", "law", stiff),)])[0]
+        best[_RIGID[own[0]]] = min(size, float(np.linalg.norm(gap - off(rigid))))
     start = 0.01
     strength: dict[Rival, float] = {}
     for atom, seen in zip(atoms, responses([(a, start) for a in atoms]), strict=True):
