@@ -7,47 +7,33 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from locosweep.diagnosis.deeper import deepened, hopeless, pruned, without
 from locosweep.diagnosis.fit import Fit, point_of
 from locosweep.diagnosis.flexible import VARIABLES, Flexible
-from locosweep.diagnosis.lack import lack_of, noise_level
+from locosweep.diagnosis.lack import lack_of
+from locosweep.diagnosis.otherlaw import UNLISTED, bent_from, carried_by, carries, elsewhere
+from locosweep.diagnosis.score import GAIN, gains, rest_of, total
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from locosweep.diagnosis.lack import Lack
-    from locosweep.diagnosis.problem import Problem
     from locosweep.diagnosis.search import Search
 
 __all__ = ["Choice", "choose"]
 
-GAIN = 20.0
-"""What an effect has to gain in chi2 beside the price of its parameters.
-
-With 25 candidates of one to three parameters, noise alone gains as much in fewer
-than one of two hundred sets of runs.
-"""
-OWN = 6.0
-"""What of that it has to gain on the runs that it is fitted to."""
 TIE = 12.0
 """Difference in chi2 below which two explanations tie: effects that lie 2 deviations
 apart differ by less in 99 of 100 sets of runs."""
-_FAR = 30.0
-"""Single effects that leave this many times more than the best are no part of a pair."""
-_WIDE = 12
-"""Single effects that are tried as part of a pair."""
 _LEFT, _FAR_OFF = 0.05, 9.0
 """Share of the squares of a gap, and squares over those of noise, that an explanation does
 not leave."""
 _MOST_ALIKE = 3
 """Causes that may tie where none of them has the law that was met: more than these say
 that no variable in particular carries it."""
-_FORESEEN = 0.5
-"""Share of a rest that another law may leave in runs that it was not fitted to: a flexible
-law can be bent to anything that it sees."""
-_CARRIED = 6
-"""Fits whose own variables are tried on what they leave."""
-_AS_WELL = 6.0
-"""How much less than another variable the own one may be worth."""
+_WIDER = 6.0
+"""What a wider law has to gain in chi2 by each of its further parameters before it rivals
+its own limit."""
 TEMPER = 1.5
 """Differences in chi2 count for this much less than noise alone would have it."""
 
@@ -72,6 +58,9 @@ class Choice:
     near: float = 0.0
     """What the best further effect would gain: not enough, or not where it is fitted."""
 
+    unlisted: str = ""
+    """A variable that no listed effect acts through, and that does as well as several of them."""
+
     missed: bool = False
     """Whether the fit leaves of the runs kept from it what the others do not show."""
 
@@ -79,15 +68,6 @@ class Choice:
     def refuted(self) -> bool:
         """Whether the runs kept from the fit ask for more than the others do."""
         return self.status != "unexplained" and (self.near >= GAIN or self.missed)
-
-
-def total(search: Search, fit: Fit) -> float:
-    """Score of a fit, with its prediction of what it has not seen where that counts."""
-    key = id(fit)
-    if key not in search.unseen:
-        e = search.problem.unseen([point_of(search.problem, fit)])[0]
-        search.unseen[key] = (fit, float(e @ e) if search.judges else 0.0)
-    return search.score(fit) + search.unseen[key][1]
 
 
 def choose(search: Search, most: int) -> Choice:
@@ -105,8 +85,8 @@ def choose(search: Search, most: int) -> Choice:
     search.report("single effects")
     singles = sorted(search.singles(), key=lambda fit: total(search, fit))
     best = singles[0] if singles else none
-    if not _gains(search, none, best):
-        rest = _rest(problem, none)
+    if not gains(search, none, best):
+        rest = rest_of(problem, none)
         status = "unexplained" if rest else "none"
         lack, near = lack_of(problem, none.residual), total(search, none) - total(search, best)
         choice = Choice(status, none, lack, shape=rest, near=near)
@@ -114,34 +94,47 @@ def choose(search: Search, most: int) -> Choice:
     level = singles
     mismatch = False
     before, found = none, best
-    near = 0.0
+    near = score = 0.0
     for count in range(2, most + 2):
-        rest = _rest(problem, found)
-        carried = _carried(search, level) if rest else None
+        rest = rest_of(problem, found)
+        # Other laws of several effects at once could be bent to anything.
+        carried = carried_by(search, level) if rest and count == 2 else None
         deeper: list[Fit] = []
-        if count <= most and not (count > 2 and _hopeless(problem, before, found)):
+        if count <= most and not (count > 2 and hopeless(problem, before, found)):
             search.report(f"{count} effects at once")
             wide = bool(rest) and count == 2 and not carried
-            deeper = _deeper(search, level, found, rest=bool(rest), wide=wide)
+            deeper = deepened(search, level, found, rest=bool(rest), wide=wide)
             near = total(search, found) - total(search, deeper[0]) if deeper else 0.0
-            deeper = [fit for fit in deeper if _gains(search, found, fit)]
-        if carried and not (deeper and search.score(deeper[0]) + GAIN < carried[0]):
+            deeper = [fit for fit in deeper if gains(search, found, fit)]
+        if carried and not (deeper and search.score(deeper[0]) < carried[0]):
             # What further effects would gain is what the law does not fit.
-            found, mismatch, near = carried[1], True, 0.0
+            (score, found), mismatch, near = carried, True, 0.0
             break
         if not deeper:
             break
-        before, level, found, near = found, deeper, deeper[0], 0.0
-    rest = [] if mismatch else _rest(problem, found)
+        before, level, found, near = found, deeper, pruned(search, deeper[0]), 0.0
+        if len(found.model.names) < count and not rest_of(problem, found):
+            break
+    rest = [] if mismatch else rest_of(problem, found)
     lack = lack_of(problem, found.residual)
     if rest:
         choice = Choice("unexplained", found, lack, shape=rest)
         return _with_ranks(search, choice, [none, *singles, *level])
+    score = score if mismatch else search.score(found)
+    if (mismatch or len(found.model.names) > 1) and elsewhere(search, found, score):
+        choice = Choice("unexplained", found, lack, unlisted=UNLISTED)
+        return _with_ranks(search, choice, [none, *singles, *level])
     search.report("rivals")
     rivals = _rivals(search, found)
     classes, sets = _classes(search, found, rivals, mismatch)
-    if mismatch and any(len(c) > _MOST_ALIKE for c in classes):
-        choice = Choice("unexplained", found, lack, shape=_rest(problem, found))
+    bent = bent_from(search, found, classes)
+    if bent:
+        found, mismatch, near = bent, True, 0.0
+        lack = lack_of(problem, found.residual)
+        rivals = _rivals(search, found)
+        classes, sets = _classes(search, found, rivals, mismatch)
+    if mismatch and any(len({VARIABLES.get(n, n) for n in c}) > _MOST_ALIKE for c in classes):
+        choice = Choice("unexplained", found, lack, shape=rest_of(problem, found))
         return _with_ranks(search, choice, [none, *singles, *level, *rivals])
     status = "explained" if all(len(c) == 1 for c in classes) and not sets else "ambiguous"
     missed = not mismatch and _misses(search, found)
@@ -161,99 +154,12 @@ def _misses(search: Search, fit: Fit) -> bool:
     return bool(after > max(_LEFT * before, _FAR_OFF * e.size))
 
 
-def _gains(search: Search, old: Fit, new: Fit) -> bool:
-    """Whether more effects are worth it, on the runs that are fitted too.
-
-    A prediction alone does not say so: that of the simpler model may be off by no
-    more than its parameters are uncertain.
-    """
-    whole = total(search, old) - total(search, new)
-    return whole >= GAIN and search.score(old) - search.score(new) >= OWN
-
-
-def _rest(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
-    """Return what a fit leaves beyond noise, by the variables that would carry it."""
-    terms = Flexible(problem, fit)
-    found = terms.found(noise=noise_level(problem, fit.residual))
-    if not found and lack_of(problem, fit.residual).is_there:
-        return [("none of these", 0.0)]
-    return found
-
-
-def _seeds(level: Sequence[Fit], count: int) -> list[Fit]:
-    """Fits to which a further effect is added."""
-    seeds: list[Fit] = []
-    for fit in level:
-        # Twins of a seed give the same further fits.
-        if all(abs(fit.chi2 - s.chi2) > 1e-3 * s.chi2 + TIE for s in seeds):
-            seeds.append(fit)
-        if len(seeds) == count:
-            break
-    return seeds
-
-
-def _hopeless(problem: Problem, before: Fit, after: Fit) -> bool:
-    """Whether the last effect has left more than half of a rest far above the noise.
-
-    One more would not bring it down to noise either.
-    """
-    noise = problem.degrees() * noise_level(problem, after.residual)
-    return after.chi2 - noise > max(0.5 * (before.chi2 - noise), noise)
-
-
-def _deeper(
-    search: Search, level: Sequence[Fit], found: Fit, *, rest: bool, wide: bool
-) -> list[Fit]:
-    """Fit one effect more beside the best few if there is a rest, else beside the best.
-
-    Beside many where `wide` and those few do not do. Best first.
-    """
-    seeds = _seeds(level, 4 if rest else 1)
-    deeper = sorted(search.deepen(seeds, len(seeds)), key=lambda fit: total(search, fit))
-    if wide and deeper and _rest(search.problem, deeper[0]):
-        # The parts of a pair need not stand first when each is tried alone.
-        more = [s for s in _seeds(level, _WIDE) if s not in seeds and s.chi2 < _FAR * found.chi2]
-        deeper += search.deepen(more, len(more))
-        deeper.sort(key=lambda fit: total(search, fit))
-    return deeper
-
-
-def _carried(search: Search, level: Sequence[Fit]) -> tuple[float, Fit] | None:
-    """Find the fit that its own effects' variables bring down to noise, and furthest.
-
-    Returns it with its score, a price on every term included.
-
-    They have to carry it as well as any other variable would: what is small enough
-    to fit into everything says nothing about its cause.
-    """
-    problem = search.problem
-    found: list[tuple[float, int, Fit]] = []
-    for i, fit in enumerate(level[:_CARRIED]):
-        own = list(dict.fromkeys(VARIABLES[n] for n in fit.model.names if n in VARIABLES))
-        if not own:
-            continue
-        terms = Flexible(problem, fit)
-        left = terms.left(own)
-        noise = noise_level(problem, left)
-        worth = {v: terms.worth([v], noise) for v in terms.variables if v not in own}
-        if terms.worth(own, noise) < max(worth.values(), default=0.0) - _AS_WELL:
-            continue
-        carries = not lack_of(problem, left).is_there and not terms.found(own, noise)
-        if carries and terms.foreseen(own, noise) < _FORESEEN:
-            score = search.score(fit) - terms.worth(own, noise) * noise
-            found.append((score, i, fit))
-    if not found:
-        return None
-    score, _, fit = min(found)
-    return score, fit
-
-
 def _rivals(search: Search, found: Fit) -> list[Fit]:
     """Refit with every other effect in place of each one of the set."""
     rivals: dict[frozenset[str], Fit] = {}
     for name in found.model.names:
         if len(found.model.names) > 1:
-            base = _without(search, found, name)
+            base = without(search, found, name)
             swaps = search.extend(base, [n for n in search.names if n != name])
         else:
             swaps = [search.fits[frozenset({n})] for n in search.names]
@@ -266,14 +172,6 @@ def _rivals(search: Search, found: Fit) -> list[Fit]:
             rivals[key] = fit
     rivals.pop(names, None)
     return sorted(rivals.values(), key=lambda fit: total(search, fit))
-
-
-def _without(search: Search, found: Fit, name: str) -> Fit:
-    """Return a set with one effect less, at the values it has."""
-    names = tuple(n for n in found.model.names if n != name)
-    keep = [i for i, f in enumerate(found.model.free) if f.effect != name]
-    tail = list(range(len(found.model.free), found.theta.size))
-    return Fit(search.model(names), found.nuisances, found.theta[keep + tail])
 
 
 def is_limit(fit: Fit, name: str) -> bool:
@@ -314,7 +212,11 @@ def _classes(
         place = names.index(gone[0])
         mine = sum(f.effect == gone[0] for f in found.model.free)
         theirs = sum(f.effect == new[0] for f in rival.model.free)
-        if theirs > mine and _contains(rival, new[0], mine):
+        narrower = theirs > mine and found.chi2 - rival.chi2 < _WIDER * (theirs - mine)
+        if narrower and _contains(rival, new[0], mine):
+            continue
+        other = VARIABLES.get(new[0]) not in {VARIABLES.get(n) for n in names}
+        if mismatch and other and carries(search, rival) is None:
             continue
         if new[0] not in classes[place]:
             classes[place].append(new[0])

@@ -72,6 +72,10 @@ A mass, a slope and a friction coefficient are numbers: they have no other law.
 """
 
 _ALL = (*dict.fromkeys(VARIABLES.values()), "terrain", "acceleration")
+_SMOOTH = 2.0
+"""Knots over which a law is alike: laws bend, they do not jump."""
+_FREE = 1e-8
+"""Price of a fitted parameter's size: as good as none."""
 _SURE = 1e-4
 """Probability under noise alone below which a flexible term has found something."""
 
@@ -122,39 +126,40 @@ def _hats(
     return np.array([np.interp(values, edges, row) for row in np.eye(edges.size)])
 
 
-def _terms(variable: str, m: Motion) -> tuple[NDArray[np.float64], bool]:
-    """Basis functions along a motion, and whether they are forces (or readings)."""
+def _terms(variable: str, m: Motion) -> tuple[list[NDArray[np.float64]], bool]:
+    """Basis functions along a motion, and whether they are forces (or readings).
+
+    In groups: the terms of one are values of one smooth law, knot by knot.
+    """
     moving = m.v != 0.0
     sign = np.sign(m.v)
     every = np.ones(m.v.size, dtype=bool)
     if variable == "speed":
         forward = _hats(m.v, m.v > 0.0) * (m.v > 0.0)
         backward = _hats(m.v, m.v < 0.0) * (m.v < 0.0)
-        return np.vstack([forward, backward]), True
+        return [forward, backward], True
     if variable == "place":
-        return _hats(m.x, moving, 25) * sign, True
+        return [_hats(m.x, moving, 25) * sign], True
     if variable == "terrain":
-        return _hats(m.x, moving), True
+        return [_hats(m.x, moving)], True
     if variable == "load":
-        return _hats(np.abs(m.force), moving) * sign, True
+        return [_hats(np.abs(m.force), moving) * sign], True
     if variable == "time":
-        return _hats(m.t, moving) * sign, True
+        return [_hats(m.t, moving) * sign], True
     if variable == "swept":
-        return _hats(m.swept, m.v > 0.0) * (m.v > 0.0), True
+        return [_hats(m.swept, m.v > 0.0) * (m.v > 0.0)], True
     if variable == "turned":
-        return np.vstack(
-            [
-                _hats(m.turned, m.v > 0.0) * (m.v > 0.0),
-                _hats(m.turned, m.v < 0.0) * (m.v < 0.0),
-            ]
-        ), True
+        return [
+            _hats(m.turned, m.v > 0.0) * (m.v > 0.0),
+            _hats(m.turned, m.v < 0.0) * (m.v < 0.0),
+        ], True
     if variable == "drive":
-        return _hats(m.drive, moving, 13), True
+        return [_hats(m.drive, moving, 13)], True
     if variable == "sag":
-        return _hats(m.t, moving) * m.drive, True
+        return [_hats(m.t, moving) * m.drive], True
     if variable == "acceleration":
         rate = np.gradient(m.v, m.t + m.run * (m.t.max() + 1.0))
-        return np.vstack([_hats(rate, moving), sign[None, :]]), True
+        return [_hats(rate, moving), sign[None, :]], True
     if variable == "history":
         rows = []
         span = float(m.t.max())
@@ -164,14 +169,14 @@ def _terms(variable: str, m: Motion) -> tuple[NDArray[np.float64], bool]:
                 own = m.run == r
                 late[own] = np.interp(m.t[own] - share * span, m.t[own], m.drive[own])
             rows.append(late - m.drive)
-        return np.array(rows), True
+        return [np.array(rows)], True
     if variable == "reading":
-        return _hats(m.x, every), False
+        return [_hats(m.x, every)], False
     if variable == "clock":
-        return _hats(m.t, every), False
+        return [_hats(m.t, every)], False
     if variable == "late":
-        return _hats(m.v, every), False
-    return np.zeros((0, m.v.size)), True
+        return [_hats(m.v, every)], False
+    return [], True
 
 
 def _response(forces: NDArray[np.float64], m: Motion) -> tuple[NDArray[np.float64], ...]:
@@ -216,25 +221,29 @@ class Flexible:
         forces: list[tuple[str, NDArray[np.float64]]] = []
         readings: list[tuple[str, NDArray[np.float64]]] = []
         for variable in _ALL:
-            terms, is_force = _terms(variable, motion)
-            if len(terms):
-                (forces if is_force else readings).append((variable, terms))
+            groups, is_force = _terms(variable, motion)
+            kind = forces if is_force else readings
+            kind += [(variable, terms) for terms in groups if len(terms)]
         rows: list[NDArray[np.float64]] = []
-        names: list[str] = []
         if forces:
             dx, dv = _response(np.vstack([t for _, t in forces]), motion)
             rows.append(problem.whitened(dx, dv, fit.residual.size))
-            names += [v for v, t in forces for _ in range(len(t))]
         if readings:
             dx = np.vstack([t for _, t in readings])
             rows.append(problem.whitened(dx, np.zeros_like(dx), fit.residual.size))
-            names += [v for v, t in readings for _ in range(len(t))]
+        laws = [*forces, *readings]
+        names = [v for v, t in laws for _ in range(len(t))]
+        knots = [(i, float(k)) for i, (_, t) in enumerate(laws) for k in range(len(t))]
         if fit.theta.size:
             rows.append(jacobian_of(problem, fit))
             names += ["fit"] * fit.theta.size
+            knots += [(len(laws), 0.0)] * fit.theta.size
         basis = np.vstack(rows) if rows else np.zeros((0, fit.residual.size))
         norm = np.sqrt((basis * basis).sum(axis=1))
         seen = norm > 1e-9
+        law, knot = np.array(knots).reshape(-1, 2)[seen].T
+        apart = np.exp(-0.5 * np.square((knot[:, None] - knot) / _SMOOTH))
+        self.alike = norm[seen, None] * norm[seen] * apart * (law[:, None] == law)
         self.basis = basis[seen] / norm[seen, None]
         self.names = np.array(names, dtype=object)[seen]
         self.gram = self.basis @ self.basis.T
@@ -258,10 +267,55 @@ class Flexible:
         return float(parts @ parts), int(keep.sum()), sizes
 
     def worth(self, variables: Sequence[str], noise: float) -> float:
-        """Fall of chi2 under terms of some variables, less twice their number."""
-        fall, terms, _ = self.solve(variables)
-        base, few, _ = self.solve([])
-        return (fall - base) / noise - 2.0 * (terms - few)
+        """Return how much more likely terms of some variables make the residual.
+
+        In units of chi2: twice the logarithm of the ratio of marginal likelihoods, where
+        a variable's law is a smooth random function around 0 with one deviation, the
+        likeliest. So a term costs as much as the data can tell of it.
+        """
+        return self._likeliest(*self._root(variables, noise), noise)[1]
+
+    def _root(
+        self, variables: Sequence[str], noise: float
+    ) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+        """Return the rows of some variables' terms and a root of their sizes' covariance."""
+        rows = np.flatnonzero(np.isin(self.names, list(variables)))
+        root = np.zeros((rows.size, rows.size))
+        for variable in dict.fromkeys(variables):
+            own = np.flatnonzero(self.names[rows] == variable)
+            if own.size:
+                alike = self.alike[np.ix_(rows[own], rows[own])]
+                part = np.linalg.cholesky(alike + 1e-9 * np.diag(np.diag(alike)))
+                factor = self._likeliest(rows[own], part, noise)[0]
+                root[np.ix_(own, own)] = factor * part
+        return rows, root
+
+    def _likeliest(
+        self, rows: NDArray[np.intp], root: NDArray[np.float64], noise: float
+    ) -> tuple[float, float]:
+        """Return the factor on deviations that is likeliest, and what it is worth."""
+        if not rows.size:
+            return 0.0, 0.0
+        beside = np.flatnonzero(self.names == "fit")
+        gram, moments = self.gram[np.ix_(rows, rows)], self.moments[rows]
+        if beside.size:
+            values, vectors = np.linalg.eigh(self.gram[np.ix_(beside, beside)])
+            keep = values > 1e-8 * values[-1]
+            along = (vectors[:, keep] / np.sqrt(values[keep])).T
+            shared = along @ self.gram[np.ix_(beside, rows)]
+            gram = gram - shared.T @ shared
+            moments = moments - shared.T @ (along @ self.moments[beside])
+        values, vectors = np.linalg.eigh(root.T @ gram @ root / noise)
+        keep = values > 1e-8 * max(values[-1], 1e-300)
+        values, vectors = values[keep], vectors[:, keep]
+        if not values.size:
+            return 0.0, 0.0
+        squares = (vectors.T @ (root.T @ moments)) ** 2 / (values * noise**2)
+        factors = np.geomspace(1e-2, 1e6, 121) / np.sqrt(values[-1])
+        signal = np.square(factors)[:, None] * values
+        worth = (squares * signal / (1.0 + signal) - np.log1p(signal)).sum(axis=1)
+        best = int(np.argmax(worth))
+        return float(factors[best]), float(worth[best])
 
     def left(self, variables: Sequence[str]) -> NDArray[np.float64]:
         """Return the residual beside terms of some variables."""
@@ -269,29 +323,45 @@ class Flexible:
         return self.residual - sizes @ self.basis if sizes.size else self.residual
 
     def foreseen(self, variables: Sequence[str], noise: float) -> float:
-        """Share of what is left that terms of some variables also leave in each run unseen.
+        """Return how much better terms of some variables foretell each run from the others.
 
-        Their sizes come from all other runs; 1 where there is but one run. What a term
-        makes worse counts no more than twice.
+        In units of chi2: twice the difference in the logarithm of the density of what is
+        left in a run, given all others, with the terms and without; summed over the runs.
+        A law that other runs cannot tell is foretold with little certainty and loses
+        nothing; one that was bent to them, and does not hold in this one, loses much.
         """
-        rows = np.flatnonzero(np.isin(self.names, ["fit", *variables]))
-        if len(self._places) < 2 or not rows.size:
-            return 1.0
-        before = after = 0.0
-        for place in self._places:
-            others = np.ones(self.residual.size, dtype=bool)
-            others[place] = False
-            basis = self.basis[rows]
-            rest = basis[:, others]
-            values, vectors = np.linalg.eigh(rest @ rest.T)
-            keep = values > 1e-6 * values[-1]
-            along = vectors[:, keep].T @ (rest @ self.residual[others])
-            e = self.residual[place]
-            e = e - (vectors[:, keep] @ (along / values[keep])) @ basis[:, place]
-            old = float(self.residual[place] @ self.residual[place])
-            before += old - noise * place.size
-            after += min(float(e @ e), 2.0 * old) - noise * place.size
-        return after / before if before > 0.0 else 1.0
+        terms, root = self._root(variables, noise)
+        beside = self.basis[self.names == "fit"]
+        if not root.any():
+            return 0.0
+        every = np.vstack([beside, root.T @ self.basis[terms]])
+        price = np.concatenate([np.full(len(beside), _FREE), np.ones(terms.size)])
+        return sum(
+            self._surprise(place, beside, price[: len(beside)], noise)
+            - self._surprise(place, every, price, noise)
+            for place in self._places
+        )
+
+    def _surprise(
+        self,
+        place: NDArray[np.intp],
+        basis: NDArray[np.float64],
+        price: NDArray[np.float64],
+        noise: float,
+    ) -> float:
+        """Return what one run leaves, given the others: minus twice its logarithmic density."""
+        e = self.residual[place]
+        if not len(basis):
+            return float(e @ e) / noise
+        here = basis[:, place]
+        own = here @ here.T / noise
+        known = basis @ basis.T / noise - own + np.diag(price)
+        both = known + own
+        sizes = np.linalg.solve(known, (basis @ self.residual - here @ e) / noise)
+        e = e - sizes @ here
+        along = here @ e / noise
+        square = float(e @ e) / noise - float(along @ np.linalg.solve(both, along))
+        return square + float(np.linalg.slogdet(both)[1] - np.linalg.slogdet(known)[1])
 
     def found(self, beside: Sequence[str] = (), noise: float = 1.0) -> list[tuple[str, float]]:
         """Return the variables in which something is left, and the share of chi2 they carry.

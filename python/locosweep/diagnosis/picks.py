@@ -11,7 +11,12 @@ from locosweep.diagnosis.fit import Fit
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["apart", "chi2_of", "hopeful", "promising", "scaled"]
+    from numpy.typing import NDArray
+
+__all__ = ["SCALED", "apart", "best_pairs", "chi2_of", "hopeful", "promising", "scaled"]
+
+SCALED = 4.0
+"""How many times larger than its start an effect is taken to act in proportion."""
 
 
 def chi2_of(fit: Fit) -> float:
@@ -69,3 +74,62 @@ def apart(fits: Sequence[Fit], count: int) -> list[Fit]:
         if len(chosen) == count:
             break
     return chosen
+
+
+def best_pairs(
+    alone: Sequence[Fit],
+    changes: NDArray[np.float64],
+    residual: NDArray[np.float64],
+    free: NDArray[np.float64],
+    count: int,
+) -> list[tuple[int, int, tuple[float, float]]]:
+    """Pick starts of two effects whose changes of the residual, scaled, cancel most of it.
+
+    Parameters
+    ----------
+    alone : sequence of Fit
+        Starts of single effects.
+    changes : ndarray
+        What each changes of the residual, a row each.
+    residual : ndarray
+        What is to be cancelled.
+    free : ndarray
+        Derivatives of the residual that may be refitted beside, a row each.
+    count : int
+        Pairs of effects, at most.
+
+    Returns
+    -------
+    list of tuple
+        Places of the two starts and their factors; best first, one for each pair of effects.
+    """
+    if len(free):
+        basis = np.linalg.qr(free.T)[0]
+        changes = changes - (changes @ basis) @ basis.T
+    gram, along = changes @ changes.T, -(changes @ residual)
+    own = np.diag(gram)
+    seen = own > 1e-12 * max(float(own.max(initial=0.0)), 1e-300)
+    safe = np.where(seen, own, 1.0)
+    determinant = safe[:, None] * safe - gram**2
+    apart_enough = determinant > 1e-4 * safe[:, None] * safe
+    first = (along[:, None] * safe - along * gram) / np.where(apart_enough, determinant, 1.0)
+    first = np.clip(first, -SCALED, SCALED)
+    # The second one answers to what the first one is held to.
+    second = np.clip((along - first * gram) / safe, -SCALED, SCALED)
+    left = (
+        -2.0 * (first * along[:, None] + second * along)
+        + first**2 * safe[:, None]
+        + second**2 * safe
+        + 2.0 * first * second * gram
+    )
+    names = np.array([fit.model.names[0] for fit in alone], dtype=object)
+    left = np.where(apart_enough & seen[:, None] & seen, left, np.inf)
+    left[names[:, None] == names] = np.inf
+    found: dict[frozenset[str], tuple[int, int, tuple[float, float]]] = {}
+    for place in np.argsort(left, axis=None, kind="stable"):
+        i, j = divmod(int(place), len(alone))
+        if len(found) == count or not np.isfinite(left[i, j]):
+            break
+        pair = frozenset({names[i], names[j]})
+        found.setdefault(pair, (i, j, (float(first[i, j]), float(second[i, j]))))
+    return list(found.values())

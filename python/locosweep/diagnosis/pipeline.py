@@ -131,15 +131,22 @@ def diagnose(
     spread = _spread(robot)
     search = _search_of(problem, spread, scale, names, say, judges=not by_user)
     choice = choose(search, max_effects)
-    if choice.refuted and held and not by_user and shots is None:
-        # What few runs leave open to an uncertain model, the others may refute.
-        warnings.append(
-            "the runs kept from the fit refute what the others allow: all are fitted, "
-            "and how far the gap shrinks on unseen ones is not known"
-        )
+    quiet = choice.status == "none"
+    if (quiet or choice.refuted) and held and not by_user and shots is None:
+        # What few runs leave open to an uncertain model, the others may refute; and what
+        # shows in one run alone, that run has to show.
         problem = replace(uncut, held=())
-        search = _search_of(problem, spread, scale, names, say, judges=True)
-        choice = choose(search, max_effects)
+        every = _search_of(problem, spread, scale, names, say, judges=True)
+        every.hints = search.fits
+        found = choose(every, max_effects)
+        if choice.refuted or found.status != "none":
+            search, choice = every, found
+            said = "show a gap that the others do not"
+            said = said if quiet else "refute what the others allow"
+            warnings.append(
+                f"the runs kept from the fit {said}: all are fitted, "
+                "and how far the gap shrinks on unseen ones is not known"
+            )
     elif choice.refuted and choice.fit.model.names:
         warnings.append("the runs kept from the fit refute what the others allow")
         sure = float(np.clip(1.0 - choice.probability, 0.5, 0.95))
@@ -263,6 +270,8 @@ def _report(
             "start_speed_free": [problem.runs[r].label for r in search.nuisances.moving],
         },
     }
+    if choice.unlisted:
+        verdict["unlisted"] = {"variable": choice.unlisted, "effects": list(choice.fit.model.names)}
     if near:
         part = shots.without_worst(nominal_point, nearer, gap["channel"]) if shots else None
         verdict["nearest"] = {**near.told(), "shrink_without_worst": part, "runs": rows}

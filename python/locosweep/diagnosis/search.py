@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import product
 from typing import TYPE_CHECKING
 
@@ -18,11 +18,11 @@ from locosweep.diagnosis.fit import (
     start_fits,
 )
 from locosweep.diagnosis.lack import lack_of
-from locosweep.diagnosis.picks import apart, chi2_of, hopeful, promising, scaled
+from locosweep.diagnosis.picks import SCALED, apart, best_pairs, chi2_of, hopeful, promising, scaled
 from locosweep.diagnosis.starts import parameters_of, starts_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -50,7 +50,7 @@ _AT_ONCE = 32
 """Ripples that are looked at side by side; their residuals are kept meanwhile."""
 _DENSE = 161
 """Values of a parameter that no derivative sees."""
-_LEAPS = tuple(sign * 0.5 * 0.7**k for k in range(13) for sign in (-1.0, 1.0))
+_LEAPS = tuple(sign * 0.5 * 0.7**k for k in range(27) for sign in (-1.0, 1.0))
 """Changes of one parameter that are tried, in units of its size."""
 _NOMINAL = 9
 """Starts of the nominal model that are followed."""
@@ -65,8 +65,8 @@ _FIRST = 3
 _SLACK = 200.0
 """Scores further behind the best one than this, by what derivatives promise, are out of
 reach of it also along a valley that bends."""
-_SCALED = 4.0
-"""How many times larger than its start an effect is taken to act in proportion."""
+_MANY = 8
+"""Pairs that are replayed for each that is fitted."""
 _BETTERED = 1.5
 """What a set of effects may promise to leave, of what the best one of its size leaves."""
 _HINT = 5.0
@@ -86,6 +86,9 @@ class Search:
     report: Callable[[str], None]
     judges: bool = True
     """Whether the runs that fits do not see take part in the choice."""
+
+    hints: Mapping[frozenset[str], Fit] = field(default_factory=dict)
+    """Fits of the same sets to other runs: more places to start from."""
 
     def __post_init__(self) -> None:
         self.unseen: dict[int, tuple[Fit, float]] = {}
@@ -137,12 +140,14 @@ class Search:
                 rows = np.vstack([self._ripples(base), rows])
             if base is not None:
                 rows = np.hstack([np.tile(base.parameters, (len(rows), 1)), rows])
-            fits.extend(start_fits(self.nuisances, self.model((*held, name)), rows))
+            model = self.model((*held, name))
+            rows = np.vstack([*self._hinted(model), rows])
+            fits.extend(start_fits(self.nuisances, model, rows))
             known = base or self.none
             nuisance = known.theta[len(known.model.free) :]
             if base is None and self.nuisances.shares:
                 # The nominal model's shares may be bent to hide the gap.
-                fits.extend(start_fits(self.nuisances, fits[-1].model, rows))
+                fits.extend(start_fits(self.nuisances, model, rows))
             for fit in fits[-len(rows) :]:
                 fit.theta[fit.theta.size - nuisance.size :] = nuisance
         known = base or self.none
@@ -164,6 +169,52 @@ class Search:
             # As it stands, the best start; what promises most, as strong as it promises it.
             starts += [] if quiet else [min(group, key=chi2_of)]
             starts += [scaled(fit, scales[id(fit)]) for fit in picked]
+        leaps = _CLOSE if base is None else _CLOSE // 2
+        return self._followed(starts, telling, leaps, quiet=quiet)
+
+    def together(self, count: int) -> list[Fit]:
+        """Fit the pairs whose two changes of the nominal motion, added up, promise most.
+
+        Neither of them need stand out alone.
+        """
+        known, runs = self.none, self._telling(self.none)
+        alone: list[Fit] = []
+        for name in self.names:
+            rows = starts_of(name, self.scale)
+            fitted = self.fits.get(frozenset({name}))
+            model = self.model((name,))
+            rows = rows[:: -(-len(rows) // _ROWS)]
+            rows = np.vstack([fitted.parameters, rows]) if fitted else rows
+            alone += start_fits(self.nuisances, model, rows)
+        nuisance = known.theta[len(known.model.free) :]
+        for fit in alone:
+            fit.theta[fit.theta.size - nuisance.size :] = nuisance
+        same = Fit(known.model, known.nuisances, known.theta)
+        evaluate(self.problem, [same], runs)
+        free = np.nan_to_num(jacobian_of(self.problem, same, runs))
+        changes = []
+        for fit in alone:
+            evaluate(self.problem, [fit], runs)
+            changes.append(fit.residual - same.residual)
+            fit.residual = np.zeros(0)
+        starts = []
+        for i, j, sizes in best_pairs(alone, np.array(changes), same.residual, free, _MANY * count):
+            model = self.model((alone[i].model.names[0], alone[j].model.names[0]))
+            for a, b in (sizes, (1.0, 1.0)):
+                row = np.concatenate(
+                    [scaled(alone[i], a).parameters, scaled(alone[j], b).parameters]
+                )
+                starts += start_fits(self.nuisances, model, row[None, :])
+                starts[-1].theta[starts[-1].theta.size - nuisance.size :] = nuisance
+        # What they leave, not what sums of small changes promise, says which are followed.
+        self._scan(starts, runs, None)
+        starts = sorted(starts, key=chi2_of)[:count]
+        return self._followed(starts, runs, _CLOSE, quiet=False)
+
+    def _followed(
+        self, starts: list[Fit], telling: list[int], leaps: int, *, quiet: bool
+    ) -> list[Fit]:
+        """Fit from starts, those that may come near the best to their end; best first."""
         if not quiet:
             # The first steps from poor starts need not see all runs.
             evaluate(self.problem, starts, telling)
@@ -187,7 +238,7 @@ class Search:
         fit_all(self.problem, ties, steps=steps)
         close.sort(key=chi2_of)
         near = [f for f in close if f.chi2 < _NEAR * close[0].chi2]
-        self._leap(near[: _CLOSE if base is None else _CLOSE // 2], steps)
+        self._leap(near[:leaps], steps)
         found: dict[frozenset[str], Fit] = {}
         for fit in best:
             key = frozenset(fit.model.names)
@@ -196,6 +247,16 @@ class Search:
             if key not in self.fits or fit.chi2 < self.fits[key].chi2:
                 self.fits[key] = fit
         return sorted((self.fits[key] for key in found), key=chi2_of)
+
+    def _hinted(self, model: Model) -> list[NDArray[np.float64]]:
+        """Return the parameters of a set as other runs have them, if any."""
+        hint = self.hints.get(frozenset(model.names))
+        if hint is None:
+            return []
+        values = dict(
+            zip(((f.effect, f.name) for f in hint.model.free), hint.parameters, strict=True)
+        )
+        return [np.array([values[f.effect, f.name] for f in model.free])]
 
     def _to_beat(self, count: int, runs: list[int]) -> float:
         """Chi2 on some runs that a further set of so many effects has to promise."""
@@ -303,6 +364,11 @@ class Search:
                 theta = fit.theta.copy()
                 theta[i] = np.clip(theta[i] + leap * unit, low, high)
                 trials.append(Fit(fit.model, fit.nuisances, theta))
+        for i in range(len(fit.model.free) + len(fit.nuisances.shares), fit.theta.size):
+            # A run's start that another model's fit has bent may lie in a valley of its own.
+            theta = fit.theta.copy()
+            theta[i] = 0.0
+            trials.append(Fit(fit.model, fit.nuisances, theta))
         return trials
 
     def _telling(self, fit: Fit) -> list[int]:
@@ -341,7 +407,7 @@ class Search:
                     change = fit.residual - known.residual
                     change -= basis @ (basis.T @ change)
                     size, along = float(change @ change), -float(change @ known.residual)
-                    scale = np.clip(along / size, -_SCALED, _SCALED) if size > 0.0 else 0.0
+                    scale = np.clip(along / size, -SCALED, SCALED) if size > 0.0 else 0.0
                     best = known.chi2 - scale * (2.0 * along - scale * size)
                     reach[id(fit)] = min(fit.chi2, best) if np.isfinite(best) else fit.chi2
                     scales[id(fit)] = float(scale) if np.isfinite(best) else 1.0

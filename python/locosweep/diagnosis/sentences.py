@@ -38,6 +38,9 @@ def summary(report: dict[str, Any]) -> str:
         near = ""
         if nearest := verdict.get("nearest"):
             near = _near(nearest, report["candidates"])
+        elif unlisted := verdict.get("unlisted"):
+            names = " with ".join(map(_said, unlisted["effects"]))
+            near = f"; {names} would do, and so would one force along the way"
         elif "nearest" in verdict:
             near = "; none makes it surely smaller"
         elif best and best["shrink"] is not None:

@@ -137,7 +137,8 @@ def _table(
     def critical(stiffness: float) -> float:
         return 2.0 * float(np.sqrt(stiffness * s.mass))
 
-    omega = [2 * np.pi * f for f in (2.0, 5.0, 12.0, 30.0)]
+    # The last ones ring within a sample of most sensors: rigid but for the mass behind them.
+    omega = [2 * np.pi * f for f in (2.0, 5.0, 12.0, 30.0, 100.0, 300.0)]
     return {
         "viscous_friction": {
             "c": (False, viscosity, _SIGNED, -s.viscous, inf, 0.0),
@@ -254,7 +255,14 @@ def _table(
                 3 * critical(s.mass * 1e6),
                 _NONE,
             ),
-            "m_d": (True, 1.0, [s.mass * r for r in (0.1, 0.7)], 1e-3 * s.mass, 10 * s.mass, _NONE),
+            "m_d": (
+                True,
+                1.0,
+                [s.mass * r for r in (0.01, 0.1, 0.7)],
+                1e-3 * s.mass,
+                10 * s.mass,
+                _NONE,
+            ),
         },
         "slope_error": {"d_alpha_deg": (False, degree, _SIGNED, -45.0, 45.0, 0.0)},
         "payload_mass": {"dm": (False, s.mass, (*_SIGNED, 1.0), -0.95 * s.mass, 20 * s.mass, 0.0)},

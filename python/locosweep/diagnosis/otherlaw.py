@@ -1,0 +1,97 @@
+"""Another law of the same cause, and causes that are in no list."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from locosweep.diagnosis.flexible import VARIABLES, Flexible
+from locosweep.diagnosis.lack import lack_of, noise_level
+from locosweep.diagnosis.score import GAIN
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from locosweep.diagnosis.fit import Fit
+    from locosweep.diagnosis.search import Search
+
+__all__ = ["UNLISTED", "bent_from", "carried_by", "carries", "elsewhere"]
+
+_CARRIED = 6
+"""Fits whose own variables are tried on what they leave."""
+_AS_WELL = 12.0
+"""How much less than another variable the own one may be worth."""
+UNLISTED = "terrain"
+"""A force by the place alone, whichever way the head goes: a tether, a magnet, a bump."""
+_BENT = 0.02
+"""Share of a gap below which an effect through another one's variable is no cause of its own."""
+
+
+def carried_by(search: Search, level: Sequence[Fit]) -> tuple[float, Fit] | None:
+    """Find the fit that its own effects' variables bring down to noise, and furthest.
+
+    Returns it with its score, a price on every term included.
+    """
+    scores = [(carries(search, fit), i) for i, fit in enumerate(level[:_CARRIED])]
+    found = [(score, i) for score, i in scores if score is not None]
+    if not found:
+        return None
+    score, i = min(found)
+    return score, level[i]
+
+
+def carries(search: Search, fit: Fit) -> float | None:
+    """Score of a fit with other laws of its effects; none where those do not do.
+
+    They have to carry what is left as well as any other variable would: what is small
+    enough to fit into everything says nothing about its cause.
+    """
+    own = list(dict.fromkeys(VARIABLES[n] for n in fit.model.names if n in VARIABLES))
+    if not own:
+        return None
+    problem = search.problem
+    terms = Flexible(problem, fit)
+    left = terms.left(own)
+    noise = noise_level(problem, left)
+    worth = terms.worth(own, noise)
+    others = (terms.worth([v], noise) for v in terms.variables if v not in own)
+    if worth < max(others, default=0.0) - _AS_WELL:
+        return None
+    if lack_of(problem, left).is_there or terms.found(own, noise):
+        return None
+    return search.score(fit) - worth * noise if terms.foreseen(own, noise) > 0.0 else None
+
+
+def elsewhere(search: Search, found: Fit, score: float) -> bool:
+    """Whether one force along the way would do as well as several effects or another law.
+
+    It has to do better than one of them beside the others; as well as all of them is
+    enough, being one cause in place of several.
+    """
+    names = frozenset(found.model.names)
+    sets = dict.fromkeys([frozenset[str](), *(names - {name} for name in names)])
+    noise = noise_level(search.problem, found.residual)
+    for fit in (search.fits[key] for key in sets if key in search.fits):
+        worth = Flexible(search.problem, fit).worth([UNLISTED], noise)
+        margin = 0.0 if fit.model.names else GAIN
+        if search.score(fit) - worth * noise < score + margin:
+            return True
+    return False
+
+
+def bent_from(search: Search, found: Fit, classes: Sequence[Sequence[str]]) -> Fit | None:
+    """Find the set without an effect that only bends the law of another one.
+
+    Two effects through one variable, of which one adds next to nothing: that is one
+    cause, by another law than its formula.
+    """
+    names = found.model.names
+    for name, alike in zip(names, classes, strict=True):
+        rest = frozenset(names) - {name}
+        fewer = search.fits.get(rest)
+        if not rest or fewer is None:
+            continue
+        through = {VARIABLES.get(n) for n in rest} - {None}
+        gain, whole = fewer.chi2 - found.chi2, search.none.chi2 - found.chi2
+        if through & {VARIABLES.get(n) for n in alike} and gain < min(_BENT * whole, 5.0 * GAIN):
+            return fewer
+    return None

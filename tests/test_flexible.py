@@ -1,0 +1,120 @@
+"""Flexible terms: another law of an effect, and variables that no effect acts through."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import polars as pl
+import pytest
+
+from locosweep.diagnosis import diagnose
+from locosweep.diagnosis.fit import Nuisances, fit_all, start_fits
+from locosweep.diagnosis.flexible import Flexible
+from locosweep.diagnosis.problem import Problem
+from locosweep.diagnosis.search import Search
+from locosweep.diagnosis.starts import scale_of
+from locosweep.measured import runs_from_frame
+from test_diagnosis import ROBOT, drives, measured, tethered
+
+FLAT = 1e4
+"""Deviation of a fitted parameter's size: it may be anything."""
+
+
+def terms_beside(frame: pl.DataFrame, *names: str) -> Flexible:
+    """Terms beside the fit of some effects to measured runs."""
+    records = runs_from_frame(frame)
+    scale = scale_of(ROBOT, records)
+    problem = Problem(ROBOT, records, 1, pace=scale.speed)
+    nuisances = Nuisances((), (0.0, 0.0, 0.0, 0.0), scale.speed)
+    search = Search(problem, nuisances, scale, names, lambda _: None)
+    fit = search.none
+    if names:
+        model = search.model(names)
+        fit = start_fits(nuisances, model, np.zeros((1, len(model.free))))[0]
+        fit_all(problem, [fit], steps=20)
+    return Flexible(problem, fit)
+
+
+def log_density(
+    terms: Flexible, variables: list[str], spread: float, places: np.ndarray | slice
+) -> float:
+    """Of residuals at some places, the sizes of terms and of fitted values integrated out."""
+    own = np.isin(terms.names, variables)
+    sizes = spread**2 * terms.alike * (own[:, None] & own)
+    sizes += FLAT**2 * np.diag(terms.names == "fit")
+    basis, residual = terms.basis[:, places], terms.residual[places]
+    covariance = np.eye(residual.size) + basis.T @ sizes @ basis
+    square = residual @ np.linalg.solve(covariance, residual)
+    return -0.5 * float(square + np.linalg.slogdet(covariance)[1])
+
+
+@pytest.mark.parametrize("names", [(), ("coulomb_error",)])
+def test_worth_is_the_ratio_of_marginal_likelihoods(names: tuple[str, ...]) -> None:
+    frame = measured({"quadratic_drag": {"c2": 0.05}}, drives(count=2, samples=80))
+    terms = terms_beside(frame, *names)
+    without = log_density(terms, [], 0.0, slice(None))
+    for variable in ("speed", "drive", "place"):
+        # The likeliest deviation, looked for without the decomposition that is tested.
+        tried = [
+            log_density(terms, [variable], spread, slice(None))
+            for spread in np.geomspace(1e-6, 1.0, 61)
+        ]
+        assert terms.worth([variable], 1.0) == pytest.approx(
+            2.0 * (max(tried) - without), rel=0.02, abs=0.3
+        )
+
+
+def test_runs_are_foretold_by_the_density_given_the_others() -> None:
+    frame = measured({"quadratic_drag": {"c2": 0.05}}, drives(count=3, samples=60))
+    terms = terms_beside(frame)
+    rows, root = terms._root(["speed"], 1.0)
+    deviation = float(root[0, 0] / np.sqrt(terms.alike[rows[0], rows[0]]))
+    gain = 0.0
+    for place in terms._places:
+        others = np.setdiff1d(np.arange(terms.residual.size), place)
+        for sign, variables in ((1.0, ["speed"]), (-1.0, [])):
+            whole = log_density(terms, variables, deviation, slice(None))
+            gain += sign * 2.0 * (whole - log_density(terms, variables, deviation, others))
+    assert terms.foreseen(["speed"], 1.0) == pytest.approx(gain, rel=1e-3)
+
+
+def test_what_does_not_come_again_is_not_foreseen() -> None:
+    """A push at another time in every run: each bends a law of time, none foretells the next."""
+    runs = drives(count=4)
+    pushed = [
+        replace(run, drive=run.drive + 0.1 * np.sin(5.0 * run.t + 1.7 * i))
+        for i, run in enumerate(runs)
+    ]
+    frame = measured({}, pushed).with_columns(
+        drive=pl.Series(np.concatenate([r.drive for r in runs]))
+    )
+    once = terms_beside(frame)
+    again = terms_beside(measured({"friction_drift": {"a": 0.05, "T": 1.0}}, runs))
+    assert once.worth(["time"], 1.0) > 100.0
+    assert once.foreseen(["time"], 1.0) < 0.0 < again.foreseen(["time"], 1.0)
+
+
+def test_an_effect_that_only_bends_another_ones_law_is_not_named() -> None:
+    lag = {"drive_lag": {"T": 0.03}, "drive_delay": {"T": 5e-5}}
+    found = diagnose(measured(lag, drives()), ROBOT)
+    assert found.effects == ["drive_lag"], found
+    assert found.law_mismatch
+    # As large as the lag itself it is a cause of its own.
+    both = {"drive_lag": {"T": 0.03}, "drive_delay": {"T": 0.03}}
+    assert len(diagnose(measured(both, drives()), ROBOT).effects) == 2
+
+
+def test_nothing_is_named_where_one_force_along_the_way_would_do() -> None:
+    found = diagnose(tethered(drives(both=False, samples=150), 0.1, slack=0.2), ROBOT)
+    assert found.status == "unexplained", found
+    assert found.report["verdict"]["unlisted"]["variable"] == "terrain"
+    assert "so would one force along the way" in found.summary
+
+
+def test_what_only_the_run_that_was_kept_shows_is_found() -> None:
+    runs = drives(count=4)
+    limit = 0.97 * max(np.abs(run.drive).max() for run in runs)
+    frame = measured({"drive_saturation": {"F_max": limit}}, runs)
+    found = diagnose(frame, ROBOT)
+    assert found.effects == ["drive_saturation"], found
