@@ -110,6 +110,8 @@ def scale_of(robot: Robot, runs: Sequence[Run]) -> Scale:
     )
 
 
+# Share of the dry friction that is always left.
+_LEAST = 1e-3
 # Standard deviations that an uncertain value may be off.
 _DOUBT = 3.0
 # With these beside it, friction at rest may lie below the nominal Coulomb level and
@@ -127,6 +129,9 @@ def _table(
     s: Scale,
 ) -> dict[str, dict[str, tuple[bool, float, Sequence[float], float, float, float]]]:
     inf = np.inf
+    # Dry friction that is 0 makes bristles infinitely stiff: steps of no length.
+    most = 1.0 - _LEAST
+    some = _LEAST * s.level
     viscosity = s.force / s.speed
     slow = [s.duration * share for share in (0.03, 0.1, 0.3, 1.0, 3.0)]
     fast = [
@@ -178,11 +183,11 @@ def _table(
             ),
         },
         "direction_dependent_friction": {
-            "F_c_forward": (False, s.level, (0.8, 0.95, 1.05, 1.2), 0.0, inf, s.level),
-            "F_c_backward": (False, s.level, (0.8, 0.95, 1.05, 1.2), 0.0, inf, s.level),
+            "F_c_forward": (False, s.level, (0.8, 0.95, 1.05, 1.2), some, inf, s.level),
+            "F_c_backward": (False, s.level, (0.8, 0.95, 1.05, 1.2), some, inf, s.level),
         },
         "position_dependent_friction": {
-            "a": (False, 1.0, (0.05,), -1.0, 1.0, 0.0),
+            "a": (False, 1.0, (0.05,), -most, most, 0.0),
             "L": (
                 True,
                 1.0,
@@ -195,7 +200,7 @@ def _table(
         },
         "load_dependent_friction": {"mu_l": (False, 1.0, _SIGNED, -1.0, 10.0, 0.0)},
         "friction_drift": {
-            "a": (False, 1.0, (-0.3, -0.1, -0.01, 0.01, 0.1, 0.3), -1.0, 10.0, 0.0),
+            "a": (False, 1.0, (-0.3, -0.1, -0.01, 0.01, 0.1, 0.3), -most, 10.0, 0.0),
             "T": (True, 1.0, slow, 0.01 * s.duration, 10 * s.duration, _NONE),
         },
         "lubricant_buildup": {"k_b": (False, s.force / s.travel, _POSITIVE, 0.0, inf, 0.0)},
@@ -266,9 +271,9 @@ def _table(
         },
         "slope_error": {"d_alpha_deg": (False, degree, _SIGNED, -45.0, 45.0, 0.0)},
         "payload_mass": {"dm": (False, s.mass, (*_SIGNED, 1.0), -0.95 * s.mass, 20 * s.mass, 0.0)},
-        "coulomb_error": {"d_force": (False, s.level, _SIGNED, -inf, inf, 0.0)}
+        "coulomb_error": {"d_force": (False, s.level, _SIGNED, some - s.level, inf, 0.0)}
         if s.has_force_level
-        else {"d_mu": (False, s.level / s.weight, _SIGNED, -inf, inf, 0.0)},
+        else {"d_mu": (False, s.level / s.weight, _SIGNED, -most * s.level / s.weight, inf, 0.0)},
         "anchor_slip": {
             "mu_static": (
                 True,

@@ -215,7 +215,7 @@ impl<'a> Worker<'a> {
         let Request { entry, reduce } = &self.job.requests[request];
         let padded = len.next_multiple_of(PADDING);
         let mut scratch = std::mem::take(&mut self.scratch);
-        // Every kernel fills it: only the length counts.
+        // Kernels fill what is asked for; what pads a vector up is never handed on.
         scratch.values.resize(padded, f64::NAN);
         scratch.cells = len;
         match reduce {
