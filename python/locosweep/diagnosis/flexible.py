@@ -329,10 +329,11 @@ class Flexible:
         left in a run, given all others, with the terms and without; summed over the runs.
         A law that other runs cannot tell is foretold with little certainty and loses
         nothing; one that was bent to them, and does not hold in this one, loses much.
+        0 where there is but one run: nothing foretells it.
         """
         terms, root = self._root(variables, noise)
         beside = self.basis[self.names == "fit"]
-        if not root.any():
+        if len(self._places) < 2 or not root.any():
             return 0.0
         every = np.vstack([beside, root.T @ self.basis[terms]])
         price = np.concatenate([np.full(len(beside), _FREE), np.ones(terms.size)])

@@ -36,11 +36,11 @@ def summary(report: dict[str, Any]) -> str:
     if verdict["status"] == "unexplained":
         best = next((c for c in report["candidates"] if c["effects"]), None)
         near = ""
-        if nearest := verdict.get("nearest"):
-            near = _near(nearest, report["candidates"])
-        elif unlisted := verdict.get("unlisted"):
+        if unlisted := verdict.get("unlisted"):
             names = " with ".join(map(_said, unlisted["effects"]))
             near = f"; {names} would do, and so would one force along the way"
+        elif nearest := verdict.get("nearest"):
+            near = _near(nearest, report["candidates"])
         elif "nearest" in verdict:
             near = "; none makes it surely smaller"
         elif best and best["shrink"] is not None:
