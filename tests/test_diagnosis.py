@@ -258,3 +258,25 @@ def test_practice(case: str) -> None:
             read[bool(model.effects)] = float(np.sqrt(np.nanmean((kept - x) ** 2)))
         shrink = 1.0 - read[True] / read[False]
         assert shrink > 0.5
+
+
+def test_valley_that_bends() -> None:
+    """Fits to whole runs of stick-slip stop far from the truth; windows lead there."""
+    t = np.linspace(0.0, 10.0, 2000)
+    runs = []
+    for k in range(6):
+        wave = np.sin(2.0 * np.pi * (0.4 + 0.13 * k) * t)
+        drive = (0.9 + 0.12 * k) * (wave if k % 2 else np.sign(wave) * (np.abs(wave) > 0.4))
+        drive[t < 0.1] = 0.0
+        runs.append(Run(str(k), t, drive, {"x": np.zeros(t.size)}))
+    truth = {"F_s": 0.9, "v_s": 0.03, "delta": 1.5}
+    robot = replace(ROBOT, parameters={**ROBOT.parameters, "viscous": 0.0})
+    frame = replay_runs(replace(robot, effects={"stribeck_friction": truth}), runs)
+    noise = np.random.default_rng(1).normal(0.0, NOISE, frame.height)
+    drive = pl.Series("drive", np.concatenate([run.drive for run in runs]))
+    measured_runs = frame.select("run", "t", pl.col("x") + pl.Series(noise)).with_columns(drive)
+    found = diagnose(measured_runs, robot)
+    assert (found.status, found.equivalent) == ("explained", [["stribeck_friction"]])
+    assert not found.report["verdict"]["law_mismatch"]
+    values = found.augmented.effects["stribeck_friction"]
+    assert values == pytest.approx(truth, rel=0.01)

@@ -10,6 +10,7 @@ import numpy as np
 from locosweep.diagnosis.deeper import deepened, hopeless, pruned, without
 from locosweep.diagnosis.fit import Fit, point_of
 from locosweep.diagnosis.flexible import VARIABLES, Flexible
+from locosweep.diagnosis.in_windows import WindowSearches
 from locosweep.diagnosis.lack import lack_of
 from locosweep.diagnosis.otherlaw import UNLISTED, bent_from, carried_by, carries, elsewhere
 from locosweep.diagnosis.score import GAIN, gains, rest_of, total
@@ -83,7 +84,13 @@ def choose(search: Search, most: int) -> Choice:
     problem = search.problem
     none = search.none
     search.report("single effects")
-    singles = sorted(search.singles(), key=lambda fit: total(search, fit))
+    singles = search.singles()
+    windows = None
+    if singles and search.leaves_much(singles[0]):
+        windows = WindowSearches(search)
+        windows.singles()
+        singles = search.leaped()
+    singles.sort(key=lambda fit: total(search, fit))
     best = singles[0] if singles else none
     if not gains(search, none, best):
         rest = rest_of(problem, none)
@@ -103,7 +110,9 @@ def choose(search: Search, most: int) -> Choice:
         if count <= most and not (count > 2 and hopeless(problem, before, found)):
             search.report(f"{count} effects at once")
             wide = bool(rest) and count == 2 and not carried
-            deeper = deepened(search, level, found, rest=bool(rest), wide=wide)
+            deeper = deepened(
+                search, level, found, rest=bool(rest), wide=wide, windows=windows if wide else None
+            )
             near = total(search, found) - total(search, deeper[0]) if deeper else 0.0
             deeper = [fit for fit in deeper if gains(search, found, fit)]
         if carried and not (deeper and search.score(deeper[0]) < carried[0]):

@@ -11,6 +11,7 @@ from locosweep.diagnosis.score import gains, rest_of, total
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from locosweep.diagnosis.in_windows import WindowSearches
     from locosweep.diagnosis.problem import Problem
     from locosweep.diagnosis.search import Search
 
@@ -26,6 +27,8 @@ _PAIRS = 24
 """Pairs that are tried where neither effect need stand out alone."""
 _SWAPS = 2
 """Times that effects of a set that leaves a rest are put in place of each other."""
+_BUDGET = 6.0
+"""Replays beyond which they are not, in those of the singles."""
 
 
 def _seeds(level: Sequence[Fit], count: int) -> list[Fit]:
@@ -50,15 +53,23 @@ def hopeless(problem: Problem, before: Fit, after: Fit) -> bool:
 
 
 def deepened(
-    search: Search, level: Sequence[Fit], found: Fit, *, rest: bool, wide: bool
+    search: Search,
+    level: Sequence[Fit],
+    found: Fit,
+    *,
+    rest: bool,
+    wide: bool,
+    windows: WindowSearches | None,
 ) -> list[Fit]:
     """Fit one effect more beside the best few if there is a rest, else beside the best.
 
-    Beside many where `wide` and those few do not do. Best first.
+    Beside many where `wide` and those few do not do; also in `windows`, if given. Best first.
     """
     seeds = _seeds(level, 4 if rest else 1)
     deeper = sorted(search.deepen(seeds, len(seeds)), key=lambda fit: total(search, fit))
-    if rest and deeper:
+    if windows and deeper and search.leaves_much(deeper[0]):
+        deeper = _unique(search, [*deeper, *windows.deepened(seeds)])
+    if rest and deeper and len(found.model.names) == 1:
         deeper = _swapped(search, deeper)
     if wide and deeper and rest_of(search.problem, deeper[0]):
         # The parts of a pair need not stand first when each is tried alone.
@@ -85,6 +96,8 @@ def _swapped(search: Search, level: list[Fit]) -> list[Fit]:
         if not rest_of(search.problem, best):
             break
         for name in best.model.names:
+            if search.problem.replayed > _BUDGET * search.spent:
+                break
             base = without(search, best, name)
             others = [n for n in search.names if n != name]
             level += search.extend(base, others, beat=True)

@@ -42,6 +42,8 @@ _ROUGH = 0.5
 """Gain of a step below which a fit is left, unless it may tie with the best one."""
 _CONTEST = 60.0
 """Scores this far from the best one may tie with it once both have all digits."""
+_MUCH = 1.5
+"""Chi2 of a fit over its expectation, beyond which it is tried from further places."""
 _NEAR = 30.0
 """Fits that leave this many times more than the best are not worth leaps."""
 _RIPPLES = ("position_dependent_friction",)
@@ -87,6 +89,9 @@ class Search:
     judges: bool = True
     """Whether the runs that fits do not see take part in the choice."""
 
+    leaps: bool = True
+    """Whether fits that leave much are tried from further places."""
+
     hints: Mapping[frozenset[str], Fit] = field(default_factory=dict)
     """Fits of the same sets to other runs: more places to start from."""
 
@@ -111,11 +116,26 @@ class Search:
         """Parameters that a large change would show."""
         return len(fit.model.free)
 
+    @property
+    def _steps(self) -> int:
+        return 30 if self.nuisances.shares else 15
+
+    def leaves_much(self, fit: Fit) -> bool:
+        """Whether a fit leaves so much more than noise that a better one may be near."""
+        return fit.chi2 > _MUCH * self.problem.degrees()
+
     def singles(self) -> list[Fit]:
         """Fit every effect alone, from several starts; best first."""
         found = self.extend(None, self.names, keep=len(self.names))
         self.spent = self.problem.replayed
         return found
+
+    def leaped(self) -> list[Fit]:
+        """Fit the effects alone again, from further places; best first."""
+        found = sorted((self.fits[frozenset({name})] for name in self.names), key=chi2_of)
+        self._leap([f for f in found if f.chi2 < _NEAR * found[0].chi2][:_CLOSE])
+        self.spent = self.problem.replayed
+        return sorted(found, key=chi2_of)
 
     def extend(
         self,
@@ -169,7 +189,7 @@ class Search:
             # As it stands, the best start; what promises most, as strong as it promises it.
             starts += [] if quiet else [min(group, key=chi2_of)]
             starts += [scaled(fit, scales[id(fit)]) for fit in picked]
-        leaps = _CLOSE if base is None else _CLOSE // 2
+        leaps = 0 if base is None else _CLOSE // 2
         return self._followed(starts, telling, leaps, quiet=quiet)
 
     def together(self, count: int) -> list[Fit]:
@@ -209,7 +229,18 @@ class Search:
         # What they leave, not what sums of small changes promise, says which are followed.
         self._scan(starts, runs, None)
         starts = sorted(starts, key=chi2_of)[:count]
-        return self._followed(starts, runs, _CLOSE, quiet=False)
+        return self._followed(starts, runs, _CLOSE // 2, quiet=False)
+
+    def follow(self, others: Sequence[Fit]) -> list[Fit]:
+        """Fit from the values that fits to other runs, or to windows of these, came to."""
+        starts = []
+        for other in others:
+            names = other.model.names
+            start = start_fits(self.nuisances, self.model(names), other.parameters[None, :])[0]
+            first, count = len(other.model.free), len(self.nuisances.shares)
+            start.theta[first : first + count] = other.theta[first : first + count]
+            starts.append(start)
+        return self._followed(starts, self._telling(self.none), _CLOSE // 2, quiet=False)
 
     def _followed(
         self, starts: list[Fit], telling: list[int], leaps: int, *, quiet: bool
@@ -228,7 +259,7 @@ class Search:
         order = sorted(best, key=chi2_of)
         # Those that are far behind stay as they are.
         close = [f for i, f in enumerate(order) if i < _CLOSE or f.chi2 < 10.0 * least]
-        steps = 30 if self.nuisances.shares else 15
+        steps = self._steps
         fit_all(self.problem, close[:_FIRST], steps=steps)
         self._limit(close[_FIRST:], close[:_FIRST], quiet=quiet)
         fit_all(self.problem, close[_FIRST:], steps=steps, tolerance=_ROUGH)
@@ -237,8 +268,7 @@ class Search:
         ties = [f for f in close if self.score(f) < least + _CONTEST]
         fit_all(self.problem, ties, steps=steps)
         close.sort(key=chi2_of)
-        near = [f for f in close if f.chi2 < _NEAR * close[0].chi2]
-        self._leap(near[:leaps], steps)
+        self._leap([f for f in close if f.chi2 < _NEAR * close[0].chi2][:leaps])
         found: dict[frozenset[str], Fit] = {}
         for fit in best:
             key = frozenset(fit.model.names)
@@ -323,16 +353,15 @@ class Search:
         found.sort(key=lambda pair: pair[0])
         return np.array([row for _, row in found[:6]])
 
-    def _leap(self, fits: list[Fit], steps: int) -> None:
+    def _leap(self, fits: list[Fit]) -> None:
         """Try large changes of one parameter at a time, and fit again from better places.
 
         Thresholds act in jumps of whole samples and periods have many valleys:
         derivatives do not see beyond them.
         """
-        floor = 1.5 * self.problem.degrees()
         for _ in range(2):
-            todo = [f for f in fits if f.chi2 > floor and f.model.free]
-            if not todo:
+            todo = [f for f in fits if self.leaves_much(f) and f.model.free]
+            if not todo or not self.leaps:
                 return
             # The first of each is the fit itself, seen on the same runs.
             tried = [
@@ -346,7 +375,7 @@ class Search:
                 follow += [(fit, t) for t in best if t.chi2 < 0.98 * same.chi2 or len(best) > 1]
             if not follow:
                 return
-            fit_all(self.problem, [trial for _, trial in follow], steps=steps)
+            fit_all(self.problem, [trial for _, trial in follow], steps=self._steps)
             for fit, trial in follow:
                 if trial.chi2 < fit.chi2:
                     fit.theta, fit.residual, fit.chi2 = trial.theta, trial.residual, trial.chi2
