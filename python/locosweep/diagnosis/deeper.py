@@ -63,7 +63,8 @@ def deepened(
 ) -> list[Fit]:
     """Fit one effect more beside the best few if there is a rest, else beside the best.
 
-    Beside many where `wide` and those few do not do; also in `windows`, if given. Best first.
+    Beside many where `wide` and those few do not do; also in `windows`, if given. Effects of
+    a pair are put in place of each other too; with more there are too many. Best first.
     """
     seeds = _seeds(level, 4 if rest else 1)
     deeper = sorted(search.deepen(seeds, len(seeds)), key=lambda fit: total(search, fit))

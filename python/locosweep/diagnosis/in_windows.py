@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from locosweep.diagnosis.fit import Fit, Nuisances, evaluate, fit_all, start_fits
+from locosweep.diagnosis.fit import Fit, Nuisances, fit_all, start_fits
 from locosweep.diagnosis.picks import chi2_of
 from locosweep.diagnosis.search import Search
 from locosweep.diagnosis.shot_plan import Plan, problem_of
@@ -91,7 +91,6 @@ def _from_everywhere(search: Search, fits: Sequence[Fit]) -> list[Fit]:
     for fit in fits:
         rows = starts_of(fit.model.names[0], search.scale)
         starts += start_fits(search.nuisances, fit.model, rows[:: -(-len(rows) // _ROWS)])
-    evaluate(search.problem, starts)
     fit_all(search.problem, starts, steps=_STEPS)
     found = []
     for fit in fits:
