@@ -194,8 +194,13 @@ def _form(rng: Generator, rig: Rig, name: str, *, mismatch: bool) -> str:
     return forms[0]
 
 
-def _target(rng: Generator) -> float:
-    """Size to be reached: from 1 to 300, a good half of them between 3 and 40."""
+def _target(rng: Generator, kind: str) -> float:
+    """Size to be reached: from 1 to 300, a good half of them between 3 and 40.
+
+    Of two effects each hides much of the other: both start where one alone is named.
+    """
+    if kind == "two":
+        return log_uniform(rng, 10.0, 300.0)
     return log_uniform(rng, 3.0, 40.0) if rng.random() < 0.25 else log_uniform(rng, 1.0, 300.0)
 
 
@@ -305,7 +310,7 @@ def _try_case(rng: Generator, kind: str, *, exact: bool, threads: int) -> Case |
     causes = [draw_cause(rng, scale, name, form) for name, form in zip(names, forms, strict=True)]
     chosen, gaps = [], []
     for cause in causes:
-        strength, gap = _strength(nuisances, cause, _target(rng))
+        strength, gap = _strength(nuisances, cause, _target(rng, kind))
         name, form, parameters = cause.effect(strength)
         chosen.append((name, form, _rounded(parameters)))
         gaps.append(gap)
@@ -412,7 +417,7 @@ def _nudged(parameters: dict[str, float]) -> dict[str, float]:
 def _outside(rng: Generator, case: Case, nuisances: Nuisances, scale: Scale) -> Case | None:
     name = str(rng.choice(OUTSIDE))
     cause = draw_cause(rng, scale, name, "outside")
-    strength, gap = _strength(nuisances, cause, _target(rng))
+    strength, gap = _strength(nuisances, cause, _target(rng, "outside"))
     d = float(np.linalg.norm(gap))
     if not _LEAST <= d <= _MOST:
         return None
