@@ -19,7 +19,7 @@ from locosweep.blindcheck.experiment import COARSE, World
 from locosweep.blindcheck.judge import Judged, judge, window_share
 from locosweep.blindcheck.sizes import ALIKE
 from locosweep.cli import main
-from locosweep.diagnosis.experiment import MENU
+from locosweep.diagnosis.menu import MENU
 from locosweep.errors import DataFileError
 from locosweep.files import load_robot
 from locosweep.measured import load_runs

@@ -2,7 +2,7 @@
 
 Every run of the menu is simulated beside the runs of the case. It tells the true effect
 from the others of its class where each of these, refitted, leaves at least `ALIKE`
-deviations of what all runs together show.
+deviations more of what all runs together show.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from locosweep.blindcheck.cases import absent_of, draw_case, scale_of_runs
 from locosweep.blindcheck.experiment import COARSE, Drive, Experiment, Readings, World
 from locosweep.blindcheck.sizes import ALIKE, Nuisances, rival_distances
-from locosweep.diagnosis.experiment import FORCE_NOISE, MENU, PAYLOAD
+from locosweep.diagnosis.menu import FORCE_NOISE, MENU, PAYLOAD
 from locosweep.measured import Run
 
 if TYPE_CHECKING:
@@ -115,7 +115,11 @@ def _longer(case: Case, name: str) -> _Longer | None:
 
 
 def _nearest(case: Case, name: str, rivals: Sequence[str]) -> float:
-    """Distance of the nearest rival over the runs so far and one more, in deviations."""
+    """Distance of the nearest rival over the runs so far and one more, in deviations.
+
+    Where the true effect follows another law than its name's, that name leaves something
+    as well: what rivals leave more counts.
+    """
     longer = _longer(case, name)
     if longer is None:
         return 0.0
@@ -124,7 +128,10 @@ def _nearest(case: Case, name: str, rivals: Sequence[str]) -> float:
     gap = nuisances.differences([case.world.effects])[0]
     every = set(absent_of(case.experiment.rig))
     found = rival_distances(nuisances, scale, gap, absent=sorted(every))
-    return min((found[rival] for rival in rivals if rival in found), default=0.0)
+    true, form, _ = case.world.effects[0]
+    own = 0.0 if form in ("law", "force") else found[true]
+    nearest = min((found[rival] for rival in rivals if rival in found), default=0.0)
+    return float(np.sqrt(max(nearest**2 - own**2, 0.0)))
 
 
 def carried_out(name: str, seed: int, index: int, report: dict[str, Any]) -> NextRun | None:

@@ -1,13 +1,19 @@
-"""The next experiment: which further run would tell apart what is left."""
+"""The next experiment: which further run would tell apart what is left.
+
+Which of the explanations is true is not known. So each takes its turn as the truth: the
+runs so far and the new one are simulated with it, and every other one is refitted to them.
+"""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.stats import norm
 
-from locosweep.diagnosis.fit import Fit, evaluate, fit_all, point_of, start_fits
+from locosweep.diagnosis.fit import Fit, evaluate, fit_all, jacobian_of, point_of, start_fits
+from locosweep.diagnosis.menu import FORCE_NOISE, MENU, PAYLOAD
 from locosweep.diagnosis.noise import Noise
 from locosweep.diagnosis.problem import FITTED, Problem
 from locosweep.diagnosis.starts import starts_of
@@ -16,102 +22,119 @@ from locosweep.measured import Run
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from numpy.typing import NDArray
+
     from locosweep.diagnosis.search import Search
 
-__all__ = ["FORCE_NOISE", "MENU", "PAYLOAD", "RESOLVED", "next_experiment"]
+    Floats = NDArray[np.float64]
 
-RESOLVED = 9.0
-"""Squared distance, in deviations, from which two explanations are told apart."""
-PAYLOAD, _INCLINE = 1.3, 5.0
-FORCE_NOISE = 0.01
-"""Of a force sensor that is added, in the drive's largest force."""
+__all__ = ["RESOLVED", "next_experiment"]
+
+RESOLVED = 3.0
+"""Distance, in deviations, from which two explanations are told apart."""
 _SHOWN = 4
-_BESIDE = 3
-"""Runs so far that rivals have to go on explaining: those with the longest motion."""
+"""Runs of the menu whose distances are found by refits: those that promise most."""
+_NEAREST = 2
+"""Other explanations that are refitted to one that is taken for the truth."""
+_FITTED = 1.0
+"""Distance below which refits, which make it less, are spared."""
+_EQUAL = 0.5
+"""Share of the weights that all explanations share: they tie."""
+_REPEATS = 4
+"""Most repeats of a run that are proposed: they add up as their root."""
+_HOPE = 0.05
+"""Chance of an answer, with so many repeats, below which no run is proposed."""
 
 
-def _reversed(run: Run, _: float) -> Run:
-    return replace(run, drive=-run.drive)
+@dataclass
+class _Planned:
+    """The runs so far and one of the menu, before anything is measured in it."""
+
+    runs: list[Run]
+    place: int
+    """Of the new run."""
+    channels: tuple[str, ...]
+    noise: dict[str, Noise]
+    problem: Problem
+    """With readings still blank."""
+
+    def seen_by(self, truth: Fit) -> Problem:
+        """Return the problem whose readings are those of a model, without noise."""
+        read = self.problem.replay([point_of(self.problem, truth)])
+        edges = self.problem.starts_at
+        made = []
+        for r, run in enumerate(self.runs):
+            own = slice(edges[r], edges[r + 1])
+            channels = {
+                c: np.full(run.t.size, np.nan) if np.isnan(blank).all() else read[c][0, own]
+                for c, blank in run.channels.items()
+            }
+            made.append(replace(run, channels=channels))
+        return _problem(self.problem, made)
 
 
-def _same(run: Run, _: float) -> Run:
-    return run
+def next_experiment(
+    search: Search, fits: Sequence[Fit], weights: Sequence[float]
+) -> dict[str, Any]:
+    """Simulate a menu of runs and say which one tells `fits` apart.
 
+    The distance of a run is the root of the least sum of squares, in deviations of the
+    noise, that the nearest other explanation leaves of what one predicts for all runs so
+    far and the new one together: its mean over what may be true. Its chance is the
+    probability that the true one is told from all others.
 
-def _turned(run: Run, slope: float) -> Run:
-    return replace(run, slope_deg=-(slope if run.slope_deg is None else run.slope_deg))
-
-
-def _inclined(run: Run, slope: float) -> Run:
-    return replace(run, slope_deg=(slope if run.slope_deg is None else run.slope_deg) + _INCLINE)
-
-
-def _slower(run: Run, _: float) -> Run:
-    return replace(run, t=run.t[0] + 3.0 * (run.t - run.t[0]))
-
-
-def _dwelling(run: Run, _: float) -> Run:
-    """Pause four times, for a tenth of the run's length."""
-    step = float(np.median(np.diff(run.t)))
-    pause = max(1, run.t.size // 10)
-    parts = np.array_split(run.drive, 5)
-    drive = np.concatenate([part for p in parts for part in (p, np.zeros(pause))][:-1])
-    return replace(run, t=run.t[0] + step * np.arange(drive.size), drive=drive, channels={})
-
-
-def _chirp(run: Run, _: float) -> Run:
-    t = run.since_start
-    span = max(float(t[-1]), 1e-9)
-    top = float(np.abs(run.drive).max())
-    last = 0.1 / max(float(np.median(np.diff(t))), 1e-9)
-    turns = 0.3 / span * t * span + 0.5 * (min(last, 20.0) - 0.3) * t**2 / span
-    return replace(run, drive=top * np.sin(2.0 * np.pi * turns))
-
-
-MENU: tuple[tuple[str, Callable[[Run, float], Run], str], ...] = (
-    ("reverse", _reversed, "drive it backward: the same run with the opposite drive"),
-    ("turn round", _turned, "turn the robot round on the same ground and repeat the run"),
-    ("payload", _same, "repeat the run with a known payload of 30 % of the head's mass"),
-    ("incline", _inclined, "repeat the run on ground that is 5 degrees steeper"),
-    ("slower", _slower, "repeat the run three times slower"),
-    ("dwell", _dwelling, "repeat the run with four pauses without drive"),
-    ("chirp", _chirp, "a chirp from 0.3 Hz upward with the run's largest drive"),
-    ("force sensor", _same, "repeat the run with a sensor of the force between drive and head"),
-)
-
-
-def next_experiment(search: Search, fit: Fit, rivals: Sequence[Fit]) -> dict[str, Any]:
-    """Simulate a menu of runs and say which one tells `fit` from its rivals.
-
-    A distance is the least sum of squares, in deviations of the noise, that a rival
-    leaves of what `fit` predicts for the runs so far and the new one together.
+    Parameters
+    ----------
+    search : Search
+        With the runs so far.
+    fits : sequence of Fit
+        Explanations, the chosen one first.
+    weights : sequence of float
+        How likely each of them is.
     """
-    separates = [sorted(set(fit.model.names) ^ set(rival.model.names)) for rival in rivals]
-    rows: list[dict[str, Any]] = []
+    chosen, *rivals = fits
+    separates = [sorted(set(chosen.model.names) ^ set(rival.model.names)) for rival in rivals]
+    likely = np.array(weights) / max(sum(weights), 1e-300)
+    likely = _EQUAL / len(fits) + (1.0 - _EQUAL) * likely
+    likely = likely / likely.sum()
+    plans = []
     for name, change, text in MENU:
-        distance = _distance(search, fit, rivals, name, change)
-        if distance is not None:
-            rows.append({"run": name, "distance": float(np.sqrt(distance)), "what": text})
-    rows.sort(key=lambda row: -row["distance"])
-    best = rows[0] if rows else None
-    if best is None or best["distance"] ** 2 < RESOLVED:
+        planned = _planned(search, name, change)
+        if planned is not None:
+            table = _straight(planned, fits)
+            plans.append((*_promise(table.min(axis=1), likely), name, text, planned, table))
+    plans.sort(key=lambda plan: plan[:2], reverse=True)
+    rows: list[dict[str, Any]] = []
+    found: dict[str, Floats] = {}
+    for _, _, name, text, planned, table in plans[:_SHOWN]:
+        found[name] = np.array(
+            [_refitted(search, planned, fits, i, row) for i, row in enumerate(table)]
+        )
+        chance, distance = _promise(found[name], likely)
+        rows.append({"run": name, "distance": distance, "chance": chance, "what": text})
+    rows.sort(key=lambda row: (row["chance"], row["distance"]), reverse=True)
+    best = rows[0]
+    chances = [_promise(np.sqrt(n) * found[best["run"]], likely)[0] for n in range(1, _REPEATS + 1)]
+    if chances[-1] < _HOPE:
         missing = "no motion of this rig in the menu can separate these"
         return {"separates": separates, "suggestion": missing, "possible": False, "menu": rows}
-    return {
-        "separates": separates,
-        "suggestion": f"{best['what']} (expected distance {best['distance']:.0f} deviations)",
-        "possible": True,
-        "menu": rows[:_SHOWN],
-    }
+    repeats = next(n for n, chance in enumerate(chances, 1) if chance > 0.8 * chances[-1])
+    again = f", {repeats} times" if repeats > 1 else ""
+    said = (
+        f"{best['what']}{again} (settles it with probability {chances[repeats - 1]:.2f}, "
+        f"expected distance of one run {best['distance']:.1f} deviations)"
+    )
+    return {"separates": separates, "suggestion": said, "possible": True, "menu": rows}
 
 
-def _distance(
-    search: Search,
-    fit: Fit,
-    rivals: Sequence[Fit],
-    name: str,
-    change: Callable[[Run, float], Run],
-) -> float | None:
+def _promise(distances: Floats, weights: Floats) -> tuple[float, float]:
+    """Probability that the truth is told from all others, with noise, and mean distance."""
+    least = np.maximum(distances, 1e-9)
+    chance = weights @ norm.cdf((least**2 - RESOLVED**2) / (2.0 * least))
+    return float(chance), float(weights @ distances)
+
+
+def _planned(search: Search, name: str, change: Callable[[Run, float], Run]) -> _Planned | None:
     problem = search.problem
     if name == "force sensor" and "force" in problem.channels:
         return None
@@ -126,55 +149,89 @@ def _distance(
         deviation = FORCE_NOISE * search.scale.force
         noise["force"] = Noise(deviation, deviation, 0.0, stated=False)
         channels.append("force")
-    far = sorted(problem.fitted, key=lambda r: (-moved[r], r))[:_BESIDE]
-    runs = [problem.runs[r] for r in sorted(far)]
-    place = len(runs)
-    blank = [_blank(r, channels) for r in runs] + [_blank(run, channels)]
-    if name == "force sensor":
-        for r in blank[:-1]:
-            r.channels["force"] = np.full(r.t.size, np.nan)
-    planned = Problem(
+    so_far = [_blank(r, problem.channels, r.start[0]) for r in problem.runs]
+    runs = [*so_far, _blank(run, channels, pattern.start[0])]
+    place = len(runs) - 1
+    blank = Problem(
         problem.robot,
-        blank,
+        runs,
         problem.threads,
         known=noise,
         heavier={place: PAYLOAD} if name == "payload" else {},
         turned=frozenset({place}) if name == "turn round" else frozenset(),
     )
+    return _Planned(runs, place, blank.channels, noise, blank)
+
+
+def _problem(blank: Problem, runs: list[Run]) -> Problem:
+    return Problem(
+        blank.robot,
+        runs,
+        blank.threads,
+        known=blank.noise,
+        heavier=blank.heavier,
+        turned=blank.turned,
+    )
+
+
+def _bare(fit: Fit) -> Fit:
+    """Return a fit whose runs all start at rest, where they start."""
     nuisances = replace(fit.nuisances, moving=(), places=())
     own = len(fit.model.free) + len(nuisances.shares)
-    truth = Fit(fit.model, nuisances, fit.theta[:own])
-    read = planned.replay([point_of(planned, truth)], range(place + 1))
-    for c in planned.channels:
-        gaps = np.isnan(planned.measured[c])
-        planned.measured[c] = np.where(gaps, np.nan, read[c][0])
-        if name == "force sensor" and c == "force":
-            planned.measured[c][: planned.starts_at[place]] = np.nan
-            planned.weights[c][: planned.starts_at[place]] = 0.0
+    return Fit(fit.model, nuisances, fit.theta[:own].copy())
+
+
+def _straight(planned: _Planned, fits: Sequence[Fit]) -> Floats:
+    """Distances of all from each as the truth, were they straight in their parameters.
+
+    Row: the truth; column: what is refitted; infinite on the diagonal.
+    """
+    others = [_bare(fit) for fit in fits]
+    problem = planned.seen_by(others[0])
+    evaluate(problem, others)
+    count = len(fits)
+    table = np.full((count, count), np.inf)
+    for j, other in enumerate(others):
+        rows = np.nan_to_num(jacobian_of(problem, other))
+        _, sizes, basis = np.linalg.svd(rows, full_matrices=False)
+        basis = basis[sizes > 1e-9 * sizes.max(initial=0.0)]
+        for i, truth in enumerate(others):
+            if i == j or not np.isfinite(other.chi2 + truth.chi2):
+                continue
+            left = other.residual - truth.residual
+            table[i, j] = float(np.linalg.norm(left - basis.T @ (basis @ left)))
+    return table
+
+
+def _refitted(
+    search: Search, planned: _Planned, fits: Sequence[Fit], truth: int, straight: Floats
+) -> float:
+    """Distance of the nearest other explanation, refitted."""
+    least = float(straight.min())
+    if not _FITTED <= least < np.inf:
+        return least if np.isfinite(least) else 0.0
+    problem = planned.seen_by(_bare(fits[truth]))
     trials = []
-    for rival in rivals:
-        theta = rival.theta[: len(rival.model.free) + len(nuisances.shares)]
-        trials.append(Fit(rival.model, nuisances, theta.copy()))
-        new = [n for n in rival.model.names if n not in fit.model.names]
+    for i in np.argsort(straight, kind="stable")[:_NEAREST]:
+        if not np.isfinite(straight[i]):
+            continue
+        rival = fits[i]
+        start = _bare(rival)
+        trials.append(start)
+        new = [n for n in rival.model.names if n not in fits[truth].model.names]
         if len(rival.model.names) == 1 and new:
-            rows = starts_of(new[0], search.scale)
-            more = start_fits(nuisances, rival.model, rows)
+            more = start_fits(start.nuisances, rival.model, starts_of(new[0], search.scale))
             # What the runs so far say is in the rival's own start.
-            evaluate(planned, more, [place])
-            for start in more:
-                start.residual = np.zeros(0)
+            evaluate(problem, more, [planned.place])
+            for fit in more:
+                fit.residual = np.zeros(0)
             trials.extend(sorted(more, key=lambda f: f.chi2)[:2])
-    fit_all(planned, trials, steps=8)
-    worst: dict[tuple[str, ...], float] = {}
-    for trial in trials:
-        key = trial.model.names
-        worst[key] = min(worst.get(key, np.inf), trial.chi2)
-    return max(min(worst.values()), 0.0)
+    fit_all(problem, trials, steps=8)
+    return float(np.sqrt(max(min(trial.chi2 for trial in trials), 0.0)))
 
 
-def _blank(run: Run, channels: Sequence[str]) -> Run:
-    """Return a run whose readings are still to be made up; x starts where it started."""
-    x0 = run.start[0] if run.channels else 0.0
+def _blank(run: Run, channels: Sequence[str], x0: float) -> Run:
+    """Return a run whose readings are still to be made up, from where it starts."""
     made = {c: np.zeros(run.t.size) for c in channels if c in FITTED}
     made["x"] = np.full(run.t.size, x0)
     return Run(run.label, run.t, run.drive, made, run.slope_deg)

@@ -403,9 +403,12 @@ def _next(search: Search, choice: Choice, whole: Problem) -> dict[str, Any]:
     if not rivals:
         return {"separates": [], "suggestion": None}
     search.report("next experiment")
+    fits = [choice.fit, *rivals]
+    known = {frozenset(fit.model.names): weight for fit, weight in choice.ranked}
+    weights = [known.get(frozenset(fit.model.names), 0.0) for fit in fits]
     if whole is not search.problem:
         search = for_planning(search, whole)
-    return next_experiment(search, choice.fit, rivals)
+    return next_experiment(search, fits, weights)
 
 
 def _traces(

@@ -1,0 +1,102 @@
+"""The next experiment: distances by another route, and what no run can tell."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import polars as pl
+import pytest
+from scipy.optimize import least_squares
+
+from locosweep.diagnosis import diagnose, experiment
+from locosweep.diagnosis.fit import Nuisances, fit_all, point_of, start_fits
+from locosweep.diagnosis.menu import MENU
+from locosweep.diagnosis.problem import Problem
+from locosweep.diagnosis.search import Search
+from locosweep.diagnosis.starts import scale_of
+from locosweep.measured import runs_from_frame
+from locosweep.replay import replay_runs
+from test_diagnosis import NOISE, ROBOT, drives, measured
+
+GAIN = {"drive_gain_error": {"e": -0.05}}
+FRICTIONLESS = replace(ROBOT, parameters={**ROBOT.parameters, "viscous": 0.0})
+
+
+def one_way(step: float = 0.0) -> pl.DataFrame:
+    """One way, without damping: mass and gain are one signal; readings in steps."""
+    runs = drives(both=False)
+    frame = replay_runs(replace(FRICTIONLESS, effects=GAIN), runs).select("run", "t", "x")
+    x = frame["x"].to_numpy() + np.random.default_rng(3).normal(0.0, NOISE, frame.height)
+    x = np.round(x / step) * step if step else x
+    drive = np.concatenate([r.drive for r in runs])
+    return frame.with_columns(x=pl.Series(x), drive=pl.Series(drive))
+
+
+@pytest.fixture(scope="module")
+def search() -> Search:
+    """Mass and gain, each fitted to what a gain error makes."""
+    records = runs_from_frame(one_way())
+    scale = scale_of(FRICTIONLESS, records)
+    problem = Problem(FRICTIONLESS, records, 1, pace=scale.speed)
+    nuisances = Nuisances((), (0.0, 0.0, 0.0, 0.0), scale.speed)
+    found = Search(problem, nuisances, scale, (), lambda _: None)
+    for name in ("drive_gain_error", "payload_mass"):
+        fit = start_fits(nuisances, found.model((name,)), np.zeros((1, 1)))[0]
+        fit_all(problem, [fit], steps=20)
+        found.fits[frozenset({name})] = fit
+    return found
+
+
+@pytest.mark.parametrize("name", [name for name, _, _ in MENU])
+def test_a_distance_is_what_another_least_squares_leaves(search: Search, name: str) -> None:
+    change = next(change for known, change, _ in MENU if known == name)
+    planned = experiment._planned(search, name, change)
+    assert planned is not None
+    fits = [search.fits[frozenset({n})] for n in ("drive_gain_error", "payload_mass")]
+    problem = planned.seen_by(fits[0])
+    place = problem.place("payload_mass", "dm")
+
+    def left(dm: np.ndarray) -> np.ndarray:
+        point = point_of(problem, fits[1])
+        point.values[place] = dm[0]
+        return problem.residuals([point])[0]
+
+    other = least_squares(left, fits[1].parameters, diff_step=1e-4, xtol=1e-12, ftol=1e-12)
+    distance = float(np.sqrt(2.0 * other.cost))
+    straight = experiment._straight(planned, fits)
+    assert straight[0, 1] == pytest.approx(distance, rel=0.1, abs=0.1)
+    assert straight[1, 0] == pytest.approx(straight[0, 1], rel=0.1, abs=0.1)
+    found = experiment._refitted(search, planned, fits, 0, straight[0])
+    assert found == pytest.approx(distance, rel=1e-3, abs=0.1 if distance < 1.0 else 1e-6)
+
+
+def test_a_run_that_tells_them_is_proposed_from_coarse_readings_too() -> None:
+    for step in (0.0, 1e-4):
+        found = diagnose(one_way(step), FRICTIONLESS)
+        assert found.status == "ambiguous", found
+        assert {"drive_gain_error", "payload_mass"} <= set(found.equivalent[0])
+        told = found.next_experiment
+        assert told["possible"], told
+        assert told["menu"][0]["distance"] > experiment.RESOLVED, told
+
+
+def test_no_run_is_proposed_where_none_can_tell() -> None:
+    """A force that grows with the speed is one, whether the ground or the motor makes it."""
+    frame = measured({"back_emf": {"k_e": 0.1}}, drives())
+    found = diagnose(frame, ROBOT)
+    assert [sorted(c) for c in found.equivalent] == [["back_emf", "viscous_friction"]], found
+    told = found.next_experiment
+    assert [row["run"] for row in told["menu"] if row["chance"] > 0.5] in ([], ["force sensor"])
+
+
+def test_repeats_are_asked_for_where_one_run_says_too_little(
+    search: Search, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fits = [search.fits[frozenset({n})] for n in ("drive_gain_error", "payload_mass")]
+    for distance, said in ((1.9, "4 times"), (3.0, "2 times"), (9.0, "mass ("), (0.5, "no motion")):
+        monkeypatch.setattr(experiment, "_refitted", lambda *_, d=distance: d)
+        told = experiment.next_experiment(search, fits, [0.5, 0.5])
+        assert said in told["suggestion"], told
+        assert told["possible"] == (said != "no motion")
+        assert told["menu"][0]["distance"] == pytest.approx(distance)
