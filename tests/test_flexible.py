@@ -11,6 +11,7 @@ import pytest
 from locosweep.diagnosis import diagnose
 from locosweep.diagnosis.fit import Nuisances, fit_all, start_fits
 from locosweep.diagnosis.flexible import Flexible
+from locosweep.diagnosis.otherlaw import carries
 from locosweep.diagnosis.problem import Problem
 from locosweep.diagnosis.search import Search
 from locosweep.diagnosis.starts import scale_of
@@ -79,6 +80,23 @@ def test_runs_are_foretold_by_the_density_given_the_others() -> None:
     assert terms.foreseen(["speed"], 1.0) == pytest.approx(gain, rel=1e-3)
 
 
+def test_what_others_foretell_is_their_mean_given_the_others() -> None:
+    frame = measured({"quadratic_drag": {"c2": 0.05}}, drives(count=3, samples=60))
+    terms = terms_beside(frame, "coulomb_error")
+    rows, root = terms._root(["speed"], 1.0)
+    deviation = float(root[0, 0] / np.sqrt(terms.alike[rows[0], rows[0]]))
+    own = np.isin(terms.names, ["speed"])
+    sizes = deviation**2 * terms.alike * (own[:, None] & own)
+    sizes += FLAT**2 * np.diag(terms.names == "fit")
+    covariance = np.eye(terms.residual.size) + terms.basis.T @ sizes @ terms.basis
+    left = terms.foretold(["speed"], 1.0)
+    for place, found in zip(terms._places, left, strict=True):
+        others = np.setdiff1d(np.arange(terms.residual.size), place)
+        known = np.linalg.solve(covariance[np.ix_(others, others)], terms.residual[others])
+        expected = terms.residual[place] - covariance[np.ix_(place, others)] @ known
+        np.testing.assert_allclose(found, expected, atol=2e-3 * np.abs(expected).max())
+
+
 def test_one_run_is_foretold_by_none() -> None:
     terms = terms_beside(measured({"quadratic_drag": {"c2": 0.3}}, drives(count=1)))
     assert terms.worth(["speed"], 1.0) > 100.0
@@ -99,6 +117,29 @@ def test_what_does_not_come_again_is_not_foreseen() -> None:
     again = terms_beside(measured({"friction_drift": {"a": 0.05, "T": 1.0}}, runs))
     assert once.worth(["time"], 1.0) > 100.0
     assert once.foreseen(["time"], 1.0) < 0.0 < again.foreseen(["time"], 1.0)
+
+
+def test_another_law_has_to_hold_in_the_runs_kept_from_the_fit() -> None:
+    """The same law in all runs, and one run with a push of its own."""
+    runs = drives(count=5)
+    law = {"quadratic_drag": {"c2": 0.05}}
+    frame = measured(law, runs)
+    other = replace(runs[2], drive=runs[2].drive + 0.06 * np.sin(5.0 * runs[2].t))
+    pushed = [*runs[:2], other, *runs[3:]]
+    strange = measured(law, pushed).with_columns(
+        drive=pl.Series(np.concatenate([r.drive for r in runs]))
+    )
+    found = []
+    for one in (frame, strange):
+        records = runs_from_frame(one)
+        scale = scale_of(ROBOT, records)
+        problem = Problem(ROBOT, records, 1, held=(2,), pace=scale.speed)
+        nuisances = Nuisances((), (0.0, 0.0, 0.0, 0.0), scale.speed)
+        search = Search(problem, nuisances, scale, ("viscous_friction",), lambda _: None)
+        fit = start_fits(nuisances, search.model(("viscous_friction",)), np.zeros((1, 1)))[0]
+        fit_all(problem, [fit], steps=20)
+        found.append(carries(search, fit) is not None)
+    assert found == [True, False]
 
 
 def test_an_effect_that_only_bends_another_ones_law_is_not_named() -> None:

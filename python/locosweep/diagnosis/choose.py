@@ -11,7 +11,7 @@ from locosweep.diagnosis.deeper import deepened, hopeless, pruned, without
 from locosweep.diagnosis.fit import Fit, point_of
 from locosweep.diagnosis.flexible import VARIABLES, Flexible
 from locosweep.diagnosis.in_windows import WindowSearches
-from locosweep.diagnosis.lack import lack_of
+from locosweep.diagnosis.lack import lack_of, noise_level
 from locosweep.diagnosis.otherlaw import UNLISTED, bent_from, carried_by, carries, elsewhere
 from locosweep.diagnosis.score import GAIN, gains, rest_of, total
 
@@ -29,6 +29,8 @@ apart differ by less in 99 of 100 sets of runs."""
 _LEFT, _FAR_OFF = 0.05, 9.0
 """Share of the squares of a gap, and squares over those of noise, that an explanation does
 not leave."""
+_STAYS = 0.3
+"""Share of what a gap has beyond noise that no explanation leaves where that is seen."""
 _MOST_ALIKE = 3
 """Causes that may tie where none of them has the law that was met: more than these say
 that no variable in particular carries it."""
@@ -152,15 +154,21 @@ def choose(search: Search, most: int) -> Choice:
 
 
 def _misses(search: Search, fit: Fit) -> bool:
-    """Whether a fit leaves much of the gap, and far more than noise, where it has not seen it."""
+    """Whether a fit leaves much of a gap, and more than noise, where it has not seen it."""
     if not search.judges:
         return False
+    problem = search.problem
     squares = []
     for one in (search.none, fit):
-        e = search.problem.unseen([point_of(search.problem, one)])[0]
+        e = problem.unseen([point_of(problem, one)])[0]
         squares.append(float(e @ e))
     before, after = squares
-    return bool(after > max(_LEFT * before, _FAR_OFF * e.size))
+    if after > max(_LEFT * before, _FAR_OFF * e.size):
+        return True
+    if not problem.held or not lack_of(problem, e, problem.held).is_there:
+        return False
+    floor = e.size * noise_level(problem, fit.residual)
+    return after - floor > _STAYS * (before - floor)
 
 
 def _rivals(search: Search, found: Fit) -> list[Fit]:

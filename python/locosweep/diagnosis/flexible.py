@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 __all__ = ["VARIABLES", "Flexible", "Motion", "motion_of"]
 
 _KNOTS = 9
+_LAGS = 8
+_LONGEST = 0.08
+"""Longest time that a drive is looked back, in the longest run's."""
 
 
 @dataclass(frozen=True)
@@ -161,15 +164,7 @@ def _terms(variable: str, m: Motion) -> tuple[list[NDArray[np.float64]], bool]:
         rate = np.gradient(m.v, m.t + m.run * (m.t.max() + 1.0))
         return [_hats(rate, moving), sign[None, :]], True
     if variable == "history":
-        rows = []
-        span = float(m.t.max())
-        for share in (2e-3, 5e-3, 0.01, 0.02, 0.04, 0.08):
-            late = np.zeros_like(m.drive)
-            for r in np.unique(m.run):
-                own = m.run == r
-                late[own] = np.interp(m.t[own] - share * span, m.t[own], m.drive[own])
-            rows.append(late - m.drive)
-        return [np.array(rows)], True
+        return _history(m), True
     if variable == "reading":
         return [_hats(m.x, every)], False
     if variable == "clock":
@@ -177,6 +172,26 @@ def _terms(variable: str, m: Motion) -> tuple[list[NDArray[np.float64]], bool]:
     if variable == "late":
         return [_hats(m.v, every)], False
     return [], True
+
+
+def _history(m: Motion) -> list[NDArray[np.float64]]:
+    """Drives of a while ago less that of now, one law where it rises and one where it falls.
+
+    From half a sample on: a drive is held, so one that acts a part of a sample late is a
+    mean of two. A drive may well take longer to switch off than on.
+    """
+    step = float(np.median(np.diff(m.t)[np.diff(m.run) == 0]))
+    longest = _LONGEST * float(m.t.max())
+    rows = []
+    for lag in np.geomspace(min(0.5 * step, longest), longest, _LAGS):
+        late = np.zeros_like(m.drive)
+        for r in np.unique(m.run):
+            own = m.run == r
+            late[own] = np.interp(m.t[own] - lag, m.t[own], m.drive[own])
+        rows.append(late - m.drive)
+    changes = np.array(rows)
+    rises = np.abs(changes + m.drive) < np.abs(m.drive)
+    return [changes * rises, changes * ~rises]
 
 
 def _response(forces: NDArray[np.float64], m: Motion) -> tuple[NDArray[np.float64], ...]:
@@ -342,6 +357,21 @@ class Flexible:
             - self._surprise(place, every, price, noise)
             for place in self._places
         )
+
+    def foretold(self, variables: Sequence[str], noise: float) -> list[NDArray[np.float64]]:
+        """Return what is left in each run beside terms that all other runs give."""
+        terms, root = self._root(variables, noise)
+        beside = self.basis[self.names == "fit"]
+        basis = np.vstack([beside, root.T @ self.basis[terms]])
+        price = np.concatenate([np.full(len(beside), _FREE), np.ones(terms.size)])
+        whole = basis @ basis.T / noise + np.diag(price)
+        moments = basis @ self.residual / noise
+        left = []
+        for place in self._places:
+            here, e = basis[:, place], self.residual[place]
+            sizes = np.linalg.solve(whole - here @ here.T / noise, moments - here @ e / noise)
+            left.append(e - sizes @ here)
+        return left
 
     def _surprise(
         self,

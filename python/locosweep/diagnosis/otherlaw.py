@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from copy import copy
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from locosweep.diagnosis.fit import Fit, evaluate
 from locosweep.diagnosis.flexible import VARIABLES, Flexible
 from locosweep.diagnosis.lack import lack_of, noise_level
 from locosweep.diagnosis.score import GAIN
@@ -11,7 +15,9 @@ from locosweep.diagnosis.score import GAIN
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from locosweep.diagnosis.fit import Fit
+    from numpy.typing import NDArray
+
+    from locosweep.diagnosis.problem import Problem
     from locosweep.diagnosis.search import Search
 
 __all__ = ["UNLISTED", "bent_from", "carried_by", "carries", "elsewhere"]
@@ -22,6 +28,8 @@ _AS_WELL = 12.0
 """How much less than another variable the own one may be worth."""
 UNLISTED = "terrain"
 """A force by the place alone, whichever way the head goes: a tether, a magnet, a bump."""
+_STRANGE = 3
+"""One run in so many may hold what the others do not tell."""
 _BENT = 0.02
 """Share of a gap below which an effect through another one's variable is no cause of its own."""
 
@@ -58,7 +66,41 @@ def carries(search: Search, fit: Fit) -> float | None:
         return None
     if lack_of(problem, left).is_there or terms.found(own, noise):
         return None
-    return search.score(fit) - worth * noise if terms.foreseen(own, noise) > 0.0 else None
+    if terms.foreseen(own, noise) <= 0.0 or not _holds(problem, fit, own, noise):
+        return None
+    return search.score(fit) - worth * noise
+
+
+def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool:
+    """Whether another law, known from the other runs, leaves but noise in a run.
+
+    It has to in those that were kept from the fit. Where none was, in most of them: no
+    other may go where one went.
+    """
+    if len(problem.runs) < 2:
+        return True
+    whole = copy(problem)
+    whole.held, whole.fitted = (), list(range(len(problem.runs)))
+    same = Fit(fit.model, fit.nuisances, fit.theta)
+    evaluate(whole, [same])
+    left = Flexible(whole, same).foretold(own, noise)
+    if problem.held:
+        kept = list(problem.held)
+        return not lack_of(whole, _together(whole, [left[r] for r in kept], kept), kept).is_there
+    strange = [lack_of(whole, e, [r]).is_there for r, e in enumerate(left)]
+    return sum(strange) <= len(left) // _STRANGE
+
+
+def _together(
+    problem: Problem, parts: Sequence[NDArray[np.float64]], runs: Sequence[int]
+) -> NDArray[np.float64]:
+    """Join residuals of single runs: channel by channel, run by run."""
+    rows = []
+    for c in range(len(problem.channels)):
+        for part, r in zip(parts, runs, strict=True):
+            n = int(problem.lengths[r])
+            rows.append(part[c * n : (c + 1) * n])
+    return np.concatenate(rows)
 
 
 def elsewhere(search: Search, found: Fit, score: float) -> bool:
