@@ -351,6 +351,11 @@ def case() -> Case:
     return draw_case(5, 39)
 
 
+def _has_load(case: Case) -> bool:
+    """Whether friction comes from the head's weight."""
+    return "mu_coulomb" in case.experiment.rig.nominal
+
+
 class TestNextRun:
     """Runs of the menu, carried out in the reality."""
 
@@ -387,6 +392,24 @@ class TestNextRun:
         assert nextrun._turned(slope) == ("slope_error", "law", {"d_alpha_deg": -0.3})
         lag = (LAG, "law", {"T": 0.01})
         assert nextrun._turned(lag) == lag
+
+    def test_a_payload_leaves_what_a_level_adds_to_the_known_one(self) -> None:
+        sides = ("direction_dependent_friction", "law", {"F_c_forward": 1.1, "F_c_backward": 1.0})
+        found = nextrun._loaded(sides, 0.3)[2]
+        assert found == {"F_c_forward": pytest.approx(1.4), "F_c_backward": pytest.approx(1.3)}
+        limit = ("drive_saturation", "law", {"F_max": 1.0})
+        assert nextrun._loaded(limit, 0.3) == limit
+
+    def test_levels_at_the_known_one_change_no_run_with_a_payload(self) -> None:
+        case = next(c for c in (draw_case(1, i) for i in range(20)) if _has_load(c))
+        longer = nextrun._longer(case, "payload")
+        assert longer is not None
+        level = case.experiment.rig.level
+        same = ("direction_dependent_friction", "law",
+                {"F_c_forward": level, "F_c_backward": level})  # fmt: skip
+        plain, sided = longer.read([World({}, ()), World({}, (same,))], COARSE, 1)
+        # Moved by the payload as the nominal head is.
+        np.testing.assert_allclose(sided[-1]["x"], plain[-1]["x"], rtol=1e-6, atol=1e-9)
 
     def test_nothing_to_tell_apart(self) -> None:
         told = {"next_experiment": {"suggestion": None}}

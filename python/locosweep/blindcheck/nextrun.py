@@ -63,8 +63,12 @@ class _Longer(Experiment):
         if self.heavier:
             rig = replace(rig, nominal={**rig.nominal, "mass": PAYLOAD * rig.nominal["mass"]})
         extra = Experiment(rig, self.drives[-1:], self.sensors)
-        last = [replace(w, effects=tuple(map(_turned, w.effects))) if self.turned else w
-                for w in worlds]  # fmt: skip
+        last = list(worlds)
+        if self.turned:
+            last = [replace(w, effects=tuple(map(_turned, w.effects))) for w in worlds]
+        if self.heavier and "mu_coulomb" in self.rig.nominal:
+            more = (PAYLOAD - 1.0) * self.rig.level
+            last = [replace(w, effects=tuple(_loaded(e, more) for e in w.effects)) for w in worlds]
         before = Experiment(self.rig, self.drives[:-1], self.sensors).read(worlds, step, threads)
         after = extra.read(last, step, threads)
         if self.reads_force:
@@ -80,6 +84,17 @@ def _turned(effect: Effect) -> Effect:
     if name != "slope_error":
         return effect
     return name, form, {k: -v if k == "d_alpha_deg" else v for k, v in values.items()}
+
+
+def _loaded(effect: Effect, more: float) -> Effect:
+    """Return an effect as it is where a payload makes the Coulomb level higher.
+
+    Levels of friction are given at the known mass: what they add to it stays.
+    """
+    name, form, values = effect
+    if not {"F_s", "F_c_forward", "F_c_backward"} & set(values):
+        return effect
+    return name, form, {k: v + more if k.startswith("F_") else v for k, v in values.items()}
 
 
 def _longer(case: Case, name: str) -> _Longer | None:

@@ -29,7 +29,7 @@ _AS_WELL = 12.0
 UNLISTED = "terrain"
 """A force by the place alone, whichever way the head goes: a tether, a magnet, a bump."""
 _STRANGE = 3
-"""One run in so many may hold what the others do not tell."""
+"""Fewer than one run in so many may hold what the others do not tell."""
 _BENT = 0.02
 """Share of a gap below which an effect through another one's variable is no cause of its own."""
 
@@ -74,8 +74,8 @@ def carries(search: Search, fit: Fit) -> float | None:
 def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool:
     """Whether another law, known from the other runs, leaves but noise in a run.
 
-    It has to in those that were kept from the fit. Where none was, in most of them: no
-    other may go where one went.
+    It has to in all that were kept from the fit, and in most of the others: none of the
+    rest may go where one went.
     """
     if len(problem.runs) < 2:
         return True
@@ -84,11 +84,10 @@ def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool
     same = Fit(fit.model, fit.nuisances, fit.theta)
     evaluate(whole, [same])
     left = Flexible(whole, same).foretold(own, noise)
-    if problem.held:
-        kept = list(problem.held)
-        return not lack_of(whole, _together(whole, [left[r] for r in kept], kept), kept).is_there
-    strange = [lack_of(whole, e, [r]).is_there for r, e in enumerate(left)]
-    return sum(strange) <= len(left) // _STRANGE
+    strange = sum(lack_of(whole, e, [r]).is_there for r, e in enumerate(left))
+    kept = list(problem.held) or whole.fitted
+    together = _together(whole, [left[r] for r in kept], kept)
+    return _STRANGE * strange < len(left) and not lack_of(whole, together, kept).is_there
 
 
 def _together(
