@@ -168,7 +168,7 @@ def _misses(search: Search, fit: Fit) -> bool:
     if not problem.held or not lack_of(problem, e, problem.held).is_there:
         return False
     floor = e.size * noise_level(problem, fit.residual)
-    return after - floor > _STAYS * (before - floor)
+    return bool(after - floor > _STAYS * (before - floor))
 
 
 def _rivals(search: Search, found: Fit) -> list[Fit]:
