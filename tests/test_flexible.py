@@ -153,6 +153,7 @@ def test_an_effect_that_only_bends_another_ones_law_is_not_named() -> None:
 
 
 def test_nothing_is_named_where_one_force_along_the_way_would_do() -> None:
+    # A stiffer line is no other law of friction either: what it leaves is told instead.
     found = diagnose(tethered(drives(both=False, samples=150), 0.08, slack=0.2), ROBOT)
     assert found.status == "unexplained", found
     assert found.report["verdict"]["unlisted"]["variable"] == "terrain"

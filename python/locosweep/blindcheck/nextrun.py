@@ -2,7 +2,8 @@
 
 Every run of the menu is simulated beside the runs of the case. It tells the true effect
 from the others of its class where each of these, refitted, leaves at least `ALIKE`
-deviations more of what all runs together show.
+deviations of what all runs together show, beside what the true effect's own law leaves. It
+is carried out once, however often the report asks for it.
 """
 
 from __future__ import annotations
@@ -68,7 +69,7 @@ class _Longer(Experiment):
             last = [replace(w, effects=tuple(map(_turned, w.effects))) for w in worlds]
         if self.heavier and "mu_coulomb" in self.rig.nominal:
             more = (PAYLOAD - 1.0) * self.rig.level
-            last = [replace(w, effects=tuple(_loaded(e, more) for e in w.effects)) for w in worlds]
+            last = [replace(w, effects=tuple(_loaded(e, more) for e in w.effects)) for w in last]
         before = Experiment(self.rig, self.drives[:-1], self.sensors).read(worlds, step, threads)
         after = extra.read(last, step, threads)
         if self.reads_force:

@@ -11,7 +11,7 @@ from locosweep.diagnosis.deeper import deepened, hopeless, pruned, without
 from locosweep.diagnosis.fit import Fit, point_of
 from locosweep.diagnosis.flexible import VARIABLES, Flexible
 from locosweep.diagnosis.in_windows import WindowSearches
-from locosweep.diagnosis.lack import lack_of, noise_level
+from locosweep.diagnosis.lack import blocks_of, lack_of, noise_level
 from locosweep.diagnosis.otherlaw import UNLISTED, bent_from, carried_by, carries, elsewhere
 from locosweep.diagnosis.score import GAIN, gains, rest_of, total
 
@@ -148,7 +148,7 @@ def choose(search: Search, most: int) -> Choice:
         choice = Choice("unexplained", found, lack, shape=rest_of(problem, found))
         return _with_ranks(search, choice, [none, *singles, *level, *rivals])
     status = "explained" if all(len(c) == 1 for c in classes) and not sets else "ambiguous"
-    missed = not mismatch and _misses(search, found)
+    missed = (not mismatch or bent is not None) and _misses(search, found)
     choice = Choice(status, found, lack, classes, sets, mismatch, near=near, missed=missed)
     return _with_ranks(search, choice, [none, *singles, *level, *rivals])
 
@@ -167,8 +167,9 @@ def _misses(search: Search, fit: Fit) -> bool:
         return True
     if not problem.held or not lack_of(problem, e, problem.held).is_there:
         return False
-    floor = e.size * noise_level(problem, fit.residual)
-    return bool(after - floor > _STAYS * (before - floor))
+    counted = sum(values.size for _, _, values in blocks_of(problem, e, problem.held))
+    floor = counted * noise_level(problem, fit.residual)
+    return bool(before > floor and after - floor > _STAYS * (before - floor))
 
 
 def _rivals(search: Search, found: Fit) -> list[Fit]:

@@ -15,7 +15,7 @@ from scipy.stats import norm
 from locosweep.diagnosis.fit import Fit, evaluate, fit_all, jacobian_of, point_of, start_fits
 from locosweep.diagnosis.menu import FORCE_NOISE, MENU, PAYLOAD
 from locosweep.diagnosis.noise import Noise
-from locosweep.diagnosis.problem import FITTED, Problem
+from locosweep.diagnosis.problem import Problem
 from locosweep.diagnosis.starts import starts_of
 from locosweep.measured import Run
 
@@ -37,40 +37,45 @@ _SHOWN = 4
 _NEAREST = 2
 """Other explanations that are refitted to one that is taken for the truth."""
 _FITTED = 1.0
-"""Distance below which refits, which make it less, are spared."""
+"""Distance below which refits, which mostly make it less, are spared."""
 _EQUAL = 0.5
 """Share of the weights that all explanations share: they tie."""
 _REPEATS = 4
-"""Most repeats of a run that are proposed: they add up as their root."""
+"""Most repeats of a run that are proposed: the squares of what they tell add up."""
 _HOPE = 0.05
-"""Chance of an answer, with so many repeats, below which no run is proposed."""
+"""What so many repeats have to add to the chance of an answer."""
+_FAR = 1e6
+"""Distance beyond which farther is no better."""
+_LOST = 1e50
+"""Chi2 of a model that cannot be replayed to the end."""
 
 
 @dataclass
 class _Planned:
     """The runs so far and one of the menu, before anything is measured in it."""
 
-    runs: list[Run]
-    place: int
-    """Of the new run."""
-    channels: tuple[str, ...]
-    noise: dict[str, Noise]
     problem: Problem
-    """With readings still blank."""
+    """With blank readings, NaN where a run so far has none."""
+    place: int
+    """Of the new run; as many as there are runs where there is none."""
 
     def seen_by(self, truth: Fit) -> Problem:
         """Return the problem whose readings are those of a model, without noise."""
-        read = self.problem.replay([point_of(self.problem, truth)])
-        edges = self.problem.starts_at
+        blank = self.problem
+        read = blank.replay([point_of(blank, truth)])
+        edges = blank.starts_at
         made = []
-        for r, run in enumerate(self.runs):
+        for r, run in enumerate(blank.runs):
             own = slice(edges[r], edges[r + 1])
             channels = {
-                c: np.full(run.t.size, np.nan) if np.isnan(blank).all() else read[c][0, own]
-                for c, blank in run.channels.items()
+                c: np.where(np.isnan(values), np.nan, read[c][0, own])
+                for c, values in run.channels.items()
             }
             made.append(replace(run, channels=channels))
-        return _problem(self.problem, made)
+        found = replace(blank, runs=made)
+        # Where the head already moves before the drive changes, its readings begin elsewhere.
+        found.begin = blank.begin.copy()
+        return found
 
 
 def next_experiment(
@@ -99,8 +104,8 @@ def next_experiment(
     likely = likely / likely.sum()
     plans = []
     for name, change, text in MENU:
-        planned = _planned(search, name, change)
-        if planned is not None:
+        if _has_meaning(search, name):
+            planned = _planned(search, name, change)
             table = _straight(planned, fits)
             plans.append((*_promise(table.min(axis=1), likely), name, text, planned, table))
     plans.sort(key=lambda plan: plan[:2], reverse=True)
@@ -114,44 +119,57 @@ def next_experiment(
         rows.append({"run": name, "distance": distance, "chance": chance, "what": text})
     rows.sort(key=lambda row: (row["chance"], row["distance"]), reverse=True)
     best = rows[0]
-    chances = [_promise(np.sqrt(n) * found[best["run"]], likely)[0] for n in range(1, _REPEATS + 1)]
-    if chances[-1] < _HOPE:
+    alone = _straight(_planned(search), fits).min(axis=1)
+    each = np.maximum(found[best["run"]] ** 2 - alone**2, 0.0)
+    chances = [_promise(np.sqrt(alone**2 + n * each), likely)[0] for n in range(_REPEATS + 1)]
+    if chances[-1] - chances[0] < _HOPE:
         missing = "no motion of this rig in the menu can separate these"
         return {"separates": separates, "suggestion": missing, "possible": False, "menu": rows}
-    repeats = next(n for n, chance in enumerate(chances, 1) if chance > 0.8 * chances[-1])
+    repeats = next(n for n, chance in enumerate(chances) if n and chance >= 0.8 * chances[-1])
     again = f", {repeats} times" if repeats > 1 else ""
     said = (
-        f"{best['what']}{again} (settles it with probability {chances[repeats - 1]:.2f}, "
-        f"expected distance of one run {best['distance']:.1f} deviations)"
+        f"{best['what']}{again} (tells them {RESOLVED:.0f} deviations apart with probability "
+        f"{chances[repeats]:.2f}; expected distance with one run {best['distance']:.1f})"
     )
     return {"separates": separates, "suggestion": said, "possible": True, "menu": rows}
 
 
 def _promise(distances: Floats, weights: Floats) -> tuple[float, float]:
     """Probability that the truth is told from all others, with noise, and mean distance."""
-    least = np.maximum(distances, 1e-9)
+    least = np.clip(distances, 1e-9, _FAR)
     chance = weights @ norm.cdf((least**2 - RESOLVED**2) / (2.0 * least))
-    return float(chance), float(weights @ distances)
+    return float(chance), float(weights @ np.minimum(distances, _FAR))
 
 
-def _planned(search: Search, name: str, change: Callable[[Run, float], Run]) -> _Planned | None:
+def _has_meaning(search: Search, name: str) -> bool:
+    """Whether a run of the menu is another one on this rig."""
+    if name == "force sensor":
+        return "force" not in search.problem.channels
+    return name not in ("turn round", "incline") or not search.problem.placed
+
+
+def _planned(
+    search: Search, name: str = "", change: Callable[[Run, float], Run] | None = None
+) -> _Planned:
+    """Return the runs so far and, with a change, one of the menu."""
     problem = search.problem
-    if name == "force sensor" and "force" in problem.channels:
-        return None
-    if "gravity_torque" in problem.nominal and name in ("turn round", "incline"):
-        return None
-    moved = [float(np.nanmax(r.channels["x"]) - np.nanmin(r.channels["x"])) for r in problem.runs]
-    pattern = problem.runs[int(np.argmax(moved))]
-    run = replace(change(pattern, problem.nominal["slope_deg"]), label="next")
     noise = dict(problem.noise)
     channels = list(problem.channels)
     if name == "force sensor":
         deviation = FORCE_NOISE * search.scale.force
         noise["force"] = Noise(deviation, deviation, 0.0, stated=False)
         channels.append("force")
-    so_far = [_blank(r, problem.channels, r.start[0]) for r in problem.runs]
-    runs = [*so_far, _blank(run, channels, pattern.start[0])]
-    place = len(runs) - 1
+    runs = [_blank(run, problem.channels) for run in problem.runs]
+    place = len(runs)
+    if change is not None:
+        spans = [
+            float(np.nanmax(r.channels["x"]) - np.nanmin(r.channels["x"])) for r in problem.runs
+        ]
+        pattern = problem.runs[int(np.argmax(spans))]
+        run = change(pattern, problem.nominal["slope_deg"])
+        # From where its pattern started.
+        made = {c: np.full(run.t.size, pattern.start[0] if c == "x" else 0.0) for c in channels}
+        runs.append(Run("next", run.t, run.drive, made, run.slope_deg))
     blank = Problem(
         problem.robot,
         runs,
@@ -160,18 +178,7 @@ def _planned(search: Search, name: str, change: Callable[[Run, float], Run]) -> 
         heavier={place: PAYLOAD} if name == "payload" else {},
         turned=frozenset({place}) if name == "turn round" else frozenset(),
     )
-    return _Planned(runs, place, blank.channels, noise, blank)
-
-
-def _problem(blank: Problem, runs: list[Run]) -> Problem:
-    return Problem(
-        blank.robot,
-        runs,
-        blank.threads,
-        known=blank.noise,
-        heavier=blank.heavier,
-        turned=blank.turned,
-    )
+    return _Planned(blank, place)
 
 
 def _bare(fit: Fit) -> Fit:
@@ -196,10 +203,12 @@ def _straight(planned: _Planned, fits: Sequence[Fit]) -> Floats:
         _, sizes, basis = np.linalg.svd(rows, full_matrices=False)
         basis = basis[sizes > 1e-9 * sizes.max(initial=0.0)]
         for i, truth in enumerate(others):
-            if i == j or not np.isfinite(other.chi2 + truth.chi2):
+            if i == j or other.chi2 + truth.chi2 > _LOST:
                 continue
             left = other.residual - truth.residual
             table[i, j] = float(np.linalg.norm(left - basis.T @ (basis @ left)))
+    # What cannot be compared with anything promises nothing.
+    table[~np.isfinite(table).any(axis=1)] = 0.0
     return table
 
 
@@ -208,8 +217,8 @@ def _refitted(
 ) -> float:
     """Distance of the nearest other explanation, refitted."""
     least = float(straight.min())
-    if not _FITTED <= least < np.inf:
-        return least if np.isfinite(least) else 0.0
+    if least < _FITTED:
+        return least
     problem = planned.seen_by(_bare(fits[truth]))
     trials = []
     for i in np.argsort(straight, kind="stable")[:_NEAREST]:
@@ -230,8 +239,11 @@ def _refitted(
     return float(np.sqrt(max(min(trial.chi2 for trial in trials), 0.0)))
 
 
-def _blank(run: Run, channels: Sequence[str], x0: float) -> Run:
-    """Return a run whose readings are still to be made up, from where it starts."""
-    made = {c: np.zeros(run.t.size) for c in channels if c in FITTED}
-    made["x"] = np.full(run.t.size, x0)
+def _blank(run: Run, channels: Sequence[str]) -> Run:
+    """Return a run whose readings are still to be made up, where it has any."""
+    made = {
+        c: np.where(np.isfinite(values), run.start[0] if c == "x" else 0.0, np.nan)
+        for c, values in run.channels.items()
+        if c in channels
+    }
     return Run(run.label, run.t, run.drive, made, run.slope_deg)

@@ -74,8 +74,8 @@ def carries(search: Search, fit: Fit) -> float | None:
 def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool:
     """Whether another law, known from the other runs, leaves but noise in a run.
 
-    It has to in all that were kept from the fit, and in most of the others: none of the
-    rest may go where one went.
+    It has to in those that were kept from the fit, taken together, and in most of the others:
+    none of the rest may go where one went. Where none was kept, in all together.
     """
     if len(problem.runs) < 2:
         return True
