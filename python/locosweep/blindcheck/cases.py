@@ -339,7 +339,7 @@ def _verdict(own: float, distances: dict[str, float], name: str) -> dict[str, An
 
 def _single(case: Case, nuisances: Nuisances, scale: Scale, gap: Floats) -> Case:
     (name, form, parameters) = case.world.effects[0]
-    d = float(np.linalg.norm(gap))
+    d = nuisances.size(case.world.effects)
     absent = absent_of(case.experiment.rig)
     distances = rival_distances(nuisances, scale, gap, own=case.world.effects[0], absent=absent)
     law = form in ("law", "force")
@@ -385,7 +385,8 @@ def _pair(case: Case, scale: Scale, threads: int) -> Case:
             around, scale, gap, own=effects[i], beside=beside, absent=[*absent, other[0]]
         )
         found = _verdict(0.0, distances, name)
-        d = float(np.linalg.norm(gap - sum((b * (b @ gap) / (b @ b) for b in beside), 0.0)))
+        alone = gap - sum((b * (b @ gap) / (b @ b) for b in beside), 0.0)
+        d = min(float(np.linalg.norm(alone)), around.size((effects[i],)))
         entries.append({
             "name": name, "form": form, "parameters": parameters, "d": d,
             "d_name": min(d, found["next_rival"]), "accepted": found["accepted"],
@@ -403,7 +404,7 @@ def _pair(case: Case, scale: Scale, threads: int) -> Case:
         "effects": entries,
         "mismatch": False,
         "accepted": accepted,
-        "d": float(np.linalg.norm(whole)),
+        "d": nominal.size(effects),
     }
     return replace(case, truth=truth)
 
@@ -418,10 +419,10 @@ def _outside(rng: Generator, case: Case, nuisances: Nuisances, scale: Scale) -> 
     name = str(rng.choice(OUTSIDE))
     cause = draw_cause(rng, scale, name, "outside")
     strength, gap = _strength(nuisances, cause, _target(rng, "outside"))
-    d = float(np.linalg.norm(gap))
+    parameters = _rounded(cause.effect(strength)[2])
+    d = nuisances.size(((name, "outside", parameters),))
     if not _LEAST <= d <= _MOST:
         return None
-    parameters = _rounded(cause.effect(strength)[2])
     absent = absent_of(case.experiment.rig)
     distances = rival_distances(nuisances, scale, gap, absent=absent)
     accepted = [[rival] for rival, left in sorted(distances.items()) if left < ALIKE]
@@ -432,7 +433,7 @@ def _outside(rng: Generator, case: Case, nuisances: Nuisances, scale: Scale) -> 
         "accepted": accepted,
         "mismatch": False,
         "d": d,
-        "d_name": min(distances.values(), default=d),
+        "d_name": min(d, *distances.values()),
     }
     world = World(case.world.shifts, ((name, "outside", parameters),))
     return replace(case, world=world, truth=truth)

@@ -74,12 +74,14 @@ def rivals_of(k: Scale, *, as_force: bool) -> list[Rival]:
     def ripple(s: float, length: float, phase: float) -> dict[str, float]:
         return {"a": float(np.clip(s, -0.95, 0.95)), "L": length, "p": phase}
 
-    for share in (0.35, 0.6, 1.0, 1.7, 2.5):
+    # From a ripple to a slope: a factor of 1.35 between two lengths, as their waves have to
+    # keep step over all of the travel.
+    for share in np.geomspace(0.2, 7.0, 13):
         for phase in (0.0, 0.5 * np.pi):
             add(
                 "position_dependent_friction",
-                partial(ripple, length=share * k.travel, phase=phase),
-                group=f" {share}",
+                partial(ripple, length=float(share) * k.travel, phase=phase),
+                group=f" {share:.3f}",
             )
     add("load_dependent_friction", lambda s: {"mu_l": s})
 

@@ -34,6 +34,9 @@ _RIGID = {
 }
 """Causes that are one where nothing gives way: a mass more on the side of the drive."""
 _NO_PLAY = 1e-9
+_SMALL = 0.1
+"""Standard deviations by which uncertain values are moved for their sensitivities."""
+_STEPS = 5
 
 
 class Nuisances:
@@ -56,15 +59,14 @@ class Nuisances:
         nudge = 0.01 * scale.speed
         names = list(experiment.rig.uncertainty)
         worlds = [world, World(world.shifts, world.effects, nudge)]
-        small = 0.1
         for name in names:
-            shifts = {**world.shifts, name: world.shifts.get(name, 0.0) + small}
+            shifts = {**world.shifts, name: world.shifts.get(name, 0.0) + _SMALL}
             worlds.append(World(shifts, world.effects))
         read = experiment.read(worlds, COARSE, threads)
         self.base = experiment.whitened(read[0])
         moved = (experiment.whitened(read[1]) - self.base) / nudge
         self._runs = list(self._bases(moved))
-        columns = [(experiment.whitened(r) - self.base) / small for r in read[2:]]
+        columns = [(experiment.whitened(r) - self.base) / _SMALL for r in read[2:]]
         self._count = len(columns)
         self._others = np.zeros((self.base.size, 0))
         self._prior = np.zeros((self.base.size + self._count, 0))
@@ -101,6 +103,34 @@ class Nuisances:
         whole = np.concatenate([self._per_run(vector), np.zeros(self._count)])
         left: Floats = whole - self._prior @ (self._prior.T @ whole)
         return left
+
+    def size(self, effects: tuple[Effect, ...]) -> float:
+        """Measure what effects, added to the world's own, change, beyond first order.
+
+        Uncertain values that take an effect up bend on the way: they are shifted step by
+        step, where `differences` shifts them along their sensitivities at the world's own.
+        """
+        world = World(self.world.shifts, (*self.world.effects, *effects))
+        seen = self.experiment.whitened(self.experiment.read([world], COARSE, self.threads)[0])
+        names = list(self.experiment.rig.uncertainty)
+        moved = np.zeros(len(names))
+        best = float(np.linalg.norm(self.left(seen - self.base)))
+        for _ in range(_STEPS if names else 0):
+            at = [moved, *(moved + _SMALL * row for row in np.eye(len(names)))]
+            read = self.experiment.read([self._shifted(names, m) for m in at], COARSE, self.threads)
+            here, *near = (self._per_run(self.experiment.whitened(r)) for r in read)
+            rest = np.concatenate([self._per_run(seen) - here, -moved])
+            best = min(best, float(np.linalg.norm(rest)))
+            columns = np.array([(n - here) / _SMALL for n in near]).T
+            step = np.linalg.lstsq(np.vstack([columns, np.eye(len(names))]), rest, rcond=None)[0]
+            moved = moved + step
+        return best
+
+    def _shifted(self, names: Sequence[str], moved: Floats) -> World:
+        shifts = dict(self.world.shifts)
+        for name, far in zip(names, moved.tolist(), strict=True):
+            shifts[name] = shifts.get(name, 0.0) + far
+        return World(shifts, self.world.effects)
 
     def differences(self, effects: Sequence[tuple[Effect, ...]]) -> list[Floats]:
         """Return what sets of effects, added to the world's own, change; projected."""
