@@ -37,6 +37,8 @@ that no variable in particular carries it."""
 _WIDER = 6.0
 """What a wider law has to gain in chi2 by each of its further parameters before it rivals
 its own limit."""
+_FEWER = 6.0
+"""What several effects have to gain in chi2 over another law of one cause."""
 TEMPER = 1.5
 """Differences in chi2 count for this much less than noise alone would have it."""
 
@@ -117,7 +119,7 @@ def choose(search: Search, most: int) -> Choice:
             )
             near = total(search, found) - total(search, deeper[0]) if deeper else 0.0
             deeper = [fit for fit in deeper if gains(search, found, fit)]
-        if carried and not (deeper and search.score(deeper[0]) < carried[0]):
+        if carried and not (deeper and search.score(deeper[0]) < carried[0] - _FEWER):
             # What further effects would gain is what the law does not fit.
             (score, found), mismatch, near = carried, True, 0.0
             break

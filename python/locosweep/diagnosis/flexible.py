@@ -359,7 +359,11 @@ class Flexible:
         )
 
     def foretold(self, variables: Sequence[str], noise: float) -> list[NDArray[np.float64]]:
-        """Return what is left in each run beside terms that all other runs give."""
+        """Return what is left in each run beside terms that all other runs give.
+
+        Along what those runs do not tell, it is divided by how uncertain they leave it: a
+        law that this run alone needs, as the fastest does, is no surprise.
+        """
         terms, root = self._root(variables, noise)
         beside = self.basis[self.names == "fit"]
         basis = np.vstack([beside, root.T @ self.basis[terms]])
@@ -369,8 +373,12 @@ class Flexible:
         left = []
         for place in self._places:
             here, e = basis[:, place], self.residual[place]
-            sizes = np.linalg.solve(whole - here @ here.T / noise, moments - here @ e / noise)
-            left.append(e - sizes @ here)
+            known = whole - here @ here.T / noise
+            sizes = np.linalg.solve(known, moments - here @ e / noise)
+            e = e - sizes @ here
+            unsure = np.linalg.solve(np.linalg.cholesky(known), here) / np.sqrt(noise)
+            _, size, along = np.linalg.svd(unsure, full_matrices=False)
+            left.append(e - ((1.0 - 1.0 / np.hypot(1.0, size)) * (along @ e)) @ along)
         return left
 
     def _surprise(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from copy import copy
+from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,12 +25,18 @@ __all__ = ["UNLISTED", "bent_from", "carried_by", "carries", "elsewhere"]
 
 _CARRIED = 6
 """Fits whose own variables are tried on what they leave."""
+_MOST_CARRIED = 10
+"""Such fits at most, with those by other variables."""
+_MOST_WORTH = 3
+"""Variables beside a fit whose effects are tried next."""
 _AS_WELL = 12.0
 """How much less than another variable the own one may be worth."""
 UNLISTED = "terrain"
 """A force by the place alone, whichever way the head goes: a tether, a magnet, a bump."""
 _STRANGE = 3
 """Fewer than one run in so many may hold what the others do not tell."""
+_BEYOND = 4.0
+"""Deviations by which what the other runs foretell may miss, all in all."""
 _BENT = 0.02
 """Share of a gap below which an effect through another one's variable is no cause of its own."""
 
@@ -37,14 +44,24 @@ _BENT = 0.02
 def carried_by(search: Search, level: Sequence[Fit]) -> tuple[float, Fit] | None:
     """Find the fit that its own effects' variables bring down to noise, and furthest.
 
+    Tried are the best fits, and what acts through the variables that would carry most beside
+    them: far off by its own formula, a cause may stand behind many others.
+
     Returns it with its score, a price on every term included.
     """
-    scores = [(carries(search, fit), i) for i, fit in enumerate(level[:_CARRIED])]
-    found = [(score, i) for score, i in scores if score is not None]
+    tried = list(level[:_CARRIED])
+    found = []
+    for i, fit in enumerate(tried):
+        score, others = _carried(search, fit)
+        if score is not None:
+            found.append((score, i))
+        for variable in others[:_MOST_WORTH]:
+            new = (f for f in level if variable in _variables(f) and all(f is not g for g in tried))
+            tried += islice(new, int(len(tried) < _MOST_CARRIED))
     if not found:
         return None
     score, i = min(found)
-    return score, level[i]
+    return score, tried[i]
 
 
 def carries(search: Search, fit: Fit) -> float | None:
@@ -53,29 +70,38 @@ def carries(search: Search, fit: Fit) -> float | None:
     They have to carry what is left as well as any other variable would: what is small
     enough to fit into everything says nothing about its cause.
     """
-    own = list(dict.fromkeys(VARIABLES[n] for n in fit.model.names if n in VARIABLES))
-    if not own:
-        return None
+    return _carried(search, fit)[0]
+
+
+def _variables(fit: Fit) -> list[str]:
+    return list(dict.fromkeys(VARIABLES[n] for n in fit.model.names if n in VARIABLES))
+
+
+def _carried(search: Search, fit: Fit) -> tuple[float | None, list[str]]:
+    """Score of a fit with other laws, and the other variables, that which carries most first."""
+    own = _variables(fit)
     problem = search.problem
     terms = Flexible(problem, fit)
     left = terms.left(own)
     noise = noise_level(problem, left)
     worth = terms.worth(own, noise)
-    others = (terms.worth([v], noise) for v in terms.variables if v not in own)
-    if worth < max(others, default=0.0) - _AS_WELL:
-        return None
+    others = {v: terms.worth([v], noise) for v in terms.variables if v not in own}
+    most = sorted(others, key=lambda v: -others[v])
+    if not own or worth < max(others.values(), default=0.0) - _AS_WELL:
+        return None, most
     if lack_of(problem, left).is_there or terms.found(own, noise):
-        return None
+        return None, most
     if terms.foreseen(own, noise) <= 0.0 or not _holds(problem, fit, own, noise):
-        return None
-    return search.score(fit) - worth * noise
+        return None, most
+    return search.score(fit) - worth * noise, most
 
 
 def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool:
     """Whether another law, known from the other runs, leaves but noise in a run.
 
-    It has to in those that were kept from the fit, taken together, and in most of the others:
-    none of the rest may go where one went. Where none was kept, in all together.
+    Noise, and what those runs cannot tell of it. It has to in those that were kept from the
+    fit, taken together, and in most of the others: none of the rest may go where one went.
+    Where none was kept, in all together.
     """
     if len(problem.runs) < 2:
         return True
@@ -87,7 +113,8 @@ def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool
     strange = sum(lack_of(whole, e, [r]).is_there for r, e in enumerate(left))
     kept = list(problem.held) or whole.fitted
     together = _together(whole, [left[r] for r in kept], kept)
-    return _STRANGE * strange < len(left) and not lack_of(whole, together, kept).is_there
+    beyond = lack_of(whole, together, kept).deviations
+    return _STRANGE * strange < len(left) and beyond < _BEYOND
 
 
 def _together(
