@@ -11,7 +11,7 @@ import pytest
 from locosweep.diagnosis import diagnose
 from locosweep.diagnosis.fit import Nuisances, fit_all, start_fits
 from locosweep.diagnosis.flexible import Flexible
-from locosweep.diagnosis.otherlaw import carries
+from locosweep.diagnosis.otherlaw import carried_by, carries
 from locosweep.diagnosis.problem import Problem
 from locosweep.diagnosis.search import Search
 from locosweep.diagnosis.starts import scale_of
@@ -80,7 +80,7 @@ def test_runs_are_foretold_by_the_density_given_the_others() -> None:
     assert terms.foreseen(["speed"], 1.0) == pytest.approx(gain, rel=1e-3)
 
 
-def test_what_others_foretell_is_their_mean_given_the_others() -> None:
+def test_what_others_foretell_is_their_mean_over_its_deviation_given_the_others() -> None:
     frame = measured({"quadratic_drag": {"c2": 0.05}}, drives(count=3, samples=60))
     terms = terms_beside(frame, "coulomb_error")
     rows, root = terms._root(["speed"], 1.0)
@@ -93,7 +93,13 @@ def test_what_others_foretell_is_their_mean_given_the_others() -> None:
     for place, found in zip(terms._places, left, strict=True):
         others = np.setdiff1d(np.arange(terms.residual.size), place)
         known = np.linalg.solve(covariance[np.ix_(others, others)], terms.residual[others])
-        expected = terms.residual[place] - covariance[np.ix_(place, others)] @ known
+        missed = terms.residual[place] - covariance[np.ix_(place, others)] @ known
+        told = np.linalg.solve(
+            covariance[np.ix_(others, others)], covariance[np.ix_(others, place)]
+        )
+        unsure = covariance[np.ix_(place, place)] - covariance[np.ix_(place, others)] @ told
+        values, vectors = np.linalg.eigh(unsure)
+        expected = vectors @ ((vectors.T @ missed) / np.sqrt(values))
         np.testing.assert_allclose(found, expected, atol=2e-3 * np.abs(expected).max())
 
 
@@ -119,6 +125,21 @@ def test_what_does_not_come_again_is_not_foreseen() -> None:
     assert once.foreseen(["time"], 1.0) < 0.0 < again.foreseen(["time"], 1.0)
 
 
+def fits_of(frame: pl.DataFrame, *names: str, held: tuple[int, ...] = ()) -> tuple[Search, list]:
+    """Fits of single effects to measured runs, in the order of their names."""
+    records = runs_from_frame(frame)
+    scale = scale_of(ROBOT, records)
+    problem = Problem(ROBOT, records, 1, held=held, pace=scale.speed)
+    nuisances = Nuisances((), (0.0, 0.0, 0.0, 0.0), scale.speed)
+    search = Search(problem, nuisances, scale, names, lambda _: None)
+    fits = []
+    for name in names:
+        model = search.model((name,))
+        fits += start_fits(nuisances, model, np.zeros((1, len(model.free))))
+    fit_all(problem, fits, steps=20)
+    return search, fits
+
+
 def test_another_law_has_to_hold_in_the_runs_kept_from_the_fit() -> None:
     """The same law in all runs, and one run with a push of its own."""
     runs = drives(count=5)
@@ -131,15 +152,29 @@ def test_another_law_has_to_hold_in_the_runs_kept_from_the_fit() -> None:
     )
     found = []
     for one in (frame, strange):
-        records = runs_from_frame(one)
-        scale = scale_of(ROBOT, records)
-        problem = Problem(ROBOT, records, 1, held=(2,), pace=scale.speed)
-        nuisances = Nuisances((), (0.0, 0.0, 0.0, 0.0), scale.speed)
-        search = Search(problem, nuisances, scale, ("viscous_friction",), lambda _: None)
-        fit = start_fits(nuisances, search.model(("viscous_friction",)), np.zeros((1, 1)))[0]
-        fit_all(problem, [fit], steps=20)
+        search, (fit,) = fits_of(one, "viscous_friction", held=(2,))
         found.append(carries(search, fit) is not None)
     assert found == [True, False]
+
+
+def test_what_the_other_runs_cannot_tell_is_no_contradiction() -> None:
+    """The run that is kept is faster than any other: what its law is there, they do not know."""
+    runs = drives(count=4)
+    runs.append(replace(runs[0], label="fast", drive=1.3 * runs[0].drive))
+    frame = measured({"quadratic_drag": {"c2": 0.02}}, runs)
+    search, (fit,) = fits_of(frame, "viscous_friction", held=(4,))
+    assert carries(search, fit) is not None
+
+
+def test_a_law_far_off_by_its_own_formula_is_found_behind_others() -> None:
+    frame = measured({"quadratic_drag": {"c2": 0.05}}, drives())
+    others = ("sensor_drift", "sensor_delay", "drive_lag", "drive_delay", "friction_drift")
+    search, level = fits_of(
+        frame, *others, "supply_sag", "position_dependent_friction", "viscous_friction"
+    )
+    found = carried_by(search, level)
+    assert found is not None
+    assert found[1].model.names == ("viscous_friction",)
 
 
 def test_an_effect_that_only_bends_another_ones_law_is_not_named() -> None:
