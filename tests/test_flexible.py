@@ -103,6 +103,43 @@ def test_what_others_foretell_is_their_mean_over_its_deviation_given_the_others(
         np.testing.assert_allclose(found, expected, atol=2e-3 * np.abs(expected).max())
 
 
+def test_a_law_of_its_own_in_each_run_is_worth_the_ratio_of_marginal_likelihoods() -> None:
+    frame = measured({"quadratic_drag": {"c2": 0.05}}, drives(count=3, samples=60))
+    terms = terms_beside(frame, "coulomb_error")
+    own, fitted = terms.names == "speed", terms.names == "fit"
+    run = np.zeros(terms.residual.size)
+    for i, place in enumerate(terms._places):
+        run[place] = i
+    for_all = terms.basis.T @ (terms.alike * (own[:, None] & own)) @ terms.basis
+    around = np.eye(run.size) + FLAT**2 * terms.basis[fitted].T @ terms.basis[fitted]
+
+    def density(covariance: np.ndarray) -> float:
+        square = terms.residual @ np.linalg.solve(covariance, terms.residual)
+        return -float(square + np.linalg.slogdet(covariance)[1])
+
+    tried = [
+        density(around + spread**2 * for_all * (run[:, None] == run))
+        for spread in np.geomspace(1e-6, 1.0, 61)
+    ]
+    assert terms.worth_apart(["speed"], 1.0) == pytest.approx(
+        max(tried) - density(around), rel=0.02, abs=0.3
+    )
+    # The runs follow one law, and say so.
+    assert terms.worth(["speed"], 1.0) > terms.worth_apart(["speed"], 1.0)
+
+
+def test_what_no_run_confirms_is_no_law() -> None:
+    """Friction along the way of waves that differ from run to run."""
+    runs = drives(count=4)
+    frames = [
+        measured({"position_dependent_friction": {"a": 0.02, "L": 0.3, "p": 1.6 * i}}, [run])
+        for i, run in enumerate(runs)
+    ]
+    terms = terms_beside(pl.concat(frames))
+    assert terms.worth(["place"], 1.0) > 20.0
+    assert terms.worth(["place"], 1.0) < terms.worth_apart(["place"], 1.0) - 12.0
+
+
 def test_one_run_is_foretold_by_none() -> None:
     terms = terms_beside(measured({"quadratic_drag": {"c2": 0.3}}, drives(count=1)))
     assert terms.worth(["speed"], 1.0) > 100.0

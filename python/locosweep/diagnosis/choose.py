@@ -9,11 +9,12 @@ import numpy as np
 
 from locosweep.diagnosis.deeper import deepened, hopeless, pruned, without
 from locosweep.diagnosis.fit import Fit, point_of
-from locosweep.diagnosis.flexible import VARIABLES, Flexible
+from locosweep.diagnosis.flexible import Flexible
 from locosweep.diagnosis.in_windows import WindowSearches
 from locosweep.diagnosis.lack import blocks_of, lack_of, noise_level
 from locosweep.diagnosis.otherlaw import UNLISTED, bent_from, carried_by, carries, elsewhere
 from locosweep.diagnosis.score import GAIN, gains, rest_of, total
+from locosweep.diagnosis.variables import VARIABLES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

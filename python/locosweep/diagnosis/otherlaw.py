@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.diagnosis.fit import Fit, evaluate
-from locosweep.diagnosis.flexible import VARIABLES, Flexible
+from locosweep.diagnosis.flexible import Flexible
 from locosweep.diagnosis.lack import lack_of, noise_level
 from locosweep.diagnosis.score import GAIN
+from locosweep.diagnosis.variables import VARIABLES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,7 +31,7 @@ _MOST_CARRIED = 10
 _MOST_WORTH = 3
 """Variables beside a fit whose effects are tried next."""
 _AS_WELL = 12.0
-"""How much less than another variable the own one may be worth."""
+"""How much less than another variable, or than a law for each run, the own one may be worth."""
 UNLISTED = "terrain"
 """A force by the place alone, whichever way the head goes: a tether, a magnet, a bump."""
 _STRANGE = 3
@@ -101,7 +102,8 @@ def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool
 
     Noise, and what those runs cannot tell of it. It has to in those that were kept from the
     fit, taken together, and in most of the others: none of the rest may go where one went.
-    Where none was kept, in all together.
+    Where none was kept, in all together. And one law for all runs has to be worth as much
+    as one of its own in each: what no run confirms is no law.
     """
     if len(problem.runs) < 2:
         return True
@@ -109,7 +111,10 @@ def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool
     whole.held, whole.fitted = (), list(range(len(problem.runs)))
     same = Fit(fit.model, fit.nuisances, fit.theta)
     evaluate(whole, [same])
-    left = Flexible(whole, same).foretold(own, noise)
+    terms = Flexible(whole, same)
+    if terms.worth(own, noise) < terms.worth_apart(own, noise) - _AS_WELL:
+        return False
+    left = terms.foretold(own, noise)
     strange = sum(lack_of(whole, e, [r]).is_there for r, e in enumerate(left))
     kept = list(problem.held) or whole.fitted
     together = _together(whole, [left[r] for r in kept], kept)
