@@ -74,8 +74,8 @@ def rivals_of(k: Scale, *, as_force: bool) -> list[Rival]:
     def ripple(s: float, length: float, phase: float) -> dict[str, float]:
         return {"a": float(np.clip(s, -0.95, 0.95)), "L": length, "p": phase}
 
-    # From a ripple to a slope: a factor of 1.35 between two lengths, as their waves have to
-    # keep step over all of the travel.
+    # From a ripple to a slope. Waves of two neighbours run apart over the travel where they are
+    # shorter than it: what lies between two of these is copied in part only.
     for share in np.geomspace(0.2, 7.0, 13):
         for phase in (0.0, 0.5 * np.pi):
             add(

@@ -68,7 +68,6 @@ class Nuisances:
         self._runs = list(self._bases(moved))
         columns = [(experiment.whitened(r) - self.base) / _SMALL for r in read[2:]]
         self._count = len(columns)
-        self._others = np.zeros((self.base.size, 0))
         self._prior = np.zeros((self.base.size + self._count, 0))
         if columns:
             # A standard deviation costs as much as one of the noise.

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.linalg import block_diag
 from scipy.stats import chi2
 
 from locosweep.diagnosis.fit import jacobian_of
@@ -97,7 +98,7 @@ class Flexible:
         a variable's law is a smooth random function around 0 with one deviation, the
         likeliest. So a term costs as much as the data can tell of it.
         """
-        return self._likeliest(*self._root(variables, noise), noise)[1]
+        return self._spread(*self._root(variables, noise), noise)[1]
 
     def _root(
         self, variables: Sequence[str], noise: float
@@ -110,11 +111,11 @@ class Flexible:
             if own.size:
                 alike = self.alike[np.ix_(rows[own], rows[own])]
                 part = np.linalg.cholesky(alike + 1e-9 * np.diag(np.diag(alike)))
-                factor = self._likeliest(rows[own], part, noise)[0]
+                factor = self._spread(rows[own], part, noise)[0]
                 root[np.ix_(own, own)] = factor * part
         return rows, root
 
-    def _likeliest(
+    def _spread(
         self, rows: NDArray[np.intp], root: NDArray[np.float64], noise: float
     ) -> tuple[float, float]:
         """Return the factor on deviations that is likeliest, and what it is worth."""
@@ -138,15 +139,19 @@ class Flexible:
         every run says again.
         """
         rows, root = self._root(variables, noise)
-        each = np.zeros((len(self._places), rows.size, self.residual.size))
-        for one, place in zip(each, self._places, strict=True):
-            one[:, place] = root.T @ self.basis[np.ix_(rows, place)]
-        terms = each.reshape(-1, self.residual.size)
-        beside = np.linalg.qr(self.basis[self.names == "fit"].T)[0]
-        terms -= (terms @ beside) @ beside.T
-        if not len(terms):
+        if not rows.size:
             return 0.0
-        return _likeliest(terms @ terms.T / noise, terms @ self.residual / noise)[1]
+        fitted = np.linalg.qr(self.basis[self.names == "fit"].T)[0]
+        grams, shared, moments = [], [], []
+        for place in self._places:
+            terms = root.T @ self.basis[np.ix_(rows, place)]
+            grams.append(terms @ terms.T)
+            shared.append(terms @ fitted[place])
+            moments.append(terms @ self.residual[place])
+        beside = np.vstack(shared)
+        gram = block_diag(*grams) - beside @ beside.T
+        moment = np.concatenate(moments) - beside @ (fitted.T @ self.residual)
+        return _likeliest(gram / noise, moment / noise)[1]
 
     def left(self, variables: Sequence[str]) -> NDArray[np.float64]:
         """Return the residual beside terms of some variables."""

@@ -35,7 +35,7 @@ _AS_WELL = 12.0
 UNLISTED = "terrain"
 """A force by the place alone, whichever way the head goes: a tether, a magnet, a bump."""
 _STRANGE = 3
-"""Fewer than one run in so many may hold what the others do not tell."""
+"""Fewer than one run in so many may go another way than the others foretell."""
 _BEYOND = 4.0
 """Deviations by which what the other runs foretell may miss, all in all."""
 _BENT = 0.02
@@ -71,7 +71,7 @@ def carries(search: Search, fit: Fit) -> float | None:
     They have to carry what is left as well as any other variable would: what is small
     enough to fit into everything says nothing about its cause.
     """
-    return _carried(search, fit)[0]
+    return _carried(search, fit)[0] if _variables(fit) else None
 
 
 def _variables(fit: Fit) -> list[str]:
@@ -105,8 +105,6 @@ def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool
     Where none was kept, in all together. And one law for all runs has to be worth as much
     as one of its own in each: what no run confirms is no law.
     """
-    if len(problem.runs) < 2:
-        return True
     whole = copy(problem)
     whole.held, whole.fitted = (), list(range(len(problem.runs)))
     same = Fit(fit.model, fit.nuisances, fit.theta)
