@@ -341,7 +341,9 @@ def _single(case: Case, nuisances: Nuisances, scale: Scale, gap: Floats) -> Case
     (name, form, parameters) = case.world.effects[0]
     d = nuisances.size(case.world.effects)
     absent = absent_of(case.experiment.rig)
-    distances = rival_distances(nuisances, scale, gap, own=case.world.effects[0], absent=absent)
+    distances = rival_distances(
+        nuisances, scale, gap, own=case.world.effects[0], absent=absent, most=d
+    )
     law = form in ("law", "force")
     found = _verdict(0.0 if law else distances[name], distances, name)
     entry = {
@@ -381,12 +383,12 @@ def _pair(case: Case, scale: Scale, threads: int) -> Case:
         moved = case.experiment.read([world], COARSE, threads)[0]
         other_way = around.left(case.experiment.whitened(moved) - around.base)
         beside = [other_way] if np.linalg.norm(other_way) > 0.0 else []
-        distances = rival_distances(
-            around, scale, gap, own=effects[i], beside=beside, absent=[*absent, other[0]]
-        )
-        found = _verdict(0.0, distances, name)
         alone = gap - sum((b * (b @ gap) / (b @ b) for b in beside), 0.0)
         d = min(float(np.linalg.norm(alone)), around.size((effects[i],)))
+        distances = rival_distances(
+            around, scale, gap, own=effects[i], beside=beside, absent=[*absent, other[0]], most=d
+        )
+        found = _verdict(0.0, distances, name)
         entries.append({
             "name": name, "form": form, "parameters": parameters, "d": d,
             "d_name": min(d, found["next_rival"]), "accepted": found["accepted"],
@@ -424,7 +426,7 @@ def _outside(rng: Generator, case: Case, nuisances: Nuisances, scale: Scale) -> 
     if not _LEAST <= d <= _MOST:
         return None
     absent = absent_of(case.experiment.rig)
-    distances = rival_distances(nuisances, scale, gap, absent=absent)
+    distances = rival_distances(nuisances, scale, gap, absent=absent, most=d)
     accepted = [[rival] for rival, left in sorted(distances.items()) if left < ALIKE]
     truth = {
         **case.truth,

@@ -12,7 +12,10 @@ if TYPE_CHECKING:
     from locosweep.blindcheck.experiment import Effect
     from locosweep.blindcheck.lawbook import Scale, Strength
 
-__all__ = ["Rival", "rivals_of"]
+__all__ = ["LENGTHS", "Rival", "rivals_of", "waves_of"]
+
+LENGTHS = np.geomspace(0.2, 7.0, 13)
+"""Lengths of ripples, from short ones to a slope, in travels."""
 
 
 @dataclass(frozen=True)
@@ -23,6 +26,8 @@ class Rival:
     group: str
     at: Strength
     signs: tuple[float, ...]
+    length: float = 0.0
+    """Of a wave along the way."""
 
     def effect(self, s: float, *, as_force: bool) -> Effect:
         """Return what the reality takes."""
@@ -32,6 +37,25 @@ class Rival:
     def allows(self, s: float) -> bool:
         """Whether a strength makes sense: sensors and drives act late, not early."""
         return s >= 0.0 or (len(self.signs) == 2 and not self.cause.endswith("_delay"))
+
+
+def _wave(s: float, length: float, phase: float) -> dict[str, float]:
+    return {"a": float(np.clip(s, -0.95, 0.95)), "L": length, "p": phase}
+
+
+def waves_of(length: float) -> list[Rival]:
+    """Both phases of friction that goes up and down along the way."""
+    name = "position_dependent_friction"
+    return [
+        Rival(
+            name,
+            f"{name} {length:.9g}",
+            partial(_wave, length=length, phase=p),
+            (1.0, -1.0),
+            length,
+        )
+        for p in (0.0, 0.5 * np.pi)
+    ]
 
 
 def rivals_of(k: Scale, *, as_force: bool) -> list[Rival]:
@@ -71,18 +95,8 @@ def rivals_of(k: Scale, *, as_force: bool) -> list[Rival]:
     for way in ("F_c_forward", "F_c_backward"):
         add("direction_dependent_friction", partial(one_side, side=way))
 
-    def ripple(s: float, length: float, phase: float) -> dict[str, float]:
-        return {"a": float(np.clip(s, -0.95, 0.95)), "L": length, "p": phase}
-
-    # From a ripple to a slope. Waves of two neighbours run apart over the travel where they are
-    # shorter than it: what lies between two of these is copied in part only.
-    for share in np.geomspace(0.2, 7.0, 13):
-        for phase in (0.0, 0.5 * np.pi):
-            add(
-                "position_dependent_friction",
-                partial(ripple, length=float(share) * k.travel, phase=phase),
-                group=f" {share:.3f}",
-            )
+    for share in LENGTHS:
+        found += waves_of(float(share) * k.travel)
     add("load_dependent_friction", lambda s: {"mu_l": s})
 
     def change(s: float, time: float) -> dict[str, float]:

@@ -13,10 +13,10 @@ import numpy as np
 
 from locosweep.blindcheck.experiment import COARSE, Experiment, World
 from locosweep.blindcheck.laws import CAUSES, Scale
-from locosweep.blindcheck.rivals import Rival, rivals_of
+from locosweep.blindcheck.rivals import LENGTHS, Rival, rivals_of, waves_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -33,10 +33,15 @@ _RIGID = {
     "transmission_compliance": "transmission_backlash",
 }
 """Causes that are one where nothing gives way: a mass more on the side of the drive."""
+_WAVES = "position_dependent_friction"
+_FINER = 4
+"""Times that lengths on either side of the best one are tried."""
 _NO_PLAY = 1e-9
 _SMALL = 0.1
 """Standard deviations by which uncertain values are moved for their sensitivities."""
-_STEPS = 5
+_STEPS = 6
+_FURTHEST = 8.0
+"""Standard deviations that an uncertain value is shifted by, at most."""
 
 
 class Nuisances:
@@ -110,19 +115,24 @@ class Nuisances:
         step, where `differences` shifts them along their sensitivities at the world's own.
         """
         world = World(self.world.shifts, (*self.world.effects, *effects))
-        seen = self.experiment.whitened(self.experiment.read([world], COARSE, self.threads)[0])
+        read = self.experiment.read([world], COARSE, self.threads)[0]
+        seen = self._per_run(self.experiment.whitened(read))
         names = list(self.experiment.rig.uncertainty)
         moved = np.zeros(len(names))
-        best = float(np.linalg.norm(self.left(seen - self.base)))
+        best = float(np.linalg.norm(seen - self._per_run(self.base)))
         for _ in range(_STEPS if names else 0):
             at = [moved, *(moved + _SMALL * row for row in np.eye(len(names)))]
-            read = self.experiment.read([self._shifted(names, m) for m in at], COARSE, self.threads)
-            here, *near = (self._per_run(self.experiment.whitened(r)) for r in read)
-            rest = np.concatenate([self._per_run(seen) - here, -moved])
+            reads = self.experiment.read(
+                [self._shifted(names, m) for m in at], COARSE, self.threads
+            )
+            here, *near = (self._per_run(self.experiment.whitened(r)) for r in reads)
+            rest = np.concatenate([seen - here, -moved])
+            columns = np.vstack([(np.array(near) - here).T / _SMALL, np.eye(len(names))])
+            if not np.isfinite(columns).all():
+                break
             best = min(best, float(np.linalg.norm(rest)))
-            columns = np.array([(n - here) / _SMALL for n in near]).T
-            step = np.linalg.lstsq(np.vstack([columns, np.eye(len(names))]), rest, rcond=None)[0]
-            moved = moved + step
+            step = np.linalg.lstsq(columns, rest, rcond=None)[0]
+            moved = np.clip(moved + step, -_FURTHEST, _FURTHEST)
         return best
 
     def _shifted(self, names: Sequence[str], moved: Floats) -> World:
@@ -146,6 +156,7 @@ def rival_distances(
     own: Effect | None = None,
     beside: Sequence[Floats] = (),
     absent: Sequence[str] = (),
+    most: float = np.inf,
 ) -> dict[str, float]:
     """Measure how near each cause, refitted, comes to a gap.
 
@@ -163,6 +174,8 @@ def rival_distances(
         Projected sensitivities of effects that stay and are refitted as well.
     absent : sequence of str
         Causes that have no meaning on the rig, or are already in the world.
+    most : float
+        Size of the gap by a refit beyond first order: no rival leaves more.
 
     Returns
     -------
@@ -179,18 +192,50 @@ def rival_distances(
 
     gap = off(gap)
     size = float(np.linalg.norm(gap))
+    best: dict[str, float] = {cause: min(size, most) for cause in CAUSES if cause not in absent}
+    if size == 0.0:
+        return best
 
     def responses(strengths: list[tuple[Rival, float]]) -> list[Floats]:
         effects = [(atom.effect(s, as_force=as_force),) for atom, s in strengths]
         return [off(d) for d in nuisances.differences(effects)]
 
-    best: dict[str, float] = {cause: size for cause in CAUSES if cause not in absent}
-    if size == 0.0:
-        return best
     if own and own[0] in _RIGID:
         stiff = {"b": _NO_PLAY * scale.travel, "m_d": own[2]["m_d"]}
         rigid = nuisances.differences([(("transmission_backlash", "law", stiff),)])[0]
-        best[_RIGID[own[0]]] = min(size, float(np.linalg.norm(gap - off(rigid))))
+        cause = _RIGID[own[0]]
+        best[cause] = min(best[cause], float(np.linalg.norm(gap - off(rigid))))
+    left = _refitted(atoms, gap, responses)
+    if _WAVES not in absent:
+        _between(left, lambda finer: _refitted(finer, gap, responses))
+    for atom, rest in left.items():
+        best[atom.cause] = min(best[atom.cause], rest)
+    return best
+
+
+def _between(
+    left: dict[Rival, float], refitted: Callable[[list[Rival]], dict[Rival, float]]
+) -> None:
+    """Look between the lengths of waves, nearer and nearer the best one."""
+    factor = LENGTHS[1] / LENGTHS[0]
+    for _ in range(_FINER):
+        waves = {atom.length: rest for atom, rest in left.items() if atom.length}
+        if not waves:
+            return
+        length = min(waves, key=lambda at: waves[at])
+        if waves[length] < ALIKE:
+            return
+        factor = factor**0.4
+        left |= refitted([a for at in (length / factor, length * factor) for a in waves_of(at)])
+
+
+def _refitted(
+    atoms: Sequence[Rival],
+    gap: Floats,
+    responses: Callable[[list[tuple[Rival, float]]], list[Floats]],
+) -> dict[Rival, float]:
+    """Refit the strength of every rival that can be seen; return what each leaves of a gap."""
+    size = float(np.linalg.norm(gap))
     start = 0.01
     strength: dict[Rival, float] = {}
     for atom, seen in zip(atoms, responses([(a, start) for a in atoms]), strict=True):
@@ -199,8 +244,9 @@ def rival_distances(
         if norm > 0.0:
             strength[atom] = start * float(np.clip(size / norm, 1e-3, 30.0))
     visible = list(strength)
+    left = dict.fromkeys(visible, size)
     current = dict(zip(visible, responses([(a, strength[a]) for a in visible]), strict=True))
-    for _ in range(3):
+    for again in (True, True, True, False):
         moves: list[tuple[Rival, float]] = []
         groups: dict[str, list[Rival]] = {}
         for atom in visible:
@@ -208,24 +254,20 @@ def rival_distances(
         for members in groups.values():
             columns = np.array([current[a] for a in members]).T
             factors = np.linalg.lstsq(columns, gap, rcond=1e-9)[0]
-            cause = members[0].cause
-            if len(members) > 1:
-                # A plane of directions: what is left of the gap beside it.
-                rest = float(np.linalg.norm(gap - columns @ factors))
-                best[cause] = min(best[cause], rest)
-            else:
-                rest = float(np.linalg.norm(gap - columns[:, 0]))
-                best[cause] = min(best[cause], rest)
-            near = float(np.linalg.norm(gap - columns @ factors)) < max(0.5 * size, 4.0 * ALIKE)
+            fitted = float(np.linalg.norm(gap - columns @ factors))
+            # Several span a plane of directions; of one, the law itself has to do.
+            rest = fitted if len(members) > 1 else float(np.linalg.norm(gap - columns[:, 0]))
+            near = fitted < max(0.5 * size, 4.0 * ALIKE)
             for atom, factor in zip(members, factors, strict=True):
+                left[atom] = min(left[atom], rest)
                 moved = float(strength[atom] * np.clip(factor, -4.0, 4.0))
                 if near and atom.allows(moved) and abs(moved) > 1e-7 and abs(factor - 1.0) > 0.01:
                     moves.append((atom, moved))
-        if not moves:
+        if not (moves and again):
             break
         for (atom, s), seen in zip(moves, responses(moves), strict=True):
             if np.linalg.norm(seen) > 0.0:
                 strength[atom], current[atom] = s, seen
             else:
                 visible.remove(atom)
-    return best
+    return left
