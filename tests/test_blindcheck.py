@@ -14,10 +14,11 @@ import numpy as np
 import pytest
 
 from locosweep.blindcheck import casefiles, metrics, nextrun, pictures, tables
-from locosweep.blindcheck.cases import Case, draw_case
+from locosweep.blindcheck.cases import Case, draw_case, scale_of_runs
 from locosweep.blindcheck.experiment import COARSE, World
 from locosweep.blindcheck.judge import Judged, judge, window_share
-from locosweep.blindcheck.sizes import ALIKE
+from locosweep.blindcheck.lawbook import Scale
+from locosweep.blindcheck.sizes import ALIKE, Nuisances, rival_distances
 from locosweep.cli import main
 from locosweep.diagnosis.menu import MENU
 from locosweep.errors import DataFileError
@@ -294,6 +295,47 @@ def test_strength_meets_its_size() -> None:
     assert entry["name"] in entry["accepted"]
     assert entry["d_name"] <= entry["d"] + 1e-9
     assert entry["distances"][entry["name"]] <= entry["d"] + 1e-9
+
+
+def free_case(uncertain: dict[str, float]) -> tuple[Nuisances, Scale]:
+    """Nuisances of runs without a gap, some of whose nominal values are uncertain."""
+    case = draw_case(3, 0, gap_free=True)
+    rig = replace(case.experiment.rig, uncertainty=uncertain)
+    experiment = replace(case.experiment, rig=rig)
+    scale = scale_of_runs(experiment)
+    return Nuisances(experiment, scale, World(), 1), scale
+
+
+def test_an_uncertain_value_takes_an_error_of_it_up() -> None:
+    """What a value off by two of its deviations does has a size of two at most."""
+    exact, _ = free_case({})
+    for deviation in (0.05, 0.01):
+        nuisances, _ = free_case({"mu_coulomb": deviation})
+        rig = nuisances.experiment.rig
+        off = rig.true({"mu_coulomb": 2.0})["mu_coulomb"] - rig.nominal["mu_coulomb"]
+        error = (("coulomb_error", "law", {"d_mu": off}),)
+        assert exact.size(error) > 10.0
+        assert nuisances.size(error) <= 2.0 + 1e-6
+
+
+def test_without_uncertain_values_a_size_is_that_of_the_difference() -> None:
+    nuisances, _ = free_case({})
+    drag = (("quadratic_drag", "law", {"c2": 0.1}),)
+    left = nuisances.differences([drag])[0]
+    assert nuisances.size(drag) == pytest.approx(float(np.linalg.norm(left)), rel=1e-9)
+
+
+@pytest.mark.parametrize("share", [1.1, 2.6])
+def test_waves_between_the_lengths_of_the_grid_are_found(share: float) -> None:
+    nuisances, scale = free_case({})
+    wave = {"a": 0.004, "L": share * scale.travel, "p": 0.7}
+    gap = nuisances.differences([(("position_dependent_friction", "law", wave),)])[0]
+    assert np.linalg.norm(gap) > 20.0
+    left = rival_distances(nuisances, scale, gap)
+    assert left["position_dependent_friction"] < max(0.05 * np.linalg.norm(gap), ALIKE)
+    assert max(left.values()) <= np.linalg.norm(gap) + 1e-9
+    nearer = rival_distances(nuisances, scale, gap, most=ALIKE)
+    assert max(nearer.values()) <= ALIKE
 
 
 def test_a_small_check_from_end_to_end(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

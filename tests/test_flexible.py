@@ -203,6 +203,18 @@ def test_what_the_other_runs_cannot_tell_is_no_contradiction() -> None:
     assert carries(search, fit) is not None
 
 
+def test_a_run_kept_from_the_fit_may_start_in_motion() -> None:
+    runs = drives(count=5)
+    whole = measured({"quadratic_drag": {"c2": 0.02}}, runs)
+    frame = whole.filter((pl.col("run") != runs[4].label) | (pl.col("t") > 0.55))
+    search, (fit,) = fits_of(frame, "viscous_friction", held=(4,))
+    found = []
+    for starting in ((), (4,)):
+        search.problem.starting = starting
+        found.append(carries(search, fit) is not None)
+    assert found == [False, True]
+
+
 def test_a_law_far_off_by_its_own_formula_is_found_behind_others() -> None:
     frame = measured({"quadratic_drag": {"c2": 0.05}}, drives())
     others = ("sensor_drift", "sensor_delay", "drive_lag", "drive_delay", "friction_drift")

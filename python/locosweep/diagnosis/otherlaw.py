@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from copy import copy
+from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.diagnosis.fit import Fit, evaluate
+from locosweep.diagnosis.fit import Fit, evaluate, fit_all
 from locosweep.diagnosis.flexible import Flexible
 from locosweep.diagnosis.lack import lack_of, noise_level
 from locosweep.diagnosis.score import GAIN
@@ -31,7 +32,10 @@ _MOST_CARRIED = 10
 _MOST_WORTH = 3
 """Variables beside a fit whose effects are tried next."""
 _AS_WELL = 12.0
-"""How much less than another variable, or than a law for each run, the own one may be worth."""
+"""How much less than another variable the own one may be worth."""
+_ONE_LAW = 25.0
+"""How much less than a law of its own in each run one for all may be worth: each of those bends
+to what the formula's refit leaves in its run."""
 UNLISTED = "terrain"
 """A force by the place alone, whichever way the head goes: a tether, a magnet, a bump."""
 _STRANGE = 3
@@ -56,6 +60,8 @@ def carried_by(search: Search, level: Sequence[Fit]) -> tuple[float, Fit] | None
         score, others = _carried(search, fit)
         if score is not None:
             found.append((score, i))
+        # No effect acts through some: a force by the place alone, an acceleration.
+        others = [v for v in others if v in VARIABLES.values()]
         for variable in others[:_MOST_WORTH]:
             new = (f for f in level if variable in _variables(f) and all(f is not g for g in tried))
             tried += islice(new, int(len(tried) < _MOST_CARRIED))
@@ -79,7 +85,7 @@ def _variables(fit: Fit) -> list[str]:
 
 
 def _carried(search: Search, fit: Fit) -> tuple[float | None, list[str]]:
-    """Score of a fit with other laws, and the other variables, that which carries most first."""
+    """Score of a fit with other laws, and what carries something beside it, the most first."""
     own = _variables(fit)
     problem = search.problem
     terms = Flexible(problem, fit)
@@ -87,7 +93,7 @@ def _carried(search: Search, fit: Fit) -> tuple[float | None, list[str]]:
     noise = noise_level(problem, left)
     worth = terms.worth(own, noise)
     others = {v: terms.worth([v], noise) for v in terms.variables if v not in own}
-    most = sorted(others, key=lambda v: -others[v])
+    most = sorted((v for v in others if others[v] > 0.0), key=lambda v: -others[v])
     if not own or worth < max(others.values(), default=0.0) - _AS_WELL:
         return None, most
     if lack_of(problem, left).is_there or terms.found(own, noise):
@@ -107,10 +113,21 @@ def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool
     """
     whole = copy(problem)
     whole.held, whole.fitted = (), list(range(len(problem.runs)))
-    same = Fit(fit.model, fit.nuisances, fit.theta)
-    evaluate(whole, [same])
+    # Runs kept from the fit may start in motion, too.
+    moving = fit.nuisances.moving
+    late = tuple(r for r in problem.starting if r in problem.held and r not in moving)
+    at = len(fit.model.free) + len(fit.nuisances.shares) + len(moving)
+    same = Fit(
+        fit.model,
+        replace(fit.nuisances, moving=(*moving, *late)),
+        np.insert(fit.theta, [at] * len(late), 0.0),
+    )
+    if late:
+        fit_all(whole, [same], steps=8)
+    else:
+        evaluate(whole, [same])
     terms = Flexible(whole, same)
-    if terms.worth(own, noise) < terms.worth_apart(own, noise) - _AS_WELL:
+    if terms.worth(own, noise) < terms.worth_apart(own, noise) - _ONE_LAW:
         return False
     left = terms.foretold(own, noise)
     strange = sum(lack_of(whole, e, [r]).is_there for r, e in enumerate(left))
