@@ -64,6 +64,17 @@ def test_no_gap() -> None:
     assert found.augmented.effects == {}
 
 
+def test_readings_that_freeze_are_told() -> None:
+    frame = measured({}, drives())
+    x = frame["x"].to_numpy().copy()
+    fast = int(np.argmax(np.diff(x[:300])))
+    x[fast + 1] = x[fast]
+    found = diagnose(frame.with_columns(x=x), ROBOT)
+    (said,) = [w for w in found.warnings if "frozen" in w]
+    assert said.startswith(f"run 0: a reading of x at {frame['t'][fast + 1]:g} s lies more than 8")
+    assert not any("frozen" in w for w in diagnose(frame, ROBOT).warnings)
+
+
 @pytest.mark.parametrize(
     ("name", "values"),
     [

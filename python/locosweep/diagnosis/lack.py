@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.problem import Problem
 
-__all__ = ["Lack", "blocks_of", "lack_of", "noise_level", "white"]
+__all__ = ["Lack", "blocks_of", "lack_of", "noise_level", "stray_readings", "white"]
 
 BLOCKS = (4, 16, 64, 256)
 """Samples whose mean is looked at."""
@@ -24,6 +24,11 @@ LIMIT = 5.0
 Five scales, three channels and the tails of chi2 make 5 one in some 3000 runs
 of white noise; what is left of an alien cause of size 10 stands at 5 or more.
 """
+
+_STRAY = 8.0
+"""Deviations beyond which a single reading is no noise, however long the runs."""
+_FEW = 0.02
+"""Share of a run's readings up to which they are single ones."""
 
 
 @dataclass(frozen=True)
@@ -119,3 +124,30 @@ def _sums(values: NDArray[np.float64], n: int) -> NDArray[np.float64]:
     used = values[: values.size // n * n].reshape(-1, n)
     sums: NDArray[np.float64] = used.sum(axis=1) / np.sqrt(n)
     return sums
+
+
+def stray_readings(problem: Problem, residual: NDArray[np.float64]) -> list[str]:
+    """Tell of single readings far off what fits the others: no mean over samples shows them."""
+    said, at = [], 0
+    for c in problem.channels:
+        for r in problem.fitted:
+            n, a = int(problem.lengths[r]), int(problem.starts_at[r])
+            values = np.abs(residual[at : at + n])
+            at += n
+            used = (problem.weights[c][a : a + n] > 0.0) & problem.seen[a : a + n]
+            if used.sum() < 32:
+                continue
+            # Of a normal deviation, half lie within 0.6745; a coarse reading may repeat itself.
+            level = max(float(np.median(values[used])) / 0.6745, 1.0)
+            off = np.flatnonzero(used & (values > _STRAY * level))
+            if 0 < off.size <= _FEW * used.sum():
+                run, last = problem.runs[r], off[-1]
+                place = f"a reading of {c} at {run.t[off[0]]:g} s lies"
+                if off.size > 1:
+                    span = f"between {run.t[off[0]]:g} and {run.t[last]:g} s"
+                    place = f"{off.size} readings of {c} {span} lie"
+                said.append(
+                    f"run {run.label}: {place} more than {_STRAY:g} deviations off what fits the "
+                    "rest: frozen, slipped or disturbed?"
+                )
+    return said

@@ -16,6 +16,7 @@ from locosweep.diagnosis.choose import choose
 from locosweep.diagnosis.experiment import next_experiment
 from locosweep.diagnosis.fit import Nuisances, point_of
 from locosweep.diagnosis.gate import check_runs, gaps_of, hold_out, moving_starts, usable
+from locosweep.diagnosis.lack import stray_readings
 from locosweep.diagnosis.model_file import calibrated
 from locosweep.diagnosis.nearest import nearest
 from locosweep.diagnosis.problem import Problem
@@ -151,6 +152,8 @@ def diagnose(
         warnings.append("the runs kept from the fit refute what the others allow")
         sure = float(np.clip(1.0 - choice.probability, 0.5, 0.95))
         choice = replace(choice, status="unexplained", probability=sure)
+    if shots is None and choice.status != "unexplained":
+        warnings += stray_readings(search.problem, choice.fit.residual)
     say("where the gap lies")
     return _report(search, choice, (robot, nominal), (digest, seed), warnings, left_out, shots)
 
