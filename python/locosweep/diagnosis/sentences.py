@@ -51,7 +51,7 @@ def summary(report: dict[str, Any]) -> str:
     cause = " and ".join(f"({c})" if " or " in c and len(causes) > 1 else c for c in causes)
     text = f"The gap comes from {cause}"
     if verdict["law_mismatch"]:
-        text += ", by another law than the usual formula"
+        text = f"The gap may come from {cause}, by another law than the usual formula"
     if gap["shrink"] is not None:
         text += f": with it the error in {gap['channel']} falls by {gap['shrink']:.1%}"
         text += f" to {gap['after']:.2g} {gap['unit']} (noise {gap['noise_floor']:.2g})"
