@@ -167,6 +167,8 @@ def main() -> None:
     parser.add_argument("--stops", type=int, help=f"stops of each work (default {_STOPS})")
     parser.add_argument("--only", choices=["exact", "runge_kutta"], help="one work")
     given = parser.parse_args()
+    # Where a shell has this script ignore Ctrl-C, in the background, so would what it starts.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     shape, count = (_QUICK, _QUICK_STOPS) if given.quick else (_FULL, _STOPS)
     count = given.stops or count
     works = [work for work in _WORKS if given.only is None or work.endswith(given.only)]
