@@ -9,6 +9,7 @@ import polars as pl
 import pytest
 
 from locosweep.diagnosis import diagnose
+from locosweep.diagnosis.choose import is_limit
 from locosweep.diagnosis.fit import Nuisances, fit_all, start_fits
 from locosweep.diagnosis.flexible import Flexible
 from locosweep.diagnosis.otherlaw import carried_by, carries
@@ -201,6 +202,18 @@ def test_what_the_other_runs_cannot_tell_is_no_contradiction() -> None:
     frame = measured({"quadratic_drag": {"c2": 0.02}}, runs)
     search, (fit,) = fits_of(frame, "viscous_friction", held=(4,))
     assert carries(search, fit) is not None
+
+
+def test_only_a_shape_has_a_limit_that_is_another_effect() -> None:
+    search, _ = fits_of(measured({}, drives(count=2)), "coulomb_error")
+    found = {}
+    for name in ("drive_lag", "stribeck_friction"):
+        model = search.model((name,))
+        lowest = np.array([[f.low for f in model.free]])
+        (fit,) = start_fits(search.nuisances, model, lowest)
+        found[name] = is_limit(fit, name)
+    # The shortest lag is next to nothing; a friction that falls at no speed is Coulomb's.
+    assert found == {"drive_lag": False, "stribeck_friction": True}
 
 
 def test_a_run_kept_from_the_fit_may_start_in_motion() -> None:

@@ -51,7 +51,7 @@ def plot_power(judged: Sequence[Judged], ax: Axes | None = None) -> Axes:
     rows = power(judged)
     if rows:
         inside = [[c.d for c in judged if c.kind != "none" and a <= c.d < b] for a, b, _, _ in rows]
-        x = [float(np.exp(np.mean(np.log(d)))) for d in inside]
+        x = [float(np.median(d)) for d in inside]
         _curve(ax, x, [row[2] for row in rows], "a gap is seen", 0)
         _curve(ax, x, [row[3] for row in rows], "the verdict is right", 1)
         ax.set_xscale("log")

@@ -42,7 +42,7 @@ _FEWER = 6.0
 """What several effects have to gain in chi2 over another law of one cause."""
 _OTHER_LAW = 0.55
 """Probability of a cause by another law than its formula: what nobody had looked at in the blind
-check says so (15 right of 30). What else pushes along the way is bent to as easily."""
+check says so (23 right of 45). What else pushes along the way is bent to as easily."""
 TEMPER = 1.5
 """Differences in chi2 count for this much less than noise alone would have it."""
 
@@ -201,8 +201,11 @@ def _rivals(search: Search, found: Fit) -> list[Fit]:
 def is_limit(fit: Fit, name: str) -> bool:
     """Whether an effect's shape has gone to an end of its range.
 
-    Then it is another effect's limit, not a rival of its own.
+    Then it is another effect's limit, not a rival of its own. An effect of one parameter has
+    no shape: at the end of its range it is next to nothing, or as much as it can be.
     """
+    if sum(f.effect == name for f in fit.model.free) < 2:
+        return False
     for i, f in enumerate(fit.model.free):
         if f.effect != name or not f.log:
             continue
