@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import locosweep as ls
-from locosweep import registry
+from locosweep import cli, registry
 
 ROOT = Path(__file__).parent.parent
 ROBOT = ROOT / "examples" / "locosnake.toml"
@@ -537,3 +537,22 @@ def test_progress_only_on_a_terminal(tmp_path):
     os.close(main)
     assert done.stdout == "r.parquet\n"
     assert "evaluations/s" in shown
+
+
+def test_an_error_that_ctrl_c_caused_is_an_interrupt(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Imports that are cut turn it into errors of their own."""
+
+    def cut(*_: object) -> None:
+        try:
+            signal.raise_signal(signal.SIGINT)
+        except KeyboardInterrupt:
+            raise RuntimeError("cut") from None
+
+    monkeypatch.setattr(cli.group, "invoke", cut)
+    assert cli.main(["laws"]) == 130
+    assert capsys.readouterr().err == "locosweep: interrupted\n"
+    monkeypatch.setattr(cli.group, "invoke", lambda *_: 1 / 0)
+    assert cli.main(["laws"]) == 1
+    assert "internal error" in capsys.readouterr().err

@@ -42,6 +42,8 @@ if TYPE_CHECKING:
 __all__ = ["main"]
 
 _INTERNAL, _INPUT, _INTERRUPTED, _TERMINATED = 1, 2, 130, 143
+_pressed = threading.Event()
+"""Whether Ctrl-C came."""
 
 
 def _show_version(ctx: click.Context, _: click.Parameter, value: bool) -> None:
@@ -77,8 +79,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         What follows the command's name; default ``sys.argv``.
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
+    _pressed.clear()
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, _terminate)
+        # What ignores Ctrl-C, as in the background of a script, goes on ignoring it.
+        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+            signal.signal(signal.SIGINT, _interrupt)
     try:
         code = _run(given)
         sys.stdout.flush()
@@ -88,6 +94,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if error.errno == errno.EPIPE:
             return 0
         return _fail(f"cannot write the output: {error.strerror or error}", _INPUT)
+    if arguments is None and code == _INTERRUPTED:
+        # A library whose import was cut may bring the interpreter down while it ends.
+        sys.stderr.flush()
+        os._exit(code)
     if arguments is None:
         # The process ends here: searching matplotlib for cycles takes 0.1 s.
         gc.freeze()
@@ -118,6 +128,9 @@ def _run(given: list[str]) -> int:
     except Exception as error:
         if os.environ.get("LOCOSWEEP_DEBUG") == "1":
             raise
+        if _pressed.is_set():
+            # Imports turn Ctrl-C into errors of their own.
+            return _fail("interrupted", _INTERRUPTED)
         text = f"internal error, please report it: {type(error).__name__}: {error}"
         return _fail(f"{text} (LOCOSWEEP_DEBUG=1 shows where)", _INTERNAL)
     return 0
@@ -143,6 +156,11 @@ def _silence() -> None:
         except OSError:
             os.dup2(null, stream.fileno())
     os.close(null)
+
+
+def _interrupt(*_: Any) -> NoReturn:
+    _pressed.set()
+    raise KeyboardInterrupt
 
 
 def _terminate(*_: Any) -> NoReturn:
