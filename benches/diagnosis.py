@@ -22,9 +22,9 @@ import polars as pl
 import locosweep as ls
 from common.machine import describe
 from common.table import table
-from locosweep.files import Robot
-from locosweep.measured import Run
-from locosweep.replay import replay_runs
+from locosweep.files.robot import Robot
+from locosweep.files.runs import Run
+from locosweep.simulation.replay import replay_runs
 
 NOISE = 2e-5
 ROBOT = Robot(

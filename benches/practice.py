@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 
 import locosweep as ls
-from locosweep.files import load_robot
-from locosweep.measured import load_runs
-from locosweep.replay import replay_runs
+from locosweep.files.robot import load_robot
+from locosweep.files.runs import load_runs
+from locosweep.simulation.replay import replay_runs
 
 
 def right(verdict: dict[str, Any], truth: dict[str, Any]) -> bool:

@@ -10,9 +10,9 @@ import numpy as np
 
 import locosweep as ls
 from locosweep.diagnosis import Diagnosis, Trace
-from locosweep.files import Robot
-from locosweep.measured import Run
-from locosweep.replay import replay_runs
+from locosweep.files.robot import Robot
+from locosweep.files.runs import Run
+from locosweep.simulation.replay import replay_runs
 
 NOMINAL = """# our robot, as built
 [robot]

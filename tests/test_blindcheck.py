@@ -12,19 +12,21 @@ from typing import Any
 
 import numpy as np
 import pytest
+from locosweep.blindcheck import metrics, pictures, tables
 
-from locosweep.blindcheck import casefiles, metrics, nextrun, pictures, tables
-from locosweep.blindcheck.cases import Case, draw_case, scale_of_runs
-from locosweep.blindcheck.experiment import COARSE, World
-from locosweep.blindcheck.judge import Judged, judge, window_share
-from locosweep.blindcheck.lawbook import Scale
-from locosweep.blindcheck.sizes import ALIKE, Nuisances, rival_distances
 from locosweep.cli import main
-from locosweep.diagnosis.menu import MENU
+from locosweep.diagnosis.design.menu import MENU
 from locosweep.errors import DataFileError
-from locosweep.files import load_robot
-from locosweep.measured import load_runs
-from locosweep.replay import replay_runs
+from locosweep.files.robot import load_robot
+from locosweep.files.runs import load_runs
+from locosweep.simulation.replay import replay_runs
+from locosweep.validation import case_files as casefiles
+from locosweep.validation import next_run as nextrun
+from locosweep.validation.cases import Case, draw_case, scale_of_runs
+from locosweep.validation.experiment import COARSE, World
+from locosweep.validation.judge import Judged, judge, window_share
+from locosweep.validation.law_table import Scale
+from locosweep.validation.sizes import ALIKE, Nuisances, rival_distances
 
 
 def effect(name: str, *accepted: str, d: float = 50.0, **more: Any) -> dict[str, Any]:
@@ -372,7 +374,7 @@ def test_a_failing_diagnosis_is_an_outcome(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     import locosweep.diagnosis
-    from locosweep.blindcheck import check
+    from locosweep.validation import check
 
     def fails(*_: object, **__: object) -> None:
         raise ValueError("no\nsuch luck")
@@ -463,7 +465,7 @@ class TestNextRun:
 
 
 def test_drawn_cases_do_not_hang_on_how_they_are_judged() -> None:
-    from locosweep.blindcheck import draw
+    from locosweep.validation import draw
 
     folder = Path(draw.__file__).parent
     imported = set()

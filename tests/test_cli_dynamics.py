@@ -15,8 +15,8 @@ import locosweep as ls
 from locosweep import registry
 from locosweep.cli import main
 from locosweep.cli.law_pages import markdown
-from locosweep.spec import Span, Spec
-from locosweep.spec_drive import Simulation, read_drive
+from locosweep.specs.simulation import Simulation, read_drive
+from locosweep.specs.sweep import Span, Spec
 
 ROOT = Path(__file__).parent.parent
 MU = ("--set", "mu_static=0.4", "--set", "mu_coulomb=0.3")

@@ -13,9 +13,9 @@ import pytest
 
 from locosweep.diagnosis import Diagnosis, diagnose
 from locosweep.errors import InputError
-from locosweep.files import Robot, load_robot
-from locosweep.measured import Run, load_runs
-from locosweep.replay import replay_runs
+from locosweep.files.robot import Robot, load_robot
+from locosweep.files.runs import Run, load_runs
+from locosweep.simulation.replay import replay_runs
 
 NOISE = 2e-5
 ROBOT = Robot(

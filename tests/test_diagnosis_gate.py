@@ -11,9 +11,9 @@ import pytest
 
 from locosweep.diagnosis import diagnose
 from locosweep.errors import DataFileError
-from locosweep.files import Robot, load_robot
-from locosweep.measured import Run, runs_from_frame
-from locosweep.replay import motor_of, replay_runs
+from locosweep.files.robot import Robot, load_robot
+from locosweep.files.runs import Run, runs_from_frame
+from locosweep.simulation.replay import motor_of, replay_runs
 
 NOISE = 1e-5
 ROBOT = Robot(

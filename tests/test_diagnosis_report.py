@@ -14,15 +14,21 @@ from matplotlib.figure import Figure
 import locosweep as ls
 from diagnosis_case import EFFECTS, NOMINAL, made
 from locosweep.cli import main
-from locosweep.diagnosis import Diagnosis, folder
-from locosweep.diagnosis.model_file import write_augmented
-from locosweep.diagnosis.page import page
-from locosweep.diagnosis.pictures import FILES, channel_over_time, pictures, residual_over_time
-from locosweep.diagnosis.pictures_style import Channel, label
-from locosweep.diagnosis.pictures_where import _joined
-from locosweep.diagnosis.result import report_text
+from locosweep.diagnosis import Diagnosis
+from locosweep.diagnosis.report.figures import (
+    FILES,
+    channel_over_time,
+    pictures,
+    residual_over_time,
+)
+from locosweep.diagnosis.report.figures_localization import _joined
+from locosweep.diagnosis.report.figures_style import Channel, label
+from locosweep.diagnosis.report.model_file import write_augmented
+from locosweep.diagnosis.report.page import page
+from locosweep.diagnosis.report.result import report_text
 from locosweep.errors import InputError
-from locosweep.files import Robot
+from locosweep.files import folder
+from locosweep.files.robot import Robot
 
 HOSTILE = ("<script>alert(1)</script>", "$x_{", 'a" onload="x', "\u202eevil\u0007 & <b>日本")
 
@@ -101,7 +107,7 @@ class TestSave:
         if force:
             out.mkdir()
             (out / "report.json").write_text("old")
-        monkeypatch.setattr("locosweep.diagnosis.pictures.pictures", broken)
+        monkeypatch.setattr("locosweep.diagnosis.report.figures.pictures", broken)
         with pytest.raises(RuntimeError, match="in between"):
             found.save(out, force=force)
         left = [path.name for path in tmp_path.rglob("*")]
@@ -342,9 +348,9 @@ class TestCommand:
             return found
 
         monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr("locosweep.diagnosis.diagnose", engine, raising=False)
+        monkeypatch.setattr("locosweep.diagnosis.pipeline.diagnose", engine)
         # Pictures have tests of their own.
-        monkeypatch.setattr("locosweep.diagnosis.pictures.FILES", {})
+        monkeypatch.setattr("locosweep.diagnosis.report.figures.FILES", {})
 
         def run(*arguments):
             code = main(["diagnose", *arguments])

@@ -13,8 +13,9 @@ import polars as pl
 import pytest
 
 from locosweep.diagnosis import Diagnosis, diagnose
-from locosweep.diagnosis.problem import Problem
-from locosweep.diagnosis.shot_plan import (
+from locosweep.diagnosis.estimate.problem import Problem
+from locosweep.diagnosis.estimate.shooting import ShotProblem
+from locosweep.diagnosis.estimate.window_plan import (
     FITTED_SAMPLES,
     HELD_SAMPLES,
     Plan,
@@ -23,10 +24,9 @@ from locosweep.diagnosis.shot_plan import (
     thinned,
     tiles_of,
 )
-from locosweep.diagnosis.shots import ShotProblem
-from locosweep.files import Robot
-from locosweep.measured import Run, runs_from_frame
-from locosweep.replay import replay_runs
+from locosweep.files.robot import Robot
+from locosweep.files.runs import Run, runs_from_frame
+from locosweep.simulation.replay import replay_runs
 
 SLED = Robot(
     {"mass": 0.25, "gravity": 9.81, "mu_coulomb": 0.3, "segments": 4.0},

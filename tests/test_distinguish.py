@@ -8,10 +8,10 @@ import pytest
 
 import locosweep as ls
 from locosweep.cli import main
-from locosweep.diagnosis.distance import Plan, project, refit, strengths
+from locosweep.diagnosis.design.distance import Plan, project, refit, strengths
 from locosweep.errors import InputError
-from locosweep.files import Robot
-from locosweep.measured import Run
+from locosweep.files.robot import Robot
+from locosweep.files.runs import Run
 
 ROBOT = Robot({"mass": 0.271, "segments": 4.0, "mu_coulomb": 0.15})
 NOISE = {"x": 1e-4}

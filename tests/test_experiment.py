@@ -9,14 +9,15 @@ import polars as pl
 import pytest
 from scipy.optimize import least_squares
 
-from locosweep.diagnosis import diagnose, experiment
-from locosweep.diagnosis.fit import Nuisances, fit_all, point_of, start_fits
-from locosweep.diagnosis.menu import MENU
-from locosweep.diagnosis.problem import Problem
-from locosweep.diagnosis.search import Search
-from locosweep.diagnosis.starts import scale_of
-from locosweep.measured import runs_from_frame
-from locosweep.replay import replay_runs
+from locosweep.diagnosis import diagnose
+from locosweep.diagnosis.design import next_experiment as experiment
+from locosweep.diagnosis.design.menu import MENU
+from locosweep.diagnosis.effects.starts import scale_of
+from locosweep.diagnosis.estimate.least_squares import Nuisances, fit_all, point_of, start_fits
+from locosweep.diagnosis.estimate.problem import Problem
+from locosweep.diagnosis.select.search import Search
+from locosweep.files.runs import runs_from_frame
+from locosweep.simulation.replay import replay_runs
 from test_diagnosis import NOISE, ROBOT, drives, measured
 
 GAIN = {"drive_gain_error": {"e": -0.05}}

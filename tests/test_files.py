@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 import locosweep as ls
 from locosweep import registry
-from locosweep.files import replacing
-from locosweep.spec import Span, Spec
+from locosweep.files.atomic import replacing
+from locosweep.specs.sweep import Span, Spec
 
 GRID = {
     "mu_static": [0.3, 0.5],

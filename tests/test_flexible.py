@@ -9,14 +9,14 @@ import polars as pl
 import pytest
 
 from locosweep.diagnosis import diagnose
-from locosweep.diagnosis.choose import is_limit
-from locosweep.diagnosis.fit import Nuisances, fit_all, start_fits
-from locosweep.diagnosis.flexible import Flexible
-from locosweep.diagnosis.otherlaw import carried_by, carries
-from locosweep.diagnosis.problem import Problem
-from locosweep.diagnosis.search import Search
-from locosweep.diagnosis.starts import scale_of
-from locosweep.measured import runs_from_frame
+from locosweep.diagnosis.effects.starts import scale_of
+from locosweep.diagnosis.estimate.least_squares import Nuisances, fit_all, start_fits
+from locosweep.diagnosis.estimate.problem import Problem
+from locosweep.diagnosis.select.law_mismatch import carried_by, carries
+from locosweep.diagnosis.select.nonparametric import Flexible
+from locosweep.diagnosis.select.search import Search
+from locosweep.diagnosis.select.verdict import is_limit
+from locosweep.files.runs import runs_from_frame
 from test_diagnosis import ROBOT, drives, measured, tethered
 
 FLAT = 1e4

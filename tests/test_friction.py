@@ -11,9 +11,9 @@ import pytest
 
 import locosweep as ls
 from locosweep import _core
-from locosweep.characteristic import read_friction
-from locosweep.characteristic.prepare import prepare
 from locosweep.cli import main
+from locosweep.friction_fit import read_friction
+from locosweep.friction_fit.prepare import prepare
 
 DATA = os.environ.get("LOCOSWEEP_DATA")
 NOISE = 0.01

@@ -14,7 +14,7 @@ from PIL import Image
 import locosweep as ls
 from locosweep import _core
 from locosweep.cli import main
-from locosweep.gait import gait_parameters
+from locosweep.simulation.gait import gait_parameters
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = sorted((ROOT / "examples").glob("gait_*.toml"))

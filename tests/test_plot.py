@@ -15,8 +15,8 @@ from matplotlib.patches import PathPatch
 from PIL import Image
 
 import locosweep as ls
-from locosweep import plot_style as style
-from locosweep.plot import save_figure
+from locosweep.plot import style
+from locosweep.plot.save import save_figure
 from locosweep.provenance import spec_hash
 
 MU = {"mu_static": 0.5, "mu_coulomb": 0.3}
@@ -247,7 +247,7 @@ def test_rcparams_stay_and_pyplot_is_not_loaded(tmp_path):
 import sys, matplotlib
 before = dict(matplotlib.rcParams)
 import locosweep as ls
-from locosweep.plot import save_figure
+from locosweep.plot.save import save_figure
 r = ls.sweep("mean_velocity", mu_static=0.5, mu_coulomb=0.3, slope_deg=[0, 40], segments=[3, 4])
 for kind in ("png", "svg", "pdf"):
     save_figure(r.plot.heatmap(), r"{tmp_path}/a." + kind)

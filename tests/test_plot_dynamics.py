@@ -7,11 +7,12 @@ import pytest
 from matplotlib.figure import Figure
 
 import locosweep as ls
-from locosweep import plot, registry
-from locosweep import plot_style as style
+from locosweep import registry
 from locosweep.cli.law_pictures import _BESIDE, _lines, overview, page
-from locosweep.plot_data import EXAMPLE, Behaviour, behaviour_of, characteristic_of
-from locosweep.plot_laws import KIND_COLOURS, frame_of
+from locosweep.plot import heatmap as plot
+from locosweep.plot import style
+from locosweep.plot.laws import KIND_COLOURS, frame_of
+from locosweep.simulation.law_data import EXAMPLE, Behaviour, behaviour_of, characteristic_of
 
 LAWS = [law.name for law in ls.laws()]
 WEIGHT = 0.271 * 9.81

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from locosweep import _core
-from locosweep.blindcheck.laws import CAUSES, LAWS, OUTSIDE
 from locosweep.errors import InputError
-from locosweep.replay import effect_values, effects
+from locosweep.simulation.replay import effect_values, effects
+from locosweep.validation.laws import CAUSES, LAWS, OUTSIDE
 
 NOMINAL = {
     "segments": 4.0, "mass": 0.8, "gravity": 9.81, "mu_coulomb": 0.3, "viscous": 0.4,

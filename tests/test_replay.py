@@ -13,8 +13,8 @@ import pytest
 import locosweep as ls
 from locosweep.cli import main
 from locosweep.errors import DataFileError, InputError
-from locosweep.measured import load_runs
-from locosweep.replay import replay_runs
+from locosweep.files.runs import load_runs
+from locosweep.simulation.replay import replay_runs
 
 MODEL = """
 [robot]

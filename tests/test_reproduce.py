@@ -7,8 +7,8 @@ import pytest
 from PIL import Image
 
 import locosweep as ls
-from locosweep.reproduce import Report, reproduce
-from locosweep.reproduce_claims import crossing
+from locosweep.paper.claims import crossing
+from locosweep.paper.reproduce import Report, reproduce
 
 NUMBERS = (2, 3, 4, 5, 10, 12, 13)
 
@@ -137,7 +137,7 @@ def test_three_surfaces(made):
 
 
 def test_dry_head_reaches_the_stroke_as_the_viscous_closed_form():
-    from locosweep.reproduce_surfaces import _head
+    from locosweep.paper.surfaces import _head
 
     head = _head("dry")
     loss = 1.7**2 / 20

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from locosweep.diagnosis import shrink
-from locosweep.diagnosis.shrink import _interval
+from locosweep.diagnosis.report import improvement as shrink
+from locosweep.diagnosis.report.improvement import _interval
 
 
 def world(generator, runs):

@@ -5,12 +5,10 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from locosweep._core import CancelToken as CancelToken
-    from locosweep.characteristic import FrictionFit as FrictionFit
-    from locosweep.characteristic import fit_friction as fit_friction
-    from locosweep.diagnosis.distinction import Distinction as Distinction
-    from locosweep.diagnosis.distinction import distinguish as distinguish
+    from locosweep.diagnosis.design.distinguish import Distinction as Distinction
+    from locosweep.diagnosis.design.distinguish import distinguish as distinguish
     from locosweep.diagnosis.pipeline import diagnose as diagnose
-    from locosweep.diagnosis.result import Diagnosis as Diagnosis
+    from locosweep.diagnosis.report.result import Diagnosis as Diagnosis
     from locosweep.engine import sweep as sweep
     from locosweep.errors import Cancelled as Cancelled
     from locosweep.errors import DataFileError as DataFileError
@@ -18,13 +16,11 @@ if TYPE_CHECKING:
     from locosweep.errors import InternalError as InternalError
     from locosweep.errors import LocosweepError as LocosweepError
     from locosweep.errors import SolveError as SolveError
-    from locosweep.files import Robot as Robot
-    from locosweep.files import load as load
-    from locosweep.files import load_robot as load_robot
-    from locosweep.gait import GaitRun as GaitRun
-    from locosweep.gait import gaits as gaits
-    from locosweep.gait import run_gait as run_gait
-    from locosweep.gait_spec import GaitSpec as GaitSpec
+    from locosweep.files.results import load as load
+    from locosweep.files.robot import Robot as Robot
+    from locosweep.files.robot import load_robot as load_robot
+    from locosweep.friction_fit import FrictionFit as FrictionFit
+    from locosweep.friction_fit import fit_friction as fit_friction
     from locosweep.grid import Grid as Grid
     from locosweep.registry import Drive as Drive
     from locosweep.registry import Law as Law
@@ -37,11 +33,15 @@ if TYPE_CHECKING:
     from locosweep.registry import parameters as parameters
     from locosweep.registry import quantities as quantities
     from locosweep.registry import reductions as reductions
-    from locosweep.replay import effects as effects
     from locosweep.result import Result as Result
-    from locosweep.spec import Spec as Spec
-    from locosweep.trajectories import Trajectories as Trajectories
-    from locosweep.trajectories import simulate as simulate
+    from locosweep.simulation.gait import GaitRun as GaitRun
+    from locosweep.simulation.gait import gaits as gaits
+    from locosweep.simulation.gait import run_gait as run_gait
+    from locosweep.simulation.replay import effects as effects
+    from locosweep.simulation.trajectories import Trajectories as Trajectories
+    from locosweep.simulation.trajectories import simulate as simulate
+    from locosweep.specs.gait import GaitSpec as GaitSpec
+    from locosweep.specs.sweep import Spec as Spec
 
     __version__: str
 
@@ -50,12 +50,12 @@ _HOMES = {
     "CancelToken": "_core",
     "Cancelled": "errors",
     "DataFileError": "errors",
-    "Diagnosis": "diagnosis.result",
-    "Distinction": "diagnosis.distinction",
+    "Diagnosis": "diagnosis.report.result",
+    "Distinction": "diagnosis.design.distinguish",
     "Drive": "registry",
-    "FrictionFit": "characteristic",
-    "GaitRun": "gait",
-    "GaitSpec": "gait_spec",
+    "FrictionFit": "friction_fit",
+    "GaitRun": "simulation.gait",
+    "GaitSpec": "specs.gait",
     "Grid": "grid",
     "InputError": "errors",
     "InternalError": "errors",
@@ -64,26 +64,26 @@ _HOMES = {
     "Parameter": "registry",
     "Quantity": "registry",
     "Result": "result",
-    "Robot": "files",
+    "Robot": "files.robot",
     "SolveError": "errors",
-    "Spec": "spec",
+    "Spec": "specs.sweep",
     "Status": "registry",
-    "Trajectories": "trajectories",
+    "Trajectories": "simulation.trajectories",
     "diagnose": "diagnosis.pipeline",
-    "distinguish": "diagnosis.distinction",
+    "distinguish": "diagnosis.design.distinguish",
     "drives": "registry",
-    "effects": "replay",
-    "fit_friction": "characteristic",
-    "gaits": "gait",
+    "effects": "simulation.replay",
+    "fit_friction": "friction_fit",
+    "gaits": "simulation.gait",
     "laws": "registry",
-    "load": "files",
-    "load_robot": "files",
+    "load": "files.results",
+    "load_robot": "files.robot",
     "methods": "registry",
     "parameters": "registry",
     "quantities": "registry",
     "reductions": "registry",
-    "run_gait": "gait",
-    "simulate": "trajectories",
+    "run_gait": "simulation.gait",
+    "simulate": "simulation.trajectories",
     "sweep": "engine",
 }
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-    from locosweep.plot import Plotter
+    from locosweep.plot.heatmap import Plotter
 
 __all__ = ["Output", "Result"]
 
@@ -139,7 +139,7 @@ class Result:
     @property
     def plot(self) -> Plotter:
         """Pictures of this result."""
-        from locosweep.plot import Plotter
+        from locosweep.plot.heatmap import Plotter
 
         return Plotter(self)
 
@@ -218,7 +218,7 @@ class Result:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the long table to a Parquet file that `load` reads back exactly."""
-        from locosweep.files import save_result
+        from locosweep.files.results import save_result
 
         save_result(self, path)
 

@@ -16,13 +16,16 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from locosweep.cli.blind import blind_check
-from locosweep.cli.diagnosing import diagnose
-from locosweep.cli.distinguishing import distinguish
+from locosweep.cli.blind_check import blind_check
+from locosweep.cli.diagnose import diagnose
+from locosweep.cli.distinguish import distinguish
 from locosweep.cli.friction import friction
-from locosweep.cli.gaiting import gait
+from locosweep.cli.gait import gait
+from locosweep.cli.heatmap import heatmap
 from locosweep.cli.laws import laws
-from locosweep.cli.listing import (
+from locosweep.cli.optimum import optimum
+from locosweep.cli.plot import plot
+from locosweep.cli.registry_lists import (
     drives,
     methods,
     parameters,
@@ -30,10 +33,9 @@ from locosweep.cli.listing import (
     reductions,
     statuses,
 )
-from locosweep.cli.optimum import optimum
-from locosweep.cli.pictures import heatmap, plot, reproduce
-from locosweep.cli.simulating import simulate
-from locosweep.cli.sweeping import sweep
+from locosweep.cli.reproduce import reproduce
+from locosweep.cli.simulate import simulate
+from locosweep.cli.sweep import sweep
 from locosweep.errors import Cancelled, InputError, SolveError
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from locosweep.cli.options import LAW, as_json, json_option, on_terminal, threads_option
-from locosweep.cli.replaying import pairs
+from locosweep.cli.simulate_runs import pairs
 from locosweep.errors import InputError
 
 __all__ = ["friction"]
@@ -81,16 +81,16 @@ def friction(
     the laws), residuals.png (what the law leaves over velocity, position, time and
     load), laws.png (laws on samples held out) and force.png (force over time).
     """
-    from locosweep.cli.gaiting import refuse_full
-    from locosweep.cli.pictures import called
+    from locosweep.cli.gait import refuse_full
+    from locosweep.cli.saving import called
 
     named, scaled = pairs("--column", columns), pairs("--unit", units)
     wanted = None if runs is None else _labels("--runs", runs)
     held = _labels("--holdout", holdout)
     if not force:
         refuse_full(out)
-    from locosweep.characteristic import fit_friction
-    from locosweep.characteristic.report import as_text, save
+    from locosweep.friction_fit import fit_friction
+    from locosweep.friction_fit.report import as_text, save
     from locosweep.progress import Meter
 
     fit = fit_friction(

@@ -9,14 +9,14 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.mathtext import MathTextParser
 
-from locosweep import plot_style as style
-from locosweep.plot_laws import KIND_COLOURS, behaviour, characteristic
+from locosweep.plot import style
+from locosweep.plot.laws import KIND_COLOURS, behaviour, characteristic
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from locosweep.plot_data import Behaviour, Characteristic
     from locosweep.registry import Law
+    from locosweep.simulation.law_data import Behaviour, Characteristic
 
 __all__ = ["overview", "page"]
 

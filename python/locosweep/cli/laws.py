@@ -11,7 +11,6 @@ import click
 
 from locosweep import registry
 from locosweep.cli.law_pages import law_record, markdown
-from locosweep.cli.listing import parameter_table, table
 from locosweep.cli.options import (
     LAW,
     as_json,
@@ -21,12 +20,13 @@ from locosweep.cli.options import (
     robot_option,
     set_option,
 )
+from locosweep.cli.registry_lists import parameter_table, table
 from locosweep.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from locosweep.plot_data import Characteristic
+    from locosweep.simulation.law_data import Characteristic
 
 __all__ = ["laws"]
 
@@ -114,12 +114,12 @@ def _draw(
 ) -> list[Path]:
     """Write the pictures, and for all laws the overview and the table."""
     from locosweep.cli.law_pictures import overview, page
-    from locosweep.cli.pictures import called
-    from locosweep.files import replacing
-    from locosweep.plot import save_figure
-    from locosweep.plot_data import EXAMPLE, behaviour_of, characteristic_of
-    from locosweep.plot_laws import frame_of
+    from locosweep.cli.saving import called
+    from locosweep.files.atomic import replacing
+    from locosweep.plot.laws import frame_of
+    from locosweep.plot.save import save_figure
     from locosweep.progress import Meter
+    from locosweep.simulation.law_data import EXAMPLE, behaviour_of, characteristic_of
 
     values = EXAMPLE | dict(fixed(robot, settings, ()))
     # All laws, also where one is drawn: pictures of different calls then compare.

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from locosweep import registry
-from locosweep.cli.listing import table
 from locosweep.cli.options import (
     SweepCommand,
     as_json,
@@ -19,10 +18,11 @@ from locosweep.cli.options import (
     robot_option,
     set_option,
 )
+from locosweep.cli.registry_lists import table
 from locosweep.errors import InputError
 
 if TYPE_CHECKING:
-    from locosweep.spec import Span
+    from locosweep.specs.sweep import Span
 
 __all__ = ["optimum"]
 
@@ -88,7 +88,7 @@ def optimum(
 
 def _segments(text: str) -> Span:
     from locosweep.cli.options import AXIS
-    from locosweep.spec import Span
+    from locosweep.specs.sweep import Span
 
     try:
         span = AXIS.convert(f"{_AXIS}={text}", None, None)[1]
@@ -102,7 +102,7 @@ def _segments(text: str) -> Span:
 def _rivals(span: Span, values: dict[str, float]) -> list[_Rival]:
     import numpy as np
 
-    from locosweep.spec import Spec
+    from locosweep.specs.sweep import Spec
 
     fixed_ = tuple(values.items())
     names = (_SPEED, "cycle_time", "phase_time")

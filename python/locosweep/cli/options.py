@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
     from locosweep.result import Result
-    from locosweep.spec import Span
+    from locosweep.specs.sweep import Span
 
     Axis = tuple[str, Span | tuple[float, ...]]
 
@@ -118,7 +118,7 @@ def _number(name: str, text: str) -> float:
 
 
 def _axis(text: str) -> Axis:
-    from locosweep.spec import Span
+    from locosweep.specs.sweep import Span
 
     name, sign, values = text.partition("=")
     forms = "allowed are NAME=LO:HI:COUNT, NAME=A,B,C and, for whole numbers, NAME=LO:HI"
@@ -154,7 +154,7 @@ class _Output(click.ParamType[Path]):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
         """Refuse other endings and folders that do not exist."""
-        from locosweep.files import check_place
+        from locosweep.files.atomic import check_place
 
         path = Path(value)
         if path.suffix[1:].lower() not in self.kinds:
@@ -273,7 +273,7 @@ def fixed(
         given[name] = value
     values: dict[str, float] = {}
     if robot is not None:
-        from locosweep.files import load_robot
+        from locosweep.files.robot import load_robot
 
         swept = set(axes)
         found = load_robot(robot).parameters

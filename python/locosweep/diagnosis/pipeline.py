@@ -11,38 +11,48 @@ import numpy as np
 import polars as pl
 
 from locosweep import _core
-from locosweep.diagnosis import sentences, where
-from locosweep.diagnosis.choose import choose
-from locosweep.diagnosis.experiment import next_experiment
-from locosweep.diagnosis.fit import Nuisances, point_of
-from locosweep.diagnosis.gate import check_runs, gaps_of, hold_out, moving_starts, usable
-from locosweep.diagnosis.lack import stray_readings
-from locosweep.diagnosis.model_file import calibrated
-from locosweep.diagnosis.nearest import nearest
-from locosweep.diagnosis.problem import Problem
-from locosweep.diagnosis.result import Diagnosis, Trace
-from locosweep.diagnosis.search import Search
-from locosweep.diagnosis.shot_plan import for_planning, plan_of, problem_of, scale_in_windows
-from locosweep.diagnosis.shot_report import ShotReport
-from locosweep.diagnosis.shots import ShotProblem
-from locosweep.diagnosis.shrink import gap_of, started
-from locosweep.diagnosis.starts import candidates, scale_of
-from locosweep.diagnosis.visible import not_visible
+from locosweep.diagnosis.data.checks import check_runs, usable
+from locosweep.diagnosis.data.holdout import hold_out
+from locosweep.diagnosis.data.regimes import regimes_of
+from locosweep.diagnosis.design.next_experiment import next_experiment
+from locosweep.diagnosis.effects.starts import candidates, scale_of
+from locosweep.diagnosis.estimate.initial_state import moving_starts
+from locosweep.diagnosis.estimate.least_squares import Nuisances, point_of
+from locosweep.diagnosis.estimate.nominal import gaps_of
+from locosweep.diagnosis.estimate.problem import Problem
+from locosweep.diagnosis.estimate.shooting import ShotProblem
+from locosweep.diagnosis.estimate.window_plan import (
+    for_planning,
+    plan_of,
+    problem_of,
+    scale_in_windows,
+)
+from locosweep.diagnosis.report import localization as where
+from locosweep.diagnosis.report import sentences
+from locosweep.diagnosis.report.identifiability import not_visible
+from locosweep.diagnosis.report.improvement import gap_of, started
+from locosweep.diagnosis.report.model_file import calibrated
+from locosweep.diagnosis.report.result import Diagnosis, Trace
+from locosweep.diagnosis.report.windowed import ShotReport
+from locosweep.diagnosis.select.nearest import nearest
+from locosweep.diagnosis.select.search import Search
+from locosweep.diagnosis.select.verdict import choose
+from locosweep.diagnosis.select.whiteness import stray_readings
 from locosweep.engine import whole
 from locosweep.errors import InputError
-from locosweep.files import Robot, load_robot
-from locosweep.measured import Run, load_runs, runs_from_frame
-from locosweep.replay import effect
+from locosweep.files.robot import Robot, load_robot
+from locosweep.files.runs import Run, load_runs, runs_from_frame
+from locosweep.simulation.replay import effect
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Callable, Mapping, Sequence
 
-    from locosweep.diagnosis.choose import Choice
-    from locosweep.diagnosis.fit import Fit
-    from locosweep.diagnosis.nearest import Nearest
-    from locosweep.diagnosis.problem import Point
-    from locosweep.diagnosis.starts import Scale
+    from locosweep.diagnosis.effects.starts import Scale
+    from locosweep.diagnosis.estimate.least_squares import Fit
+    from locosweep.diagnosis.estimate.problem import Point
+    from locosweep.diagnosis.select.nearest import Nearest
+    from locosweep.diagnosis.select.verdict import Choice
 
 __all__ = ["diagnose"]
 
@@ -78,7 +88,7 @@ def diagnose(
     seed : int
         Of the resampling that intervals come from.
     columns, units : mapping of str to str, optional
-        As in `locosweep.measured.load_runs`; only where `runs` is a file.
+        As in `locosweep.files.runs.load_runs`; only where `runs` is a file.
     threads : int, optional
         As in `sweep`. The report does not depend on it.
     progress : callable, optional
@@ -98,7 +108,7 @@ def diagnose(
     --------
     >>> import numpy as np
     >>> import locosweep as ls
-    >>> from locosweep.files import Robot
+    >>> from locosweep.files.robot import Robot
     >>> robot = Robot({"mass": 0.2, "mu_coulomb": 0.3, "gravity": 9.81, "segments": 4.0})
     >>> t = np.linspace(0.0, 1.0, 101)
     >>> drive = np.where(t > 0.1, 0.5, 0.0)
@@ -318,7 +328,7 @@ def _whole_runs(
     after = problem.replay([point], everything)
     channel = gap["channel"]
     squares = where.gap_squares(problem, channel, before, after if explained else None)
-    regimes = [where.regimes_of(problem, r) for r in everything]
+    regimes = [regimes_of(problem, r) for r in everything]
     places = {
         "channels": tables["channels"],
         "runs": tables["runs"],
@@ -331,7 +341,7 @@ def _whole_runs(
 
 def _by_weight(search: Search, fit: Fit) -> list[str]:
     """Effects of a set by what the fit loses without each, first what it loses most."""
-    from locosweep.diagnosis.fit import evaluate
+    from locosweep.diagnosis.estimate.least_squares import evaluate
 
     losses = []
     for name in fit.model.names:

@@ -1,0 +1,166 @@
+"""``locosweep blind-check``: how the diagnosis fares on cases whose cause is withheld."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from locosweep.cli.options import as_json, json_option, on_terminal, threads_option
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from locosweep.validation.judge import Judged
+
+__all__ = ["blind_check"]
+
+
+def _progress(label: str, *, quiet: bool) -> Callable[[int, int], None] | None:
+    """Return what writes one line over and over, or none where nobody looks."""
+    if quiet or not on_terminal():
+        return None
+
+    def write(done: int, total: int) -> None:
+        end = "\n" if done == total else ""
+        sys.stderr.write(f"\r{label} {done} of {total}{end}")
+        sys.stderr.flush()
+
+    return write
+
+
+@click.command(name="blind-check")
+@click.option(
+    "--cases",
+    default=200,
+    show_default=True,
+    metavar="N",
+    type=click.IntRange(min=0),
+    help="Cases of the mixture: none, one or two effects, causes outside the list.",
+)
+@click.option(
+    "--gap-free",
+    default=0,
+    show_default=True,
+    metavar="M",
+    type=click.IntRange(min=0),
+    help="Further cases without a gap, with exactly the nominal values.",
+)
+@click.option(
+    "--seed",
+    default=0,
+    show_default=True,
+    metavar="S",
+    type=click.IntRange(min=0),
+    help="Case i of a seed is the same whatever N.",
+)
+@click.option(
+    "--out",
+    required=True,
+    metavar="DIR",
+    type=click.Path(path_type=Path),
+    help="Folder for cases, truths, diagnoses and figures.",
+)
+@click.option(
+    "--experiments",
+    default=0,
+    show_default=True,
+    metavar="K",
+    type=click.IntRange(min=0),
+    help="Ambiguous verdicts whose proposed next run is carried out (half a minute each).",
+)
+@click.option("--draw-only", is_flag=True, help="Draw and seal the cases, diagnose nothing.")
+@click.option(
+    "--force",
+    is_flag=True,
+    help="Write into a folder that is not empty; what is there of the same code is kept.",
+)
+@click.option("--quiet", is_flag=True, help="No progress.")
+@threads_option
+@json_option
+@click.pass_context
+def blind_check(
+    ctx: click.Context,
+    cases: int,
+    gap_free: int,
+    seed: int,
+    out: Path,
+    experiments: int,
+    draw_only: bool,
+    force: bool,
+    quiet: bool,
+    threads: int | None,
+    json_: bool,
+) -> None:
+    """Diagnose cases whose cause is withheld, and say how often that was right.
+
+    A simulator of its own draws rigs, drives, noise and what is wrong; the truths are
+    hashed before the first diagnosis and opened after the last.
+    """
+    from locosweep import _core
+    from locosweep.errors import InputError
+    from locosweep.files.folder import check_folder
+    from locosweep.validation.case_files import SEAL, digest
+    from locosweep.validation.check import carry_out, diagnose_cases, judge_cases
+    from locosweep.validation.draw import draw_cases
+    from locosweep.validation.tables import as_json as tables_as_json
+    from locosweep.validation.tables import as_text, wrong_cases
+
+    if cases + gap_free == 0:
+        raise InputError("--cases and --gap-free are both 0: allowed is at least one case")
+    check_folder(out, force=force)
+    out.mkdir(parents=True, exist_ok=True)
+    processes = _core.threads_to_use(threads)
+    names = draw_cases(
+        out, cases, seed, gap_free=gap_free, processes=processes,
+        progress=_progress("drawing", quiet=quiet),
+    )  # fmt: skip
+    sealed = digest(out / SEAL)
+    if not quiet:
+        click.echo(f"truths sealed: {out / SEAL}, sha256 {sealed}", err=True)
+    if draw_only:
+        click.echo(as_json({"cases": len(names), "sealed": sealed}) if json_ else str(out))
+        return
+    outcomes = diagnose_cases(
+        out, names, seed=seed, processes=processes, progress=_progress("diagnosing", quiet=quiet)
+    )
+    judged = judge_cases(out, outcomes)
+    if experiments:
+        judged = carry_out(
+            out, judged, seed, experiments, processes=processes,
+            progress=_progress("next runs", quiet=quiet),
+        )  # fmt: skip
+    command = shlex.join(["locosweep", *ctx.obj])
+    about = {
+        "command": command,
+        "locosweep": _core.version(),
+        "seed": seed,
+        "sealed_sha256": sealed,
+    }
+    found = tables_as_json(judged, about)
+    text, wrong = as_text(judged), wrong_cases(judged)
+    _write(out, as_json(found), text, wrong, judged, command)
+    click.echo(as_json(found) if json_ else text)
+    if not json_:
+        click.echo(f"{len(wrong)} of {len(judged)} verdicts are wrong: {out / 'wrong.txt'}")
+
+
+def _write(
+    out: Path, metrics: str, text: str, wrong: Sequence[str], judged: Sequence[Judged], command: str
+) -> None:
+    """Write figures, tables and pictures."""
+    from locosweep.files.atomic import replacing
+    from locosweep.plot.save import save_figure
+    from locosweep.validation.pictures import PICTURES
+
+    lists = {"metrics.json": metrics, "table.txt": text, "wrong.txt": "\n".join(wrong)}
+    for name, content in lists.items():
+        with replacing(out / name) as temporary:
+            temporary.write_text(content + "\n")
+    for name, draw in PICTURES.items():
+        figure = draw(judged).get_figure(root=True)
+        if figure is not None:
+            save_figure(figure, out / name, command=command)

@@ -1,0 +1,123 @@
+"""``locosweep diagnose``: from measured runs and a nominal model to a report."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from locosweep.cli.options import as_json, json_option, on_terminal, threads_option
+from locosweep.cli.simulate_runs import pairs
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from locosweep.diagnosis.report.result import Diagnosis
+
+__all__ = ["diagnose"]
+
+
+@click.command()
+@click.argument("runs", metavar="RUNS", type=click.Path(path_type=Path))
+@click.option(
+    "--nominal", required=True, metavar="NOMINAL.toml", type=click.Path(path_type=Path),
+    help="The model that the runs are held against.",
+)  # fmt: skip
+@click.option(
+    "--out", required=True, metavar="DIR", type=click.Path(path_type=Path),
+    help="Folder for the report; made if missing.",
+)  # fmt: skip
+@click.option(
+    "--holdout", multiple=True, metavar="RUN,...",
+    help="Runs kept from the fit, for the check; default: chosen by the program.",
+)  # fmt: skip
+@click.option(
+    "--max-effects", default=3, show_default=True, metavar="N", type=click.IntRange(min=1),
+    help="Most effects that act at once.",
+)  # fmt: skip
+@click.option(
+    "--seed", default=0, show_default=True, metavar="N", type=click.IntRange(min=0),
+    help="Start of the random numbers.",
+)  # fmt: skip
+@click.option("--force", is_flag=True, help="Write into a folder that is not empty.")
+@click.option("--quiet", is_flag=True, help="Print the verdict only.")
+@click.option(
+    "columns", "--column", multiple=True, metavar="NAME=THEIRS",
+    help="Their name of a column of the runs, for instance drive=tau.",
+)  # fmt: skip
+@click.option(
+    "units", "--unit", multiple=True, metavar="NAME=UNIT",
+    help="Unit of a column of the runs, for instance x=mm.",
+)  # fmt: skip
+@threads_option
+@json_option
+def diagnose(
+    runs: Path,
+    nominal: Path,
+    out: Path,
+    holdout: tuple[str, ...],
+    max_effects: int,
+    seed: int,
+    force: bool,
+    quiet: bool,
+    columns: tuple[str, ...],
+    units: tuple[str, ...],
+    threads: int | None,
+    json_: bool,
+) -> None:
+    """Say where measured RUNS leave their model, which effect causes it, how far it shrinks.
+
+    RUNS is a CSV or Parquet file with a row for each sample: run, t [s], drive,
+    x [m], and where measured x_rear [m], force [N], v [m/s], power [W].
+
+    Writes report.html (for people), report.json, augmented.toml (the model with
+    the effects that were found, for locosweep simulate) and the pictures.
+    """
+    from locosweep.files.folder import check_folder
+
+    check_folder(out, force=force)
+    named, of = pairs("--column", columns), pairs("--unit", units)
+    from locosweep.diagnosis.pipeline import diagnose as diagnose_runs
+
+    found = diagnose_runs(
+        runs,
+        nominal,
+        holdout=_labels(holdout),
+        max_effects=max_effects,
+        seed=seed,
+        columns=named,
+        units=of,
+        threads=threads,
+        progress=_say if on_terminal() and not quiet else None,
+    )
+    if on_terminal() and not quiet:
+        _say("writing the report")
+    found.save(out, force=force)
+    if on_terminal() and not quiet:
+        _say("")
+    if not quiet:
+        for warning in found.warnings:
+            click.echo(f"locosweep: note: {' '.join(warning.split())}", err=True)
+    if json_:
+        click.echo(as_json({"verdict": found.report["verdict"], "out": str(out)}))
+    else:
+        click.echo(_told(found, out, quiet=quiet))
+
+
+def _say(what: str) -> None:
+    """Write over the line that says what is being done."""
+    click.echo(f"\r\x1b[K{what and 'diagnose: '}{what}", err=True, nl=False)
+
+
+def _labels(given: Iterable[str]) -> list[str] | None:
+    labels = [label for text in given for label in text.split(",") if label]
+    return labels or None
+
+
+def _told(found: Diagnosis, out: Path, *, quiet: bool) -> str:
+    """Return the verdict, and where its report lies."""
+    what = " + ".join(found.effects)
+    head = f"{found.status}{': ' if what else ''}{what} (probability {found.probability:.2f})"
+    lines = [head, " ".join(found.summary.split())]
+    return "\n".join(lines if quiet else [*lines, str(out / "report.html")])

@@ -1,0 +1,237 @@
+"""``locosweep distinguish``: what a planned experiment could tell apart."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from locosweep import registry
+from locosweep.cli.options import (
+    AXIS,
+    CURVES,
+    DRIVE,
+    PICTURE,
+    SweepCommand,
+    as_json,
+    json_option,
+    on_terminal,
+    threads_option,
+)
+from locosweep.cli.simulate_runs import pairs
+from locosweep.cli.simulation_options import chosen
+from locosweep.errors import InputError
+
+if TYPE_CHECKING:
+    from locosweep.diagnosis.design.distinguish import Distinction
+    from locosweep.files.robot import Robot
+    from locosweep.files.runs import Run
+    from locosweep.specs.sweep import Span
+
+    Setting = tuple[str, Span | tuple[float, ...]]
+
+__all__ = ["distinguish"]
+
+_TIME = "duration"
+_MOST_RUNS = 64
+_MOST_RIVALS = 4
+
+
+@click.command(cls=SweepCommand)
+@click.argument("nominal", metavar="NOMINAL.toml", type=click.Path(path_type=Path))
+@click.option("--drive", type=DRIVE, metavar="NAME", help="Drive of the planned runs.")
+@click.option(
+    "--drive-file", type=click.Path(path_type=Path), metavar="FILE.csv",
+    help="Samples for --drive table: columns t [s] and drive; each holds until the next.",
+)  # fmt: skip
+@click.option(
+    "settings", "--set", multiple=True, type=AXIS,
+    help="A parameter of the drive or the duration, NAME=VALUE; a run for each of NAME=A,B,C.",
+)  # fmt: skip
+@click.option(
+    "--samples", default=1001, show_default=True, metavar="N", type=click.IntRange(min=20),
+    help="Samples of each run, evenly spread.",
+)  # fmt: skip
+@click.option(
+    "--runs", metavar="RUNS", type=click.Path(path_type=Path),
+    help="Instead of --drive: a file of runs (t, drive, and slope_deg where it differs).",
+)  # fmt: skip
+@click.option(
+    "channels", "--channel", multiple=True, metavar="NAME",
+    help="What will be measured, of x, v, x_rear, force; repeat as needed; default x.",
+)  # fmt: skip
+@click.option(
+    "--noise", multiple=True, metavar="NAME=SD",
+    help="Noise of a channel; default from the file's [sensor] table.",
+)  # fmt: skip
+@click.option(
+    "--size", default=10.0, show_default=True, metavar="SIGMAS", type=float,
+    help="Length of each effect's signal in the matrix.",
+)  # fmt: skip
+@click.option("--out", type=CURVES, help="Where the table of distances goes.")
+@click.option("plot_file", "--plot", type=PICTURE, help="Picture of the matrix.")
+@click.option("--quiet", is_flag=True, help="Show no progress.")
+@threads_option
+@json_option
+@click.pass_context
+def distinguish(
+    ctx: click.Context,
+    nominal: Path,
+    drive: str | None,
+    drive_file: Path | None,
+    settings: tuple[Setting, ...],
+    samples: int,
+    runs: Path | None,
+    channels: tuple[str, ...],
+    noise: tuple[str, ...],
+    size: float,
+    out: Path | None,
+    plot_file: Path | None,
+    quiet: bool,
+    threads: int | None,
+    json_: bool,
+) -> None:
+    """Say before anything is measured which effects an experiment could tell apart.
+
+    For each effect: how large it must be to be seen (a signal of 6 sigmas), its
+    nearest rival, and all rivals that the experiment could not tell from it (less
+    than 3 sigmas are left of its signal after the rival is refitted).
+    """
+    from locosweep.diagnosis.design.distinguish import distinguish as distinguished
+    from locosweep.files.robot import load_robot
+    from locosweep.progress import Meter
+
+    if out is not None and plot_file is not None and out.resolve() == plot_file.resolve():
+        raise InputError(f"--out and --plot are both {out}: allowed are two files")
+    if (runs is None) == (drive is None and drive_file is None):
+        raise InputError("allowed is one of --drive (or --drive-file) and --runs")
+    robot = load_robot(nominal)
+    planned: Any = runs
+    if runs is None:
+        planned = _planned(robot, drive, drive_file, settings, samples)
+    elif settings:
+        raise InputError("--set is given beside --runs: allowed is --set with --drive")
+    found = distinguished(
+        robot,
+        planned,
+        channels=channels or None,
+        noise={name: _number(name, text) for name, text in pairs("--noise", noise).items()},
+        size=size,
+        threads=threads,
+        progress=Meter("distinguish") if on_terminal() and not quiet else None,
+    )
+    files = []
+    if out is not None:
+        _save(found, out)
+        files.append(str(out))
+    if plot_file is not None:
+        from locosweep.cli.saving import called
+        from locosweep.plot.save import save_figure
+
+        save_figure(found.plot(), plot_file, command=called(ctx))
+        files.append(str(plot_file))
+    click.echo(as_json(_report(found, files)) if json_ else _told(found, files))
+
+
+def _planned(
+    robot: Robot,
+    drive: str | None,
+    drive_file: Path | None,
+    settings: tuple[Setting, ...],
+    samples: int,
+) -> list[Run]:
+    """Return a run for each combination of the drive's parameters."""
+    from locosweep.files.runs import Run
+    from locosweep.grid import Grid
+    from locosweep.simulation.trajectories import simulate
+
+    simulation = chosen(None, drive, None, drive_file)
+    own = {p.name for p in registry.drive(simulation.drive or "").parameters} | {_TIME}
+    given: dict[str, list[float]] = {}
+    for name, values in settings:
+        if name in given:
+            raise InputError(f"--set gives {name} twice: allowed is once, NAME=A,B,C for several")
+        if name not in own or name == "gain":
+            allowed = ", ".join(sorted(own - {"gain"}))
+            raise InputError(f"--set {name}: allowed for drive {simulation.drive} are {allowed}")
+        given[name] = list(values) if isinstance(values, tuple) else values.values(name).tolist()
+    count = math.prod(map(len, given.values()))
+    if count > _MOST_RUNS:
+        raise InputError(f"--set makes {count} runs: allowed are 1 to {_MOST_RUNS}")
+    gain = robot.parameters.get("gain", 1.0)
+    # The force of a drive is the same whatever it moves.
+    fixed = {"mu_coulomb": 0.5, "gain": gain, "drive_limit": math.inf}
+    options = {**simulation.options(), "law": "coulomb"}
+    several = {name: values for name, values in given.items() if len(values) > 1}
+    found = []
+    for point in itertools.product(*given.values()):
+        chosen_values = dict(zip(given, point, strict=True))
+        run = simulate(Grid(**fixed, **chosen_values), **options, samples=samples)
+        label = ", ".join(f"{name}={chosen_values[name]:g}" for name in several) or str(
+            simulation.drive
+        )
+        found.append(Run(label, run.t, run.force / gain))
+    return found
+
+
+def _number(name: str, text: str) -> float:
+    try:
+        # Python also reads 1_000 and non-Latin digits; those are typing errors here.
+        return float(text) if text.isascii() and "_" not in text else float("none")
+    except ValueError:
+        raise InputError(f"--noise {name} is {text!r}: allowed is a number above 0") from None
+
+
+def _save(found: Distinction, out: Path) -> None:
+    """Write the long table of pairs."""
+    import polars as pl
+
+    from locosweep.files.atomic import replacing
+
+    count = len(found.names)
+    frame = pl.DataFrame(
+        {
+            "effect": [name for name in found.names for _ in range(count)],
+            "rival": list(found.names) * count,
+            "distance": found.distances.ravel(),
+        }
+    )
+    with replacing(out) as temporary:
+        try:
+            if out.suffix.lower() == ".csv":
+                frame.write_csv(temporary)
+            else:
+                frame.write_parquet(temporary)
+        except (pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
+            raise InputError(f"{out}: cannot write: {error}") from None
+
+
+def _report(found: Distinction, files: list[str]) -> dict[str, object]:
+    return {
+        "files": files,
+        "size": found.size,
+        "noise": found.noise,
+        "effects": found.to_polars().to_dicts(),
+        "names": list(found.names),
+        "distances": found.distances.tolist(),
+    }
+
+
+def _told(found: Distinction, files: list[str]) -> str:
+    """Return the table for people: a line an effect."""
+    rows = found.to_polars().to_dicts()
+    wide = max(len(row["effect"]) for row in rows)
+    room = max((len(row["seen_from"]) for row in rows if row["seen_from"]), default=9)
+    lines = [f"{'effect':<{wide}}  {'seen from':<{room}}  not told from"]
+    for row in rows:
+        if row["unseen_because"]:
+            lines.append(f"{row['effect']:<{wide}}  not seen: {row['unseen_because']}")
+        else:
+            near = found.rivals(row["effect"])
+            more = f" and {len(near) - _MOST_RIVALS} more" if len(near) > _MOST_RIVALS else ""
+            told = ", ".join(near[:_MOST_RIVALS]) + more or "-"
+            lines.append(f"{row['effect']:<{wide}}  {row['seen_from']:<{room}}  {told}")
+    return "\n".join([*lines, *files])

@@ -1,0 +1,120 @@
+"""``locosweep heatmap``: a sweep over two parameters as a picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from locosweep.cli.options import (
+    AXIS,
+    PICTURE,
+    QUANTITY,
+    TABLE,
+    SweepCommand,
+    as_json,
+    fixed,
+    json_option,
+    on_terminal,
+    robot_option,
+    set_option,
+    summary,
+    threads_option,
+)
+from locosweep.cli.saving import paths, save_picture
+from locosweep.cli.simulation_options import chosen, gait_option, refuse_idle, simulation_options
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from locosweep.result import Result
+    from locosweep.specs.sweep import Span
+
+    Axis = tuple[str, Span | tuple[float, ...]]
+
+__all__ = ["heatmap"]
+
+
+@click.command(cls=SweepCommand)
+@click.argument("quantity", type=QUANTITY)
+@click.option(
+    "--x", required=True, type=AXIS, metavar="NAME=LO:HI:COUNT", help="Axis to the right."
+)
+@click.option("--y", required=True, type=AXIS, metavar="NAME=LO:HI:COUNT", help="Axis upward.")
+@click.option(
+    "best_over",
+    "--best-over",
+    type=AXIS,
+    metavar="NAME=LO:HI",
+    help="Sweep this parameter too; show its best value and what that reaches, side by side.",
+)
+@click.option(
+    "--best",
+    type=click.Choice(["max", "min"]),
+    default="max",
+    show_default=True,
+    help="Which value is the best one for --best-over: min for costs, times and losses.",
+)
+@robot_option
+@set_option
+@simulation_options
+@gait_option
+@click.option("--out", type=PICTURE, help="Picture; default QUANTITY.png in the current folder.")
+@click.option("--data", type=TABLE, help="Also write the numbers.")
+@threads_option
+@json_option
+@click.pass_context
+def heatmap(
+    ctx: click.Context,
+    quantity: str,
+    x: Axis,
+    y: Axis,
+    best_over: Axis | None,
+    best: str,
+    robot: Path | None,
+    settings: tuple[tuple[str, float], ...],
+    law: str | None,
+    drive: str | None,
+    method: str | None,
+    drive_file: Path | None,
+    gait: str | None,
+    out: Path | None,
+    data: Path | None,
+    threads: int | None,
+    json_: bool,
+) -> None:
+    """Sweep a QUANTITY over two parameters and draw it.
+
+    Ranges include both ends. LO:HI without COUNT means every whole number.
+    """
+    from locosweep.specs.sweep import Spec
+
+    if out is None:
+        out = Path(f"{quantity}.png")
+        PICTURE.convert(out, None, ctx)
+    axes = (y, x) if best_over is None else (y, x, best_over)
+    over = None if best_over is None else best_over[0]
+    reduce = () if best_over is None else (f"arg{best}", best)
+    simulation = chosen(law, drive, method, drive_file, gait)
+    refuse_idle(dict(axes), [quantity], simulation)
+    values = fixed(robot, settings, dict(axes))
+    spec = Spec((quantity,), axes, values, over, reduce, simulation=simulation)
+    result = spec.run(threads=threads, progress=on_terminal())
+    figure = _heatmap(result, x[0], y[0], star=best == "max")
+    if data is not None:
+        result.save(data)
+    save_picture(ctx, figure, out, result)
+    report = {"file": str(out), "data": None if data is None else str(data), **summary(result)}
+    click.echo(as_json(report) if json_ else paths(out, data))
+
+
+def _heatmap(result: Result, x: str, y: str, *, star: bool) -> Figure:
+    from matplotlib.figure import Figure
+
+    panels = len(result.outputs)
+    figure = Figure(figsize=(6.8 * panels, 5.0), layout="constrained")
+    for place, output in enumerate(result.outputs):
+        ax = figure.add_subplot(1, panels, place + 1)
+        result.plot.heatmap(x, y, output.name, ax=ax, mark_optimum=star)
+    return figure

@@ -1,0 +1,74 @@
+"""``locosweep plot``: a saved result as a picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from locosweep.cli.options import (
+    PARAMETER,
+    PICTURE,
+    SETTING,
+    SweepCommand,
+    as_json,
+    json_option,
+)
+from locosweep.cli.saving import save_picture
+from locosweep.errors import InputError
+
+__all__ = ["plot"]
+
+
+@click.command(cls=SweepCommand)
+@click.argument("file", metavar="RESULT.parquet", type=click.Path(path_type=Path))
+@click.option("--x", type=PARAMETER, metavar="NAME", help="Axis to the right; default the last.")
+@click.option(
+    "--y", type=PARAMETER, metavar="NAME", help="Axis upward of a heat map; default the one before."
+)
+@click.option("--by", type=PARAMETER, metavar="NAME", help="Draw curves, one for each value.")
+@click.option("--value", metavar="NAME", help="Output; default the first.")
+@click.option("--at", type=SETTING, multiple=True, help="Value of another axis; repeat as needed.")
+@click.option("--out", type=PICTURE, help="Picture; default RESULT.png in the current folder.")
+@json_option
+@click.pass_context
+def plot(
+    ctx: click.Context,
+    file: Path,
+    x: str | None,
+    y: str | None,
+    by: str | None,
+    value: str | None,
+    at: tuple[tuple[str, float], ...],
+    out: Path | None,
+    json_: bool,
+) -> None:
+    """Draw a result that was saved.
+
+    A heat map where two axes are left, curves where it is one or --by is given.
+    """
+    from locosweep.files.results import load
+
+    if by is not None and y is not None:
+        raise InputError("--by draws curves and --y a heat map: allowed is one of them")
+    if out is None:
+        out = Path(f"{file.stem}.png")
+        PICTURE.convert(out, None, ctx)
+    result = load(file)
+    places: dict[str, Any] = dict(at)
+    if len(places) < len(at):
+        raise InputError("--at gives an axis twice: allowed is one value each")
+    free = [name for name, axis in result.axes.items() if name not in places and len(axis) > 1]
+    if by is not None or (y is None and len(free) < 2):
+        rest = [name for name in free or result.axes if name != by]
+        if x is None and not rest:
+            raise InputError(f"{file} has no axis left to draw along")
+        ax = result.plot.curves(x or rest[-1], value=value, by=by, **places)
+    else:
+        ax = result.plot.heatmap(x, y, value, **places)
+    figure = ax.get_figure(root=True)
+    if figure is None:
+        raise AssertionError("axes without a figure")
+    save_picture(ctx, figure, out, result)
+    click.echo(as_json({"file": str(out)}) if json_ else str(out))

@@ -1,0 +1,70 @@
+"""Replay of measured runs through a model: the second form of ``simulate``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from locosweep.cli.options import as_json, on_terminal
+from locosweep.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from pathlib import Path
+
+__all__ = ["pairs", "replay"]
+
+
+def pairs(option: str, given: Iterable[str]) -> dict[str, str]:
+    """Read NAME=TEXT options into a mapping."""
+    found: dict[str, str] = {}
+    for text in given:
+        name, equals, value = text.partition("=")
+        if not (name and equals and value):
+            raise InputError(f"{option} {text!r}: allowed is NAME={option[2:].upper()}")
+        if name in found:
+            raise InputError(f"{option} gives {name} twice: allowed is once")
+        found[name] = value
+    return found
+
+
+def replay(
+    model: Path,
+    runs: Path,
+    out: Path,
+    *,
+    columns: Iterable[str] = (),
+    units: Iterable[str] = (),
+    threads: int | None = None,
+    json_: bool = False,
+) -> None:
+    """Replay the runs and write what the sensors would read."""
+    import polars as pl
+
+    from locosweep.files.atomic import check_place, replacing
+    from locosweep.files.robot import load_robot
+    from locosweep.files.runs import load_runs
+    from locosweep.progress import Meter
+    from locosweep.simulation.replay import replay_runs
+
+    check_place(out)
+    robot = load_robot(model)
+    named = pairs("--column", columns)
+    # A start may be given instead of measured: x is not needed to be driven.
+    measured, notices = load_runs(runs, named, pairs("--unit", units), needs=("t", "drive"))
+    for notice in notices:
+        click.echo(f"locosweep: note: {notice}", err=True)
+    meter = Meter("simulate") if on_terminal() else None
+    frame = replay_runs(robot, measured, threads=threads, progress=meter)
+    with replacing(out) as temporary:
+        try:
+            if out.suffix.lower() == ".csv":
+                frame.write_csv(temporary)
+            else:
+                frame.write_parquet(temporary)
+        except (pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
+            raise InputError(f"{out}: cannot write: {error}") from None
+    effects = list(robot.effects)
+    report = {"file": str(out), "runs": len(measured), "rows": frame.height, "effects": effects}
+    click.echo(as_json(report) if json_ else str(out))

@@ -1,0 +1,125 @@
+"""The command that sweeps into a file."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from locosweep.cli.options import (
+    AXIS,
+    PARAMETER,
+    QUANTITY,
+    REDUCTION,
+    TABLE,
+    SweepCommand,
+    as_json,
+    fixed,
+    json_option,
+    on_terminal,
+    robot_option,
+    set_option,
+    summary,
+    threads_option,
+)
+from locosweep.cli.simulation_options import chosen, gait_option, refuse_idle, simulation_options
+from locosweep.errors import InputError
+
+if TYPE_CHECKING:
+    from locosweep.specs.sweep import Span
+
+__all__ = ["sweep"]
+
+
+@click.command(cls=SweepCommand)
+@click.argument("quantities", nargs=-1, type=QUANTITY, metavar="QUANTITY...")
+@click.option(
+    "axes",
+    "--axis",
+    multiple=True,
+    type=AXIS,
+    help="Axis NAME=LO:HI:COUNT, NAME=A,B,C or, for whole numbers, NAME=LO:HI; repeat in order.",
+)
+@robot_option
+@set_option
+@simulation_options
+@gait_option
+@click.option("--over", type=PARAMETER, metavar="NAME", help="Axis to fold away.")
+@click.option("--reduce", multiple=True, type=REDUCTION, metavar="HOW", help="How; repeatable.")
+@click.option("--q", type=float, metavar="Q", help="Which quantile, from 0 to 1.")
+@click.option("--dtype", metavar="TYPE", help="float64 (default) or float32.")
+@click.option(
+    "spec_file", "--spec", metavar="FILE.toml", type=click.Path(path_type=Path),
+    help="Sweep file instead of quantities, --axis, --over, --reduce and --q.",
+)  # fmt: skip
+@click.option(
+    "--save-spec", metavar="FILE.toml", type=click.Path(path_type=Path),
+    help="Write the sweep file; without --out nothing is computed.",
+)  # fmt: skip
+@click.option("--out", type=TABLE, help="Where the numbers go.")
+@threads_option
+@json_option
+def sweep(
+    quantities: tuple[str, ...],
+    axes: tuple[tuple[str, Span | tuple[float, ...]], ...],
+    robot: Path | None,
+    settings: tuple[tuple[str, float], ...],
+    law: str | None,
+    drive: str | None,
+    method: str | None,
+    drive_file: Path | None,
+    gait: str | None,
+    over: str | None,
+    reduce: tuple[str, ...],
+    q: float | None,
+    dtype: str | None,
+    spec_file: Path | None,
+    save_spec: Path | None,
+    out: Path | None,
+    threads: int | None,
+    json_: bool,
+) -> None:
+    """Evaluate quantities on a grid and write a Parquet file."""
+    from locosweep.files.atomic import check_place
+    from locosweep.specs.sweep import Spec
+
+    if spec_file is not None:
+        given: dict[str, object] = {"QUANTITY": quantities, "--axis": axes, "--over": over}
+        given |= {"--reduce": reduce, "--q": q, "--dtype": dtype}
+        given |= {
+            "--law": law,
+            "--drive": drive,
+            "--method": method,
+            "--drive-file": drive_file,
+            "--gait": gait,
+        }
+        for name, value in given.items():
+            if value:
+                raise InputError(f"{name} is given beside --spec: allowed is one of them")
+        read = Spec.load(spec_file)
+        spec = replace(read, fixed=fixed(robot, settings, dict(read.axes), read.fixed))
+    elif not quantities:
+        raise InputError("QUANTITY is missing: name at least one, or give --spec FILE.toml")
+    else:
+        simulation = chosen(law, drive, method, drive_file, gait)
+        refuse_idle(dict(axes), quantities, simulation)
+        values = fixed(robot, settings, dict(axes))
+        spec = Spec(quantities, axes, values, over, reduce, q, dtype or "float64", simulation)
+    if out is None and save_spec is None:
+        raise InputError("--out is missing: allowed is a file that ends in .parquet")
+    report: dict[str, object] = {"file": None, "spec": None}
+    if save_spec is not None:
+        check_place(save_spec)
+        # Refused now rather than when the file is run.
+        spec.grid()
+    if out is not None:
+        result = spec.run(threads=threads, progress=on_terminal())
+        result.save(out)
+        report |= {"file": str(out), **summary(result)}
+    if save_spec is not None:
+        spec.save(save_spec)
+        report["spec"] = str(save_spec)
+    paths = [str(path) for path in (out, save_spec) if path is not None]
+    click.echo(as_json(report) if json_ else "\n".join(paths))

@@ -1,0 +1,1 @@
+"""What a diagnosis reads off the runs before any model is fitted."""

@@ -1,0 +1,55 @@
+"""Train and validation split: which runs, or which part of one, are kept from the fits."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from locosweep.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from locosweep.files.runs import Run
+
+__all__ = ["hold_out"]
+
+_TAIL = 0.7
+"""Share of a single run that fits see."""
+
+
+def hold_out(
+    runs: Sequence[Run], asked: Sequence[str] | None, gaps: Sequence[float]
+) -> tuple[tuple[int, ...], float, bool]:
+    """Return the runs kept from fits, the share of a run that fits see, and who chose.
+
+    `gaps` are the squared errors of the nominal model per sample, run by run.
+    """
+    labels = [run.label for run in runs]
+    if asked:
+        for label in asked:
+            if label not in labels:
+                raise InputError(f"holdout: no run {label}: there are {', '.join(labels)}")
+        held = tuple(i for i, label in enumerate(labels) if label in asked)
+        if len(held) == len(runs):
+            raise InputError("holdout: all runs are kept from the fit: leave at least one")
+        return held, 1.0, True
+    if len(runs) == 1:
+        return (), _TAIL, False
+    # The runs whose gap is most like that of all, but not the richest, which fits need,
+    # and no slope that only they have.
+    size = np.log(np.maximum(np.array(gaps), 1e-300))
+    middle = np.log(max(float(np.mean(gaps)), 1e-300))
+    slopes = [run.slope_deg for run in runs]
+    order = sorted(
+        range(len(runs)),
+        key=lambda i: (
+            slopes.count(slopes[i]) == 1,
+            len(runs) > 2 and size[i] == size.max(),
+            abs(size[i] - middle),
+            i,
+        ),
+    )
+    count = max(1, len(runs) // 4)
+    return tuple(sorted(order[:count])), 1.0, False

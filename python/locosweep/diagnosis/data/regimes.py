@@ -1,0 +1,67 @@
+"""Kinds of motion, read off the measured position."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.signal import savgol_filter
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from locosweep.diagnosis.estimate.problem import Problem
+
+__all__ = ["REGIMES", "measured_motion", "regimes_of"]
+
+REGIMES = ("at_rest", "breakaway", "sliding_forward", "sliding_backward", "reversal")
+"""Kinds of motion that a sample belongs to."""
+
+
+_AFTER = 5
+"""Samples after a break-away, and around a reversal, that belong to it."""
+
+
+def measured_motion(
+    problem: Problem, run: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+    """Smooth position and speed of a run, and the deviation of that speed."""
+    if run not in problem.motions:
+        problem.motions[run] = _motion(problem, run)
+    return problem.motions[run]
+
+
+def _motion(problem: Problem, run: int) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+    record = problem.runs[run]
+    t, x = record.t, record.channels["x"]
+    ok = np.isfinite(x)
+    x = np.interp(t, t[ok], x[ok]) if ok.any() else np.zeros_like(t)
+    step = float(np.median(np.diff(t)))
+    noise = problem.noise["x"].sd
+    # As wide as noise asks for: slopes to a hundredth of the run's largest.
+    fast = max(float(np.ptp(x)) / max(t[-1] - t[0], 1e-12), 1e-12)
+    width = int(np.ceil((3.5 * noise / (0.05 * fast * step)) ** (2.0 / 3.0)))
+    width = int(np.clip(width | 1, 5, max(5, (t.size // 8) | 1)))
+    even = np.linspace(t[0], t[-1], t.size)
+    smooth = savgol_filter(np.interp(even, t, x), width, 2)
+    speed = savgol_filter(np.interp(even, t, x), width, 2, deriv=1, delta=even[1] - even[0])
+    deviation = noise * np.sqrt(12.0 / width**3) / step
+    return np.interp(t, even, smooth), np.interp(t, even, speed), float(deviation)
+
+
+def regimes_of(problem: Problem, run: int) -> NDArray[np.int64]:
+    """Say for every sample what kind of motion it belongs to (`REGIMES`)."""
+    _, v, deviation = measured_motion(problem, run)
+    limit = 3.0 * deviation + 0.01 * float(np.abs(v).max(initial=0.0))
+    sign = np.where(np.abs(v) <= limit, 0, np.sign(v)).astype(int)
+    kind = np.where(sign == 0, 0, np.where(sign > 0, 2, 3))
+    found = kind.copy()
+    for i in np.flatnonzero(np.diff(sign) != 0):
+        if sign[i] == 0:
+            before = sign[max(0, i - 4 * _AFTER) : i]
+            moved = before[before != 0]
+            turned = moved.size > 0 and moved[-1] != sign[i + 1]
+            found[i + 1 : i + 1 + _AFTER] = 4 if turned else 1
+        elif sign[i + 1] != 0:
+            found[max(0, i + 1 - _AFTER) : i + 1 + _AFTER] = 4
+    return found.astype(np.int64)

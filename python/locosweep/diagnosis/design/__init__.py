@@ -1,0 +1,1 @@
+"""Experiment design: which run would tell apart what the data leave open."""

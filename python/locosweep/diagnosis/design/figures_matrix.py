@@ -1,0 +1,61 @@
+"""Picture of distances between effects."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from locosweep.diagnosis.design.distinguish import APART
+from locosweep.diagnosis.report import figures_style as style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from locosweep.diagnosis.design.distinguish import Distinction
+
+__all__ = ["matrix"]
+
+
+def matrix(distinction: Distinction, *, ax: Axes | None = None) -> Axes:
+    """Draw how far each effect lies from each rival; pairs too near are framed.
+
+    Parameters
+    ----------
+    distinction : Distinction
+        From `distinguish`.
+    ax : Axes, optional
+        Where to draw; a new figure without one.
+
+    Returns
+    -------
+    Axes
+    """
+    names = [style.words(name) for name in distinction.names]
+    count = len(names)
+    if ax is None:
+        side = 3.2 + 0.31 * count
+        ax = style.figure(side + 0.8, side).subplots()
+    shown = distinction.distances
+    image = ax.imshow(shown, cmap="cividis", vmin=0.0, vmax=distinction.size)
+    for row in range(count):
+        for column in range(count):
+            if row == column:
+                continue
+            value = shown[row, column]
+            near = value < APART
+            ax.annotate(f"{value:.1f}", (column, row), ha="center", va="center", fontsize=6,
+                        color="white" if value < 0.55 * distinction.size else "black",
+                        weight="bold" if near else "normal")  # fmt: skip
+    ax.plot(np.arange(count), np.arange(count), "s", color="0.8", markersize=4)
+    ax.set_xticks(range(count), names, rotation=60, ha="right", rotation_mode="anchor", fontsize=8)
+    ax.set_yticks(range(count), names, fontsize=8)
+    ax.set(xlabel="rival that is refitted",
+           ylabel=f"effect at work, its signal {distinction.size:g} σ long")  # fmt: skip
+    bar = ax.get_figure(root=True).colorbar(image, ax=ax, shrink=0.8, pad=0.02)  # type: ignore[union-attr]
+    bar.set_label("what is left of the signal [σ]")
+    bar.ax.axhline(APART, color="white", linewidth=1.6)
+    bar.ax.axhline(APART, color="black", linewidth=0.8, linestyle="--")
+    ax.set_title(f"below {APART:g} σ (bold) the experiment cannot tell them apart", fontsize=9,
+                 loc="left")  # fmt: skip
+    return ax

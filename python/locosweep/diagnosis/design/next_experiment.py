@@ -1,0 +1,256 @@
+"""The next experiment: which further run would tell apart what is left.
+
+Which of the explanations is true is not known. So each takes its turn as the truth: the
+runs so far and the new one are simulated with it, and every other one is refitted to them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.stats import norm
+
+from locosweep.diagnosis.data.noise import Noise
+from locosweep.diagnosis.design.menu import FORCE_NOISE, MENU, PAYLOAD
+from locosweep.diagnosis.effects.starts import starts_of
+from locosweep.diagnosis.estimate.least_squares import (
+    Fit,
+    evaluate,
+    fit_all,
+    jacobian_of,
+    point_of,
+    start_fits,
+)
+from locosweep.diagnosis.estimate.problem import Problem
+from locosweep.files.runs import Run
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from locosweep.diagnosis.select.search import Search
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["RESOLVED", "next_experiment"]
+
+RESOLVED = 3.0
+"""Distance, in deviations, from which two explanations are told apart."""
+_SHOWN = 4
+"""Runs of the menu whose distances are found by refits: those that promise most."""
+_NEAREST = 2
+"""Other explanations that are refitted to one that is taken for the truth."""
+_FITTED = 1.0
+"""Distance below which refits, which mostly make it less, are spared."""
+_EQUAL = 0.5
+"""Share of the weights that all explanations share: they tie."""
+_REPEATS = 4
+"""Most repeats of a run that are proposed: the squares of what they tell add up."""
+_HOPE = 0.05
+"""What so many repeats have to add to the chance of an answer."""
+_FAR = 1e6
+"""Distance beyond which farther is no better."""
+_LOST = 1e50
+"""Chi2 of a model that cannot be replayed to the end."""
+
+
+@dataclass
+class _Planned:
+    """The runs so far and one of the menu, before anything is measured in it."""
+
+    problem: Problem
+    """With blank readings, NaN where a run so far has none."""
+    place: int
+    """Of the new run; as many as there are runs where there is none."""
+
+    def seen_by(self, truth: Fit) -> Problem:
+        """Return the problem whose readings are those of a model, without noise."""
+        blank = self.problem
+        read = blank.replay([point_of(blank, truth)])
+        edges = blank.starts_at
+        made = []
+        for r, run in enumerate(blank.runs):
+            own = slice(edges[r], edges[r + 1])
+            channels = {
+                c: np.where(np.isnan(values), np.nan, read[c][0, own])
+                for c, values in run.channels.items()
+            }
+            made.append(replace(run, channels=channels))
+        found = replace(blank, runs=made)
+        # Where the head already moves before the drive changes, its readings begin elsewhere.
+        found.begin = blank.begin.copy()
+        return found
+
+
+def next_experiment(
+    search: Search, fits: Sequence[Fit], weights: Sequence[float]
+) -> dict[str, Any]:
+    """Simulate a menu of runs and say which one tells `fits` apart.
+
+    The distance of a run is the root of the least sum of squares, in deviations of the
+    noise, that the nearest other explanation leaves of what one predicts for all runs so
+    far and the new one together: its mean over what may be true. Its chance is the
+    probability that the true one is told from all others.
+
+    Parameters
+    ----------
+    search : Search
+        With the runs so far.
+    fits : sequence of Fit
+        Explanations, the chosen one first.
+    weights : sequence of float
+        How likely each of them is.
+    """
+    chosen, *rivals = fits
+    separates = [sorted(set(chosen.model.names) ^ set(rival.model.names)) for rival in rivals]
+    likely = np.array(weights) / max(sum(weights), 1e-300)
+    likely = _EQUAL / len(fits) + (1.0 - _EQUAL) * likely
+    likely = likely / likely.sum()
+    plans = []
+    for name, change, text in MENU:
+        if _has_meaning(search, name):
+            planned = _planned(search, name, change)
+            table = _straight(planned, fits)
+            plans.append((*_promise(table.min(axis=1), likely), name, text, planned, table))
+    plans.sort(key=lambda plan: plan[:2], reverse=True)
+    rows: list[dict[str, Any]] = []
+    found: dict[str, Floats] = {}
+    for _, _, name, text, planned, table in plans[:_SHOWN]:
+        found[name] = np.array(
+            [_refitted(search, planned, fits, i, row) for i, row in enumerate(table)]
+        )
+        chance, distance = _promise(found[name], likely)
+        rows.append({"run": name, "distance": distance, "chance": chance, "what": text})
+    rows.sort(key=lambda row: (row["chance"], row["distance"]), reverse=True)
+    best = rows[0]
+    alone = _straight(_planned(search), fits).min(axis=1)
+    each = np.maximum(found[best["run"]] ** 2 - alone**2, 0.0)
+    chances = [_promise(np.sqrt(alone**2 + n * each), likely)[0] for n in range(_REPEATS + 1)]
+    if chances[-1] - chances[0] < _HOPE:
+        missing = "no motion of this rig in the menu can separate these"
+        return {"separates": separates, "suggestion": missing, "possible": False, "menu": rows}
+    repeats = next(n for n, chance in enumerate(chances) if n and chance >= 0.8 * chances[-1])
+    again = f", {repeats} times" if repeats > 1 else ""
+    said = (
+        f"{best['what']}{again} (tells them {RESOLVED:.0f} deviations apart with probability "
+        f"{chances[repeats]:.2f}; expected distance with one run {best['distance']:.1f})"
+    )
+    return {"separates": separates, "suggestion": said, "possible": True, "menu": rows}
+
+
+def _promise(distances: Floats, weights: Floats) -> tuple[float, float]:
+    """Probability that the truth is told from all others, with noise, and mean distance."""
+    least = np.clip(distances, 1e-9, _FAR)
+    chance = weights @ norm.cdf((least**2 - RESOLVED**2) / (2.0 * least))
+    return float(chance), float(weights @ np.minimum(distances, _FAR))
+
+
+def _has_meaning(search: Search, name: str) -> bool:
+    """Whether a run of the menu is another one on this rig."""
+    if name == "force sensor":
+        return "force" not in search.problem.channels
+    return name not in ("turn round", "incline") or not search.problem.placed
+
+
+def _planned(
+    search: Search, name: str = "", change: Callable[[Run, float], Run] | None = None
+) -> _Planned:
+    """Return the runs so far and, with a change, one of the menu."""
+    problem = search.problem
+    noise = dict(problem.noise)
+    channels = list(problem.channels)
+    if name == "force sensor":
+        deviation = FORCE_NOISE * search.scale.force
+        noise["force"] = Noise(deviation, deviation, 0.0, stated=False)
+        channels.append("force")
+    runs = [_blank(run, problem.channels) for run in problem.runs]
+    place = len(runs)
+    if change is not None:
+        spans = [
+            float(np.nanmax(r.channels["x"]) - np.nanmin(r.channels["x"])) for r in problem.runs
+        ]
+        pattern = problem.runs[int(np.argmax(spans))]
+        run = change(pattern, problem.nominal["slope_deg"])
+        # From where its pattern started.
+        made = {c: np.full(run.t.size, pattern.start[0] if c == "x" else 0.0) for c in channels}
+        runs.append(Run("next", run.t, run.drive, made, run.slope_deg))
+    blank = Problem(
+        problem.robot,
+        runs,
+        problem.threads,
+        known=noise,
+        heavier={place: PAYLOAD} if name == "payload" else {},
+        turned=frozenset({place}) if name == "turn round" else frozenset(),
+    )
+    return _Planned(blank, place)
+
+
+def _bare(fit: Fit) -> Fit:
+    """Return a fit whose runs all start at rest, where they start."""
+    nuisances = replace(fit.nuisances, moving=(), places=())
+    own = len(fit.model.free) + len(nuisances.shares)
+    return Fit(fit.model, nuisances, fit.theta[:own].copy())
+
+
+def _straight(planned: _Planned, fits: Sequence[Fit]) -> Floats:
+    """Distances of all from each as the truth, were they straight in their parameters.
+
+    Row: the truth; column: what is refitted; infinite on the diagonal.
+    """
+    others = [_bare(fit) for fit in fits]
+    problem = planned.seen_by(others[0])
+    evaluate(problem, others)
+    count = len(fits)
+    table = np.full((count, count), np.inf)
+    for j, other in enumerate(others):
+        rows = np.nan_to_num(jacobian_of(problem, other))
+        _, sizes, basis = np.linalg.svd(rows, full_matrices=False)
+        basis = basis[sizes > 1e-9 * sizes.max(initial=0.0)]
+        for i, truth in enumerate(others):
+            if i == j or other.chi2 + truth.chi2 > _LOST:
+                continue
+            left = other.residual - truth.residual
+            table[i, j] = float(np.linalg.norm(left - basis.T @ (basis @ left)))
+    # What cannot be compared with anything promises nothing.
+    table[~np.isfinite(table).any(axis=1)] = 0.0
+    return table
+
+
+def _refitted(
+    search: Search, planned: _Planned, fits: Sequence[Fit], truth: int, straight: Floats
+) -> float:
+    """Distance of the nearest other explanation, refitted."""
+    least = float(straight.min())
+    if least < _FITTED:
+        return least
+    problem = planned.seen_by(_bare(fits[truth]))
+    trials = []
+    for i in np.argsort(straight, kind="stable")[:_NEAREST]:
+        if not np.isfinite(straight[i]):
+            continue
+        rival = fits[i]
+        start = _bare(rival)
+        trials.append(start)
+        new = [n for n in rival.model.names if n not in fits[truth].model.names]
+        if len(rival.model.names) == 1 and new:
+            more = start_fits(start.nuisances, rival.model, starts_of(new[0], search.scale))
+            # What the runs so far say is in the rival's own start.
+            evaluate(problem, more, [planned.place])
+            for fit in more:
+                fit.residual = np.zeros(0)
+            trials.extend(sorted(more, key=lambda f: f.chi2)[:2])
+    fit_all(problem, trials, steps=8)
+    return float(np.sqrt(max(min(trial.chi2 for trial in trials), 0.0)))
+
+
+def _blank(run: Run, channels: Sequence[str]) -> Run:
+    """Return a run whose readings are still to be made up, where it has any."""
+    made = {
+        c: np.where(np.isfinite(values), run.start[0] if c == "x" else 0.0, np.nan)
+        for c, values in run.channels.items()
+        if c in channels
+    }
+    return Run(run.label, run.t, run.drive, made, run.slope_deg)

@@ -1,0 +1,1 @@
+"""The effects that a diagnosis may find, as the core's registry describes them."""

@@ -1,0 +1,1 @@
+"""Parameter estimation: replays of the measured runs and least-squares fits."""

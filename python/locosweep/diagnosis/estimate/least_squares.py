@@ -1,0 +1,324 @@
+"""Least-squares fits of many models at once, each by Levenberg and Marquardt."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from locosweep.diagnosis.estimate.problem import Point
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from locosweep.diagnosis.effects.starts import Free
+    from locosweep.diagnosis.estimate.problem import Problem
+
+__all__ = ["Fit", "Model", "Nuisances", "chi2_of", "fit_all", "start_fits"]
+
+_TRIALS = (0.05, 1.0, 30.0)
+"""Factors on the damping that each step tries side by side."""
+_DOUBT = 3.0
+"""How many times better than derivatives promise a fit may still become."""
+_COARSE, _NEAR = 0.01, 200.0
+"""What a step has to gain, of a fit's distance from the best one beside it, beyond the
+distance from which on it does."""
+
+
+@dataclass(frozen=True)
+class Nuisances:
+    """What every model, the nominal one included, may shift.
+
+    `moving` lists runs whose start speed is free; `spread` gives the standard
+    deviations of mass, Coulomb level, gain (relative) and clock (s), 0 where exact.
+    """
+
+    moving: tuple[int, ...] = ()
+    spread: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    speed: float = 1.0
+    """What counts as a large start speed, m/s."""
+    places: tuple[tuple[int, float], ...] = ()
+    """Runs whose start position is shifted, with its deviation."""
+
+    @property
+    def shares(self) -> tuple[int, ...]:
+        """Places of the values that are uncertain."""
+        return tuple(i for i, s in enumerate(self.spread) if s > 0.0)
+
+
+@dataclass(frozen=True)
+class Model:
+    """A set of effects with its free parameters."""
+
+    names: tuple[str, ...]
+    free: tuple[Free, ...]
+
+
+@dataclass
+class Fit:
+    """A model with values: parameters first, then shares, then start speeds."""
+
+    model: Model
+    nuisances: Nuisances
+    theta: NDArray[np.float64]
+    chi2: float = np.inf
+    covariance: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
+    residual: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    damping: float = 1e-2
+    limit: float = np.inf
+    """Chi2 above which the fit is of no interest, once derivatives promise no better."""
+    done: bool = False
+    steps: int = 0
+
+    @property
+    def parameters(self) -> NDArray[np.float64]:
+        """Values of the effects' parameters, in their units."""
+        k = len(self.model.free)
+        return np.array(
+            [
+                np.exp(u) if f.log else u
+                for u, f in zip(self.theta[:k], self.model.free, strict=True)
+            ]
+        )
+
+    @property
+    def stds(self) -> NDArray[np.float64]:
+        """Standard deviations of the parameters, in their units."""
+        k = len(self.model.free)
+        spread = np.sqrt(np.maximum(np.diag(self.covariance)[:k], 0.0))
+        logs = np.array([f.log for f in self.model.free], dtype=bool)
+        return np.where(logs, spread * self.parameters, spread) if k else spread
+
+    def named(self) -> dict[str, dict[str, float]]:
+        """Return the parameters by effect and name."""
+        found: dict[str, dict[str, float]] = {name: {} for name in self.model.names}
+        for f, value in zip(self.model.free, self.parameters, strict=True):
+            found[f.effect][f.name] = float(value)
+        return found
+
+
+def _bounds(fit: Fit) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Low, high and size of every entry of theta."""
+    low, high, size = [], [], []
+    for f in fit.model.free:
+        low.append(np.log(f.low) if f.log else f.low)
+        high.append(np.log(f.high) if f.log else f.high)
+        size.append(f.size)
+    for i in fit.nuisances.shares:
+        s = fit.nuisances.spread[i]
+        low.append(-8 * s)
+        high.append(8 * s)
+        size.append(s)
+    for _ in fit.nuisances.moving:
+        low.append(-np.inf)
+        high.append(np.inf)
+        size.append(fit.nuisances.speed)
+    for _, s in fit.nuisances.places:
+        low.append(-8 * s)
+        high.append(8 * s)
+        size.append(s)
+    return np.array(low), np.array(high), np.array(size)
+
+
+def _point(problem: Problem, fit: Fit, theta: NDArray[np.float64]) -> Point:
+    base = problem.plain()
+    k = len(fit.model.free)
+    for f, u in zip(fit.model.free, theta[:k], strict=True):
+        base.values[problem.place(f.effect, f.name)] = np.exp(u) if f.log else u
+    for i, u in zip(fit.nuisances.shares, theta[k:], strict=False):
+        base.shares[i] = u if i == 3 else 1.0 + u
+    k += len(fit.nuisances.shares)
+    for r, u in zip(fit.nuisances.moving, theta[k:], strict=False):
+        base.speeds[r] = problem.begin[r, 1] + u
+    k += len(fit.nuisances.moving)
+    for (r, _), u in zip(fit.nuisances.places, theta[k:], strict=True):
+        base.places[r] = u
+    return replace(base, names=fit.model.names)
+
+
+def point_of(problem: Problem, fit: Fit) -> Point:
+    """Return the model that a fit describes."""
+    return _point(problem, fit, fit.theta)
+
+
+def _prior(fit: Fit, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Residuals of the uncertain shares and start positions."""
+    k = len(fit.model.free)
+    spread = np.array([fit.nuisances.spread[i] for i in fit.nuisances.shares])
+    around = np.array([s for _, s in fit.nuisances.places])
+    last = theta.size - around.size
+    return np.concatenate([theta[k : k + spread.size] / spread, theta[last:] / around])
+
+
+def start_fits(nuisances: Nuisances, model: Model, rows: NDArray[np.float64]) -> list[Fit]:
+    """Return unfitted fits of a model, one a row of parameter values."""
+    fits = []
+    for row in np.atleast_2d(rows):
+        logs = np.array([f.log for f in model.free], dtype=bool)
+        theta = np.where(logs, np.log(np.where(logs, np.maximum(row, 1e-300), 1.0)), row)
+        rest = np.zeros(len(nuisances.shares) + len(nuisances.moving) + len(nuisances.places))
+        fits.append(Fit(model, nuisances, np.concatenate([theta, rest])))
+    return fits
+
+
+def evaluate(problem: Problem, fits: Sequence[Fit], runs: Sequence[int] | None = None) -> None:
+    """Set chi2 and residual of fits at their values."""
+    if not fits:
+        return
+    found = problem.residuals([_point(problem, fit, fit.theta) for fit in fits], runs)
+    for fit, e in zip(fits, found, strict=True):
+        fit.residual = np.concatenate([e, _prior(fit, fit.theta)])
+        fit.chi2 = float(fit.residual @ fit.residual)
+        if not np.isfinite(fit.chi2):
+            fit.chi2 = np.inf
+
+
+def fit_all(
+    problem: Problem,
+    fits: Sequence[Fit],
+    *,
+    runs: Sequence[int] | None = None,
+    steps: int = 12,
+    tolerance: float = 0.02,
+) -> None:
+    """Improve fits in place until their chi2 falls by less than `tolerance`.
+
+    Of those far behind the best one, fewer digits are asked for; and none where `limit`
+    is out of reach.
+    """
+    evaluate(problem, [fit for fit in fits if not fit.residual.size], runs)
+    for fit in fits:
+        fit.done = fit.theta.size == 0 or not np.isfinite(fit.chi2)
+    for _ in range(steps):
+        todo = [fit for fit in fits if not fit.done]
+        if not todo:
+            return
+        least = min(fit.chi2 for fit in fits)
+        jacobians = _jacobians(problem, todo, runs)
+        trials: list[tuple[Fit, float, NDArray[np.float64]]] = []
+        for fit, jacobian in zip(todo, jacobians, strict=True):
+            proposals, promise = _proposals(fit, jacobian)
+            fit.done = fit.chi2 - _DOUBT * promise > fit.limit
+            trials.extend([] if fit.done else proposals)
+        todo = [fit for fit in todo if not fit.done]
+        if not todo:
+            return
+        points = [_point(problem, fit, theta) for fit, _, theta in trials]
+        found = problem.residuals(points, runs)
+        best: dict[int, tuple[float, float, NDArray[np.float64], NDArray[np.float64]]] = {}
+        for (fit, damping, theta), e in zip(trials, found, strict=True):
+            full = np.concatenate([e, _prior(fit, theta)])
+            chi2 = float(full @ full)
+            if np.isfinite(chi2) and chi2 < best.get(id(fit), (np.inf,))[0]:
+                best[id(fit)] = (chi2, damping, theta, full)
+        for fit in todo:
+            fit.steps += 1
+            if id(fit) not in best:
+                fit.done = True
+                continue
+            chi2, damping, theta, full = best[id(fit)]
+            if chi2 < fit.chi2:
+                behind = _COARSE * max(chi2 - least - _NEAR, 0.0)
+                fit.done = fit.chi2 - chi2 < tolerance + 1e-7 * chi2 + behind
+                fit.chi2, fit.theta, fit.residual = chi2, theta, full
+                fit.damping = max(damping, 1e-9)
+            else:
+                fit.damping = fit.damping * 300.0
+                fit.done = fit.damping > 1e7
+
+
+def _steps(fit: Fit, size: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Finite differences: a fraction of a standard deviation where that is known."""
+    known = np.diag(fit.covariance) if fit.covariance.size else np.full(size.size, np.nan)
+    spread = np.sqrt(np.where(known > 0.0, known, np.nan))
+    step = np.where(np.isfinite(spread), 0.3 * spread, 1e-3 * size)
+    return np.clip(step, 1e-7 * size, 3e-3 * size)
+
+
+def _local(fit: Fit) -> list[int | None]:
+    """Say which run each entry of theta is about, None for all."""
+    everywhere: list[int | None] = [None] * (len(fit.model.free) + len(fit.nuisances.shares))
+    return [*everywhere, *fit.nuisances.moving, *(r for r, _ in fit.nuisances.places)]
+
+
+def _jacobians(
+    problem: Problem, fits: Sequence[Fit], runs: Sequence[int] | None
+) -> list[NDArray[np.float64]]:
+    """Differentiate the residuals, a row a parameter, by one-sided differences."""
+    groups: dict[int | None, list[tuple[int, int, float, NDArray[np.float64]]]] = {}
+    for i, fit in enumerate(fits):
+        _, high, size = _bounds(fit)
+        step = _steps(fit, size)
+        step = np.where(fit.theta + step > high, -step, step)
+        for j, run in enumerate(_local(fit)):
+            theta = fit.theta.copy()
+            theta[j] += step[j]
+            groups.setdefault(run, []).append((i, j, step[j], theta))
+    rows = [np.zeros((fit.theta.size, fit.residual.size)) for fit in fits]
+    chosen = problem.fitted if runs is None else list(runs)
+    for run, entries in groups.items():
+        points = [_point(problem, fits[i], theta) for i, _, _, theta in entries]
+        if run is not None and run not in chosen:
+            continue
+        found = problem.residuals(points, runs if run is None else [run])
+        where = slice(None) if run is None else problem.of_run(run, chosen)
+        for (i, j, width, theta), e in zip(entries, found, strict=True):
+            fit = fits[i]
+            prior = _prior(fit, theta)
+            body = fit.residual.size - prior.size
+            rows[i][j, :body][where] = (e - fit.residual[:body][where]) / width
+            rows[i][j, body:] = (prior - fit.residual[body:]) / width
+    return rows
+
+
+def jacobian_of(
+    problem: Problem, fit: Fit, runs: Sequence[int] | None = None
+) -> NDArray[np.float64]:
+    """Return the derivatives of a fit's residuals, a row a parameter."""
+    return _jacobians(problem, [fit], runs)[0]
+
+
+def _proposals(
+    fit: Fit, jacobian: NDArray[np.float64]
+) -> tuple[list[tuple[Fit, float, NDArray[np.float64]]], float]:
+    """Return steps to try, and by how much chi2 would fall were the residuals straight."""
+    low, high, size = _bounds(fit)
+    jacobian = np.nan_to_num(jacobian, nan=0.0, posinf=0.0, neginf=0.0)
+    normal = jacobian @ jacobian.T
+    gradient = jacobian @ fit.residual
+    scale = np.diag(normal).copy()
+    # A parameter that moves nothing by as much as it may is left where it is.
+    floor = 1e-6 / size**2
+    scale = np.maximum(scale, floor)
+    held = ((fit.theta <= low) & (gradient > 0.0)) | ((fit.theta >= high) & (gradient < 0.0))
+    fit.covariance = _inverse(normal, floor)
+    found = []
+    for factor in _TRIALS:
+        damping = fit.damping * factor
+        matrix = normal + np.diag(damping * scale + floor)
+        free = ~held
+        move = np.zeros(fit.theta.size)
+        if free.any():
+            move[free] = -np.linalg.lstsq(matrix[np.ix_(free, free)], gradient[free], rcond=None)[0]
+        # No step beyond what counts as large, a few times over.
+        reach = np.max(np.abs(move) / (3.0 * size), initial=1.0)
+        found.append((fit, damping, np.clip(fit.theta + move / reach, low, high)))
+    promise = float(gradient @ fit.covariance @ gradient)
+    return found, promise if np.isfinite(promise) else np.inf
+
+
+def _inverse(normal: NDArray[np.float64], floor: NDArray[np.float64]) -> NDArray[np.float64]:
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(normal), floor))
+    unit = normal * scale[:, None] * scale[None, :] + np.eye(scale.size) * 1e-12
+    try:
+        return np.linalg.inv(unit) * scale[:, None] * scale[None, :]
+    except np.linalg.LinAlgError:
+        return np.diag(scale**2)
+
+
+def chi2_of(fit: Fit) -> float:
+    """Order fits by what they leave."""
+    return fit.chi2

@@ -1,0 +1,210 @@
+"""Variables that effects act through, and what any law of one does along a motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from locosweep.diagnosis.estimate.least_squares import point_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from locosweep.diagnosis.estimate.least_squares import Fit
+    from locosweep.diagnosis.estimate.problem import Problem
+
+__all__ = ["ALL", "VARIABLES", "Motion", "motion_of", "response", "terms_of"]
+
+_KNOTS = 9
+_LAGS = 8
+_LONGEST = 0.08
+"""Longest time that a drive is looked back, in the longest run's."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A fitted motion at the samples of the fitted runs."""
+
+    t: NDArray[np.float64]
+    x: NDArray[np.float64]
+    v: NDArray[np.float64]
+    force: NDArray[np.float64]
+    drive: NDArray[np.float64]
+    run: NDArray[np.intp]
+    swept: NDArray[np.float64]
+    turned: NDArray[np.float64]
+    mass: float
+    damping: float
+
+
+VARIABLES = {
+    "viscous_friction": "speed",
+    "quadratic_drag": "speed",
+    "stribeck_friction": "speed",
+    "back_emf": "speed",
+    "direction_dependent_friction": "speed",
+    "presliding_compliance": "turned",
+    "position_dependent_friction": "place",
+    "load_dependent_friction": "load",
+    "friction_drift": "time",
+    "lubricant_buildup": "swept",
+    "drive_saturation": "drive",
+    "drive_deadzone": "drive",
+    "drive_gain_error": "drive",
+    "drive_lag": "history",
+    "drive_delay": "history",
+    "supply_sag": "sag",
+    "transmission_backlash": "history",
+    "transmission_compliance": "history",
+    "sensor_scale": "reading",
+    "sensor_drift": "clock",
+    "sensor_delay": "late",
+}
+"""The variable that an effect acts through, where another law of it is possible.
+
+A mass, a slope and a friction coefficient are numbers: they have no other law.
+"""
+
+ALL = (*dict.fromkeys(VARIABLES.values()), "terrain", "acceleration")
+
+
+def motion_of(problem: Problem, fit: Fit) -> Motion:
+    """Replay a fit over the fitted runs."""
+    point = point_of(problem, fit)
+    found = problem.replay([point], problem.fitted)
+    runs = [problem.runs[r] for r in problem.fitted]
+    number = np.repeat(np.arange(len(runs)), [run.t.size for run in runs])
+    x, v = found["x"][0], found["v"][0]
+    swept, turned = np.zeros_like(x), np.zeros_like(x)
+    for i in range(1, x.size):
+        if number[i] != number[i - 1]:
+            continue
+        step = x[i] - x[i - 1]
+        swept[i] = swept[i - 1] + step if v[i] > 0.0 else 0.0
+        turned[i] = turned[i - 1] + step if v[i] * v[i - 1] > 0.0 else 0.0
+    dm = point.values[problem.place("payload_mass", "dm")]
+    dm = dm if "payload_mass" in point.names else 0.0
+    c = problem.nominal["viscous"]
+    for name, key in (("viscous_friction", "c"), ("back_emf", "k_e")):
+        if name in point.names:
+            c += point.values[problem.place(name, key)]
+    return Motion(
+        t=np.concatenate([run.since_start for run in runs]),
+        x=x,
+        v=v,
+        force=found["force"][0],
+        drive=np.concatenate([run.drive for run in runs]) * problem.nominal["gain"],
+        run=number,
+        swept=swept,
+        turned=turned,
+        mass=problem.nominal["mass"] * point.shares[0] + dm,
+        damping=max(c, 0.0),
+    )
+
+
+def _hats(
+    values: NDArray[np.float64], where: NDArray[np.bool_], knots: int = _KNOTS
+) -> NDArray[np.float64]:
+    """Piecewise linear functions on knots at quantiles of where the values count."""
+    if where.sum() < 3 * knots:
+        return np.zeros((0, values.size))
+    edges = np.unique(np.quantile(values[where], np.linspace(0.0, 1.0, knots)))
+    if edges.size < 3:
+        return np.zeros((0, values.size))
+    return np.array([np.interp(values, edges, row) for row in np.eye(edges.size)])
+
+
+def terms_of(variable: str, m: Motion) -> tuple[list[NDArray[np.float64]], bool]:
+    """Basis functions along a motion, and whether they are forces (or readings).
+
+    In groups: the terms of one are values of one smooth law, knot by knot.
+    """
+    moving = m.v != 0.0
+    sign = np.sign(m.v)
+    every = np.ones(m.v.size, dtype=bool)
+    if variable == "speed":
+        forward = _hats(m.v, m.v > 0.0) * (m.v > 0.0)
+        backward = _hats(m.v, m.v < 0.0) * (m.v < 0.0)
+        return [forward, backward], True
+    if variable == "place":
+        return [_hats(m.x, moving, 25) * sign], True
+    if variable == "terrain":
+        return [_hats(m.x, moving)], True
+    if variable == "load":
+        return [_hats(np.abs(m.force), moving) * sign], True
+    if variable == "time":
+        return [_hats(m.t, moving) * sign], True
+    if variable == "swept":
+        return [_hats(m.swept, m.v > 0.0) * (m.v > 0.0)], True
+    if variable == "turned":
+        return [
+            _hats(m.turned, m.v > 0.0) * (m.v > 0.0),
+            _hats(m.turned, m.v < 0.0) * (m.v < 0.0),
+        ], True
+    if variable == "drive":
+        return [_hats(m.drive, moving, 13)], True
+    if variable == "sag":
+        return [_hats(m.t, moving) * m.drive], True
+    if variable == "acceleration":
+        rate = np.gradient(m.v, m.t + m.run * (m.t.max() + 1.0))
+        return [_hats(rate, moving), sign[None, :]], True
+    if variable == "history":
+        return _history(m), True
+    if variable == "reading":
+        return [_hats(m.x, every)], False
+    if variable == "clock":
+        return [_hats(m.t, every)], False
+    if variable == "late":
+        return [_hats(m.v, every)], False
+    return [], True
+
+
+def _history(m: Motion) -> list[NDArray[np.float64]]:
+    """Drives of a while ago less that of now, one law where it rises and one where it falls.
+
+    From half a sample on: a drive is held, so one that acts a part of a sample late is a
+    mean of two. A drive may well take longer to switch off than on.
+    """
+    step = float(np.median(np.diff(m.t)[np.diff(m.run) == 0]))
+    longest = _LONGEST * float(m.t.max())
+    rows = []
+    for lag in np.geomspace(min(0.5 * step, longest), longest, _LAGS):
+        late = np.zeros_like(m.drive)
+        for r in np.unique(m.run):
+            own = m.run == r
+            late[own] = np.interp(m.t[own] - lag, m.t[own], m.drive[own])
+        rows.append(late - m.drive)
+    changes = np.array(rows)
+    rises = np.abs(changes + m.drive) < np.abs(m.drive)
+    return [changes * rises, changes * ~rises]
+
+
+def response(forces: NDArray[np.float64], m: Motion) -> tuple[NDArray[np.float64], ...]:
+    """First-order change of position and speed under small forces, a row a force."""
+    dx, dv = np.zeros_like(forces), np.zeros_like(forces)
+    slides = m.v != 0.0
+    step = np.diff(m.t, append=m.t[-1:])
+    last = np.diff(m.run, append=m.run[-1:] + 1) != 0
+    decay = np.exp(-m.damping * step / m.mass)
+    push = step / m.mass
+    x = np.zeros(len(forces))
+    v = np.zeros(len(forces))
+    columns = np.ascontiguousarray(forces.T)
+    out_x, out_v = np.zeros_like(columns), np.zeros_like(columns)
+    for i in range(m.t.size - 1):
+        out_x[i], out_v[i] = x, v
+        if last[i]:
+            x = np.zeros(len(forces))
+            v = np.zeros(len(forces))
+            continue
+        if slides[i] or slides[i + 1]:
+            after = v * decay[i] + columns[i] * push[i]
+            x = x + 0.5 * (v + after) * step[i]
+            v = after if slides[i + 1] else np.zeros(len(forces))
+        else:
+            v = np.zeros(len(forces))
+    out_x[-1], out_v[-1] = x, v
+    dx, dv = out_x.T, out_v.T
+    return dx, dv

@@ -1,0 +1,58 @@
+"""The nominal model, fitted within the uncertainties that its file states."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from locosweep.diagnosis.estimate.least_squares import (
+    Fit,
+    Model,
+    Nuisances,
+    chi2_of,
+    evaluate,
+    fit_all,
+    start_fits,
+)
+
+if TYPE_CHECKING:
+    from locosweep.diagnosis.estimate.problem import Problem
+
+__all__ = ["fit_nominal", "gaps_of"]
+
+_NOMINAL = 9
+"""Starts of the nominal model that are followed."""
+
+
+def fit_nominal(problem: Problem, nuisances: Nuisances) -> Fit:
+    """Fit the nominal model: its uncertain values from several starts."""
+    shares = nuisances.shares
+    spread = np.array([nuisances.spread[i] for i in shares])
+    corners = np.array(list(product((0.0, -1.2, 1.2), repeat=len(shares))))
+    fits = start_fits(nuisances, Model((), ()), np.zeros((len(corners), 0)))
+    for fit, corner in zip(fits, corners, strict=True):
+        fit.theta[: len(shares)] = corner * spread
+    evaluate(problem, fits)
+    fits = sorted(fits, key=chi2_of)[:_NOMINAL]
+    fit_all(problem, fits, steps=8)
+    fits = sorted(fits, key=chi2_of)[:2]
+    for fit in fits:
+        fit.done = False
+    fit_all(problem, fits, steps=40)
+    return min(fits, key=chi2_of)
+
+
+def gaps_of(problem: Problem, nuisances: Nuisances) -> list[float]:
+    """Return the squared whitened error of the nominal model per sample, run by run.
+
+    Its uncertain values are fitted to all runs: what they explain is no gap.
+    """
+    every = list(range(len(problem.runs)))
+    if nuisances.shares:
+        e = fit_nominal(problem, replace(nuisances, places=())).residual
+    else:
+        e = problem.residuals([problem.plain()], every)[0]
+    return [float(np.mean(e[problem.of_run(r, every)] ** 2)) for r in every]

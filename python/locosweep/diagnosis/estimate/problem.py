@@ -1,0 +1,367 @@
+"""Measured runs against a model: batches of replays as whitened residuals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from locosweep import _core
+from locosweep.diagnosis.data.noise import Noise, noise_of, stretches
+from locosweep.simulation.replay import effect, motor_of, nominal_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from locosweep.files.robot import Robot
+    from locosweep.files.runs import Run
+
+__all__ = ["FITTED", "LOST", "Point", "Problem"]
+
+_READ = ("x", "v", "x_rear", "force")
+"""Channels that the engine gives, in its order."""
+FITTED = (*_READ, "power")
+"""Channels that a replay predicts; power only where the model has a motor."""
+LOST = 1e60
+"""Reading of a model that cannot be replayed to the end: far from everything."""
+_OFFSETS = ("x", "x_rear")
+_ANYWHERE = 10.0
+"""Deviation of a start that was not measured, in spans of its run."""
+_BATCH = 4_000_000
+"""Samples of one call: some 130 MB of readings."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """A model to replay: effects, the parameters of all effects, and nuisances."""
+
+    names: tuple[str, ...]
+    values: NDArray[np.float64]
+    shares: NDArray[np.float64]
+    """Factors on mass, Coulomb level and gain, and the clock offset in s."""
+    speeds: NDArray[np.float64]
+    """Start speed of each run."""
+    places: NDArray[np.float64]
+    """Shift of each run's start position, where the motion depends on it."""
+
+
+@dataclass
+class Problem:
+    """Runs, noise and weights; residuals of models in units of their noise.
+
+    The start offset of each run (of `x`, and of `x_rear`) is projected out with the
+    uncertainty of the samples before the drive first changes.
+    """
+
+    robot: Robot
+    runs: list[Run]
+    threads: int
+    held: tuple[int, ...] = ()
+    """Runs that take no part in fits."""
+    tail: float = 1.0
+    """Share of every run that fits see; below 1 only where there is one run."""
+    known: dict[str, Noise] | None = None
+    """Noise of channels, where it is not to be read off the runs."""
+    heavier: dict[int, float] = field(default_factory=dict)
+    """Factor on the known mass, of runs with a payload."""
+    turned: frozenset[int] = frozenset()
+    """Runs of a robot that was turned round: an error of the slope has the other sign."""
+    starting: tuple[int, ...] = ()
+    """Runs that begin in motion."""
+    pace: float = 1.0
+    """A large speed of this rig, m/s."""
+    noise: dict[str, Noise] = field(init=False)
+    nominal: dict[str, float] = field(init=False)
+    motor: tuple[float, float] | None = field(init=False)
+    channels: tuple[str, ...] = field(init=False)
+    lengths: NDArray[np.intp] = field(init=False)
+    replayed: int = field(init=False, default=0)
+    """Samples of all replays so far."""
+    motions: dict[int, tuple[NDArray[np.float64], NDArray[np.float64], float]] = field(
+        init=False, default_factory=dict
+    )
+    """Smoothed motion of runs, once somebody has asked for it."""
+
+    def __post_init__(self) -> None:
+        self.nominal = nominal_of(self.robot)
+        sensor = {
+            key.removeprefix("sensor."): float(value)
+            for key, value in self.robot.other.items()
+            if key.startswith("sensor.")
+        }
+        self.lengths = np.array([run.t.size for run in self.runs])
+        self.starts_at = np.concatenate([[0], np.cumsum(self.lengths)])
+        self.motor = motor_of(self.robot)
+        predicted = FITTED if self.motor else _READ
+        self.channels = tuple(c for c in predicted if any(c in run.channels for run in self.runs))
+        self.noise = {
+            c: self.known[c] if self.known and c in self.known else noise_of(c, self.runs, sensor)
+            for c in self.channels
+        }
+        data = [
+            (
+                run.since_start,
+                run.drive,
+                self.nominal["slope_deg"] if run.slope_deg is None else run.slope_deg,
+            )
+            for run in self.runs
+        ]
+        self.job = _core.Replay({**self.nominal}, data)
+        self.begin = np.array([run.start for run in self.runs])
+        self.measured, self.weights = {}, {}
+        for c in self.channels:
+            y = np.concatenate(
+                [run.channels.get(c, np.full(run.t.size, np.nan)) for run in self.runs]
+            )
+            self.measured[c] = y
+            self.weights[c] = self._weights(c, y)
+        position = np.concatenate([np.arange(n) / n for n in self.lengths])
+        self.seen = position < self.tail
+        self.fitted = [r for r in range(len(self.runs)) if r not in self.held]
+        self._offsets()
+
+    def _weights(self, channel: str, y: NDArray[np.float64]) -> NDArray[np.float64]:
+        noise = self.noise[channel]
+        weight = np.where(np.isfinite(y), 1.0 / noise.sd, 0.0)
+        if noise.stuck > 0.05 * noise.sd:
+            # Samples at rest repeat one error of the quantiser: together they
+            # count for as many as their mean is worth.
+            for a, b in zip(self.starts_at, self.starts_at[1:], strict=False):
+                number = stretches(y[a:b], noise.step * 1.01 + 4.0 * noise.gaussian)
+                counts = np.bincount(number)[number].astype(float)
+                worth = noise.sd**2 / (noise.sd**2 / counts + noise.stuck**2)
+                weight[a:b] *= np.sqrt(np.minimum(1.0, worth / counts))
+        return weight
+
+    def _offsets(self) -> None:
+        """Know how well each run's start is known."""
+        self.priors: dict[str, NDArray[np.float64]] = {}
+        self.rest: dict[str, NDArray[np.float64]] = {}
+        for c in _OFFSETS:
+            if c not in self.channels:
+                continue
+            noise = self.noise[c]
+            prior, level = [], []
+            for run in self.runs:
+                y = run.channels.get(c, np.full(run.t.size, np.nan))
+                changes = np.flatnonzero(run.drive != run.drive[0])
+                still = int(changes[0]) + 1 if changes.size and run.drive[0] == 0.0 else 1
+                before = y[:still][np.isfinite(y[:still])]
+                known = y[np.isfinite(y)]
+                # That of one sample: a bristle may give way while the drive rests.
+                # Where nothing was measured before the drive changes, it is anywhere.
+                own = float(np.hypot(noise.sd, noise.stuck))
+                span = float(np.ptp(known)) if known.size else 0.0
+                prior.append(own if before.size else own + _ANYWHERE * span)
+                level.append(
+                    float(before.mean()) if before.size else float(known[0]) if known.size else 0.0
+                )
+            self.priors[c], self.rest[c] = np.array(prior), np.array(level)
+
+    @property
+    def count(self) -> int:
+        """Samples of all runs."""
+        return int(self.starts_at[-1])
+
+    def plain(self) -> Point:
+        """Return the nominal model."""
+        return Point(
+            (),
+            np.zeros(_core.effect_parameter_count()),
+            np.array([1.0, 1.0, 1.0, 0.0]),
+            self.begin[:, 1].copy(),
+            np.zeros(len(self.runs)),
+        )
+
+    @property
+    def placed(self) -> bool:
+        """Whether the motion itself depends on where a run starts: that of a pendulum."""
+        return "gravity_torque" in self.nominal
+
+    def place(self, name: str, parameter: str) -> int:
+        """Return the place of a parameter among those of all effects."""
+        record = effect(name)
+        return record.first + [p.name for p in record.parameters].index(parameter)
+
+    def replay(
+        self, points: Sequence[Point], runs: Sequence[int] | None = None
+    ) -> dict[str, NDArray[np.float64]]:
+        """Return what the sensors would read, per channel, a row a point.
+
+        With `runs`, only those runs are replayed, one after another.
+        """
+        chosen = range(len(self.runs)) if runs is None else runs
+        self.replayed += len(points) * int(self.lengths[list(chosen)].sum())
+        columns = [
+            (r, 0, int(self.lengths[r]), list(point.names)) for point in points for r in chosen
+        ]
+        values = np.repeat([p.values for p in points], len(chosen), axis=0)
+        shares = np.repeat([p.shares for p in points], len(chosen), axis=0)
+        starts = np.array(
+            [(self.begin[r, 0] + p.places[r], p.speeds[r]) for p in points for r in chosen]
+        )
+        if self.heavier or self.turned:
+            number = np.tile(np.array(list(chosen)), len(points))
+            for r, factor in self.heavier.items():
+                shares[number == r, 0] *= factor
+            slope = self.place("slope_error", "d_alpha_deg")
+            values[np.isin(number, list(self.turned)), slope] *= -1.0
+        read = self.job.run(columns, values, shares, starts, self.threads)
+        return self.readings(read, len(points))
+
+    def readings(
+        self, read: Sequence[NDArray[np.float64]], rows: int
+    ) -> dict[str, NDArray[np.float64]]:
+        """Lay out what the engine gave, a row a point, with the power that follows from it."""
+        found = {c: one.reshape(rows, -1) for c, one in zip(_READ, read, strict=True)}
+        if self.motor and "power" in self.channels:
+            force, speed = read[_READ.index("force")], read[_READ.index("v")]
+            # A force that was given had the voltage that it needs.
+            motor = (np.inf, *self.motor)
+            found["power"] = _core.motor_power(force, speed, motor).reshape(rows, -1)
+        wrong = ~np.isfinite(found["x"]).all(axis=1)
+        for reading in found.values():
+            reading[wrong] = LOST
+        return found
+
+    def residuals(
+        self, points: Sequence[Point], runs: Sequence[int] | None = None
+    ) -> NDArray[np.float64]:
+        """Return whitened residuals of the runs that are fitted, or of `runs`.
+
+        A row a point: channel by channel, run by run, and last the start offsets in
+        units of their uncertainty. Samples behind `tail` are 0.
+        """
+        chosen = self.fitted if runs is None else list(runs)
+        samples = int(self.lengths[chosen].sum())
+        limit = max(1, _BATCH // max(1, samples))
+        parts = [
+            self._residuals(points[i : i + limit], chosen) for i in range(0, len(points), limit)
+        ]
+        return np.concatenate(parts) if len(parts) != 1 else parts[0]
+
+    def _residuals(self, points: Sequence[Point], chosen: list[int]) -> NDArray[np.float64]:
+        found = self.replay(points, chosen)
+        picked = np.concatenate(
+            [np.arange(self.starts_at[r], self.starts_at[r + 1]) for r in chosen]
+        )
+        edges = np.concatenate([[0], np.cumsum(self.lengths[chosen])])[:-1]
+        rows: list[NDArray[np.float64]] = []
+        extra: list[NDArray[np.float64]] = []
+        for c in self.channels:
+            y, w = self.measured[c][picked], self.weights[c][picked] * self.seen[picked]
+            e = np.where(w > 0.0, y, 0.0) - found[c]
+            if c in self.priors and not (c == "x" and self.placed):
+                if c == "x_rear":
+                    e -= np.repeat(self.rest[c][chosen], self.lengths[chosen])
+                e *= w
+                prior = 1.0 / self.priors[c][chosen]
+                top = np.add.reduceat(e * w, edges, axis=1)
+                bottom = np.add.reduceat(w * w, edges) + prior**2
+                offset = top / bottom
+                e -= np.repeat(offset, self.lengths[chosen], axis=1) * w
+                extra.append(offset * prior)
+            else:
+                e *= w
+            rows.append(e)
+        return np.concatenate(rows + extra, axis=1)
+
+    def whitened(
+        self, dx: NDArray[np.float64], dv: NDArray[np.float64], size: int
+    ) -> NDArray[np.float64]:
+        """Bring changes of x and v into the form of whitened residuals."""
+        picked = np.concatenate(
+            [np.arange(self.starts_at[r], self.starts_at[r + 1]) for r in self.fitted]
+        )
+        edges = np.concatenate([[0], np.cumsum(self.lengths[self.fitted])])[:-1]
+        rows, extra = [], []
+        for c in self.channels:
+            w = self.weights[c][picked] * self.seen[picked]
+            change = {"x": dx, "v": dv}.get(c, np.zeros_like(dx)) * w
+            if c in self.priors and not (c == "x" and self.placed):
+                prior = 1.0 / self.priors[c][self.fitted]
+                bottom = np.add.reduceat(w * w, edges) + prior**2
+                offset = np.add.reduceat(change * w, edges, axis=1) / bottom
+                change = change - np.repeat(offset, self.lengths[self.fitted], axis=1) * w
+                extra.append(offset * prior)
+            rows.append(change)
+        full = np.concatenate(rows + extra, axis=1)
+        return np.pad(full, ((0, 0), (0, size - full.shape[1])))
+
+    def of_run(self, run: int, chosen: Sequence[int]) -> NDArray[np.intp]:
+        """Return where the residuals of one run lie among those of several."""
+        chosen = list(chosen)
+        place = chosen.index(run)
+        lengths = self.lengths[chosen]
+        first, samples = int(lengths[:place].sum()), int(lengths.sum())
+        count = int(self.lengths[run])
+        own = [np.arange(c * samples + first, c * samples + first + count)
+               for c in range(len(self.channels))]  # fmt: skip
+        offsets = [c for c in self.channels if c in self.priors and not (c == "x" and self.placed)]
+        base = len(self.channels) * samples
+        own += [np.array([base + k * len(chosen) + place]) for k in range(len(offsets))]
+        return np.concatenate(own)
+
+    def unseen(self, points: Sequence[Point]) -> NDArray[np.float64]:
+        """Return whitened residuals of what fits do not see, in the form of `residuals`.
+
+        Start offsets of runs of their own are refitted; behind `tail` they stay
+        those of the fit.
+        """
+        if self.tail < 1.0:
+            found = self.replay(points, range(len(self.runs)))
+            edges = self.starts_at[:-1]
+            rows = []
+            for c in self.channels:
+                w = self.weights[c]
+                e = (np.where(w > 0.0, self.measured[c], 0.0) - found[c]) * w
+                if c in self.priors and not (c == "x" and self.placed):
+                    if c == "x_rear":
+                        e -= np.repeat(self.rest[c], self.lengths) * w
+                    wf = w * self.seen
+                    bottom = np.add.reduceat(wf * wf, edges) + self.priors[c] ** -2.0
+                    offset = np.add.reduceat(e * wf, edges, axis=1) / bottom
+                    e -= np.repeat(offset, self.lengths, axis=1) * w
+                rows.append(np.where(self.seen, 0.0, e))
+            return np.concatenate(rows, axis=1)
+        if not self.held:
+            return np.zeros((len(points), 0))
+        e = self.residuals(points, self.held)
+        kinds = []
+        if self.placed:
+            kinds.append(("places", self.priors["x"]))
+        if any(r in self.starting for r in self.held):
+            free = np.isin(np.arange(len(self.runs)), self.starting)
+            kinds.append(("speeds", np.where(free, 1e30, 1e-30)))
+        return self._started(points, e, kinds) if kinds else e
+
+    def _started(
+        self,
+        points: Sequence[Point],
+        e: NDArray[np.float64],
+        kinds: list[tuple[str, NDArray[np.float64]]],
+    ) -> NDArray[np.float64]:
+        """Fit how runs start, to first order, and take that out of their residuals."""
+        columns = []
+        for kind, spread in kinds:
+            step = np.where(spread < 1e20, 0.1 * spread, 1e-4 * self.pace)
+            step = np.maximum(step, 1e-12)
+            moved = [replace(p, **{kind: getattr(p, kind) + step}) for p in points]
+            columns.append((self.residuals(moved, self.held) - e, step, spread))
+        for r in self.held:
+            own = self.of_run(r, self.held)
+            jacobian = np.stack([c[:, own] / step[r] for c, step, _ in columns], axis=1)
+            prior = np.diag([min(s[r] ** -2.0, 1e60) for _, _, s in columns])
+            normal = jacobian @ jacobian.transpose(0, 2, 1) + prior
+            gradient = jacobian @ e[:, own, None]
+            shift = np.linalg.solve(normal, gradient)
+            e[:, own] -= (jacobian.transpose(0, 2, 1) @ shift)[:, :, 0]
+        return e
+
+    def degrees(self) -> int:
+        """Count the residuals that fits see."""
+        seen = self.seen & ~np.isin(np.repeat(np.arange(len(self.runs)), self.lengths), self.held)
+        return int(sum(((w > 0.0) & seen).sum() for w in self.weights.values()))

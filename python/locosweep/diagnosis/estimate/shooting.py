@@ -1,0 +1,400 @@
+"""Windows of long runs (shots): each is replayed freely from the state measured at its start.
+
+Errors of a model grow along a free run, and where the plant is unstable they soon
+exceed the motion itself. Over a short window they stay in proportion to their cause
+(multiple shooting).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from locosweep import _core
+from locosweep.diagnosis.estimate.problem import LOST, Problem
+from locosweep.files.runs import Run
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from locosweep.diagnosis.data.noise import Noise
+    from locosweep.diagnosis.estimate.problem import Point
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["Shot", "ShotProblem", "cut", "knows_start"]
+
+_WIDER = 2.0
+"""A start may lie this much further off than noise alone says: the cubic through
+the samples around it is no exact motion, and the window's own samples settle it."""
+_AROUND = 9
+"""Samples that say what the state at a start is, at least."""
+_KNOWN = 6
+"""How many of them have to be there."""
+_MISFIT = 1.5
+"""Squares that a cubic leaves over those of noise, up to which it is taken."""
+_STILL = 3.0
+"""Deviations of a measured speed below which the head counts as at rest."""
+
+
+@dataclass(frozen=True)
+class Shot(Run):
+    """A window of a run, with the state that was measured at its start.
+
+    Times are those of the run. The samples before `judged[0]` and from `judged[1]` on
+    are replayed but do not count: a sensor that reads late has nothing to read there.
+    """
+
+    record: int = 0
+    """Number of the run."""
+    window: tuple[int, int] = (0, 0)
+    """First sample within the run, and one beyond the last."""
+    judged: tuple[int, int] = (0, 0)
+    """First sample within the window that counts, and one beyond the last."""
+    origin: float = 0.0
+    """Time of the run's first sample, s."""
+    base: float = 0.0
+    """Position at the run's first sample."""
+    state: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Position, speed and acceleration at the window's start."""
+    spread: tuple[float, float] = (1.0, 1.0)
+    """Deviations of position and speed."""
+
+    @property
+    def since_start(self) -> Floats:
+        """Seconds since the first sample of the run, not of the window."""
+        since: Floats = self.t - self.origin
+        return since
+
+    @property
+    def start(self) -> tuple[float, float]:
+        """Position and speed at the window's start."""
+        return self.state[0], self.state[1]
+
+
+@dataclass
+class _Around:
+    """Readings of a run from which the states at starts of windows are found."""
+
+    t: Floats
+    x: Floats
+    v: Floats | None
+    noise: Mapping[str, Noise]
+    half: float
+
+    def state(self, when: float) -> tuple[tuple[float, float, float], tuple[float, float]]:
+        """Cubic through the samples of x and v around a time, and its deviations.
+
+        A parabola would take a change of acceleration for speed. Where the samples are
+        dense, and friction turns its sign among them, fewer of them follow one cubic.
+        """
+        for share in (1.0, 0.5, 0.25):
+            found, deviation, misfit = self._cubic(when, share * self.half)
+            if misfit < _MISFIT:
+                break
+        position, speed, rate, _ = (float(value) for value in found)
+        deviation = deviation * np.sqrt(max(misfit, 1.0))
+        if abs(speed) < _STILL * deviation[1]:
+            # A head that rests starts at rest: noise of its speed would break it away.
+            speed = rate = 0.0
+        spread = (_WIDER * float(deviation[0]), _WIDER * float(deviation[1]))
+        return (position, speed, rate), spread
+
+    def _cubic(self, when: float, half: float) -> tuple[Floats, Floats, float]:
+        """Return derivatives at a time, their deviations, and what is left over noise."""
+        a, b = _near(self.t, when, half)
+        while (a > 0 or b < self.t.size) and np.isfinite(self.x[a:b]).sum() < _KNOWN:
+            a, b = max(a - 1, 0), min(b + 1, self.t.size)
+        since = self.t[a:b] - when
+        powers = np.stack([since**0, since, since**2 / 2, since**3 / 6], axis=1)
+        channels = [(self.x, self.noise["x"].sd, powers)]
+        if self.v is not None:
+            rates = np.concatenate([np.zeros((b - a, 1)), powers[:, :3]], axis=1)
+            channels.append((self.v, self.noise["v"].sd, rates))
+        rows, values = [], []
+        for y, sd, basis in channels:
+            ok = np.isfinite(y[a:b])
+            rows.append(basis[ok] / sd)
+            values.append(y[a:b][ok] / sd)
+        wide, y = np.concatenate(rows), np.concatenate(values)
+        size = half ** -np.arange(4.0)
+        scaled = wide * size
+        normal = scaled.T @ scaled
+        floor = 1e-12 * max(float(np.trace(normal)), 1e-300)
+        covariance = np.linalg.inv(normal + floor * np.eye(4))
+        found = size * (covariance @ (scaled.T @ y))
+        left = y - wide @ found
+        misfit = float(left @ left) / max(y.size - 4, 1)
+        return found, size * np.sqrt(np.diag(covariance)), misfit
+
+
+def _near(run_t: Floats, when: float, half: float) -> tuple[int, int]:
+    """Return the samples within `half` seconds of a time, or the few nearest ones."""
+    a, b = (int(i) for i in np.searchsorted(run_t, [when - half, when + half]))
+    while b - a < _AROUND and (a > 0 or b < run_t.size):
+        a, b = max(a - 1, 0), min(b + 1, run_t.size)
+    return a, b
+
+
+def knows_start(run: Run, first: int, half: float) -> bool:
+    """Whether enough is measured within `half` seconds of a sample to start there."""
+    a, b = _near(run.t, float(run.t[first]), half)
+    return int(np.isfinite(run.channels["x"][a:b]).sum()) >= _KNOWN
+
+
+def cut(
+    runs: Sequence[Run],
+    windows: Sequence[tuple[int, int, int]],
+    lead: Sequence[int],
+    noise: Mapping[str, Noise],
+    half: float,
+) -> list[Shot]:
+    """Cut windows out of runs and find the states at their starts.
+
+    Parameters
+    ----------
+    runs : sequence of Run
+        The runs.
+    windows : sequence of (int, int, int)
+        Run, first sample and one beyond the last of each.
+    lead : sequence of int
+        For each run, samples at either end of a window that do not count.
+    noise : mapping of str to Noise
+        Noise of x, and of v where it is measured.
+    half : float
+        Readings within this time of a start say what its state is, s.
+    """
+    shots = []
+    around: dict[int, _Around] = {}
+    for r, a, b in windows:
+        run = runs[r]
+        if r not in around:
+            x = run.channels["x"]
+            around[r] = _Around(run.t, x, run.channels.get("v"), noise, half)
+        state, spread = around[r].state(float(run.t[a]))
+        known = run.channels["x"][np.isfinite(run.channels["x"])]
+        shots.append(
+            Shot(
+                run.label,
+                run.t[a:b],
+                run.drive[a:b],
+                {name: values[a:b] for name, values in run.channels.items()},
+                run.slope_deg,
+                record=r,
+                window=(a, b),
+                judged=(lead[r], b - a - lead[r]),
+                origin=float(run.t[0]),
+                base=float(known[0]),
+                state=state,
+                spread=spread,
+            )
+        )
+    return shots
+
+
+@dataclass
+class ShotProblem(Problem):
+    """Windows of runs against a model; `runs` are shots.
+
+    How each window starts is projected out to first order, within the deviations
+    that its shot gives: residuals end with the start's shifts in units of these.
+    """
+
+    records: list[Run] = field(default_factory=list)
+    """The runs that the windows lie in."""
+    _shift: dict[str, Floats] = field(init=False, repr=False)
+    """Whitened change of each channel under a start's shift: a row a kind of shift."""
+    _worth: Floats = field(init=False, repr=False)
+    """Inverse of each window's normal matrix of shifts."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.shots: list[Shot] = [run for run in self.runs if isinstance(run, Shot)]
+        slope = self.nominal["slope_deg"]
+        self.job = _core.Replay(
+            {**self.nominal},
+            [
+                (run.since_start, run.drive, slope if run.slope_deg is None else run.slope_deg)
+                for run in self.records
+            ],
+        )
+        for a, shot in zip(self.starts_at, self.shots, strict=False):
+            for w in self.weights.values():
+                w[a : a + shot.judged[0]] = 0.0
+                w[a + shot.judged[1] : a + shot.t.size] = 0.0
+        self.priors = {}
+        self._windows = [(shot.record, *shot.window) for shot in self.shots]
+        self._state = np.array([shot.state for shot in self.shots])
+        self._origin = np.array([(shot.since_start[0], shot.base) for shot in self.shots])
+        self._sensor = [
+            self.place(*of)
+            for of in (("sensor_scale", "e"), ("sensor_drift", "b"), ("sensor_delay", "T"))
+        ]
+        self._find_shifts()
+
+    @property
+    def placed(self) -> bool:
+        """False: where windows start is projected out, also for a pendulum."""
+        return False
+
+    def _find_shifts(self) -> None:
+        """Differentiate the nominal readings by position and speed of each start."""
+        plain = self.plain()
+        spread = np.array([shot.spread for shot in self.shots])
+        base = self.replay([plain])
+        rows: dict[str, list[Floats]] = {c: [] for c in self.channels}
+        for k in range(2):
+            sides = []
+            for sign in (1.0, -1.0):
+                step = np.zeros_like(spread)
+                step[:, k] = sign * spread[:, k]
+                sides.append(self.replay([plain], moved=step))
+            for c in self.channels:
+                change = 0.5 * (sides[0][c][0] - sides[1][c][0])
+                lost = np.abs(base[c][0]) >= LOST
+                rows[c].append(np.where(lost, 0.0, change))
+        if "x_rear" in self.channels:
+            deviation = np.hypot(self.noise["x_rear"].sd, self.noise["x_rear"].stuck)
+            for c in self.channels:
+                own = deviation if c == "x_rear" else 0.0
+                rows[c].append(np.full(self.count, own))
+        self._shift = {c: np.array(rows[c]) * self.weights[c] for c in self.channels}
+        kinds = len(rows["x"])
+        normal = np.tile(np.eye(kinds), (len(self.runs), 1, 1))
+        for i in range(kinds):
+            for j in range(kinds):
+                both = sum(s[i] * s[j] for s in self._shift.values())
+                normal[:, i, j] += np.add.reduceat(both, self.starts_at[:-1])
+        self._worth = np.asarray(np.linalg.inv(normal), dtype=np.float64)
+
+    def replay(
+        self,
+        points: Sequence[Point],
+        runs: Sequence[int] | None = None,
+        moved: Floats | None = None,
+    ) -> dict[str, Floats]:
+        """Return what the sensors would read, per channel, a row a point.
+
+        With `runs`, only those windows; `moved` shifts position and speed of each.
+        """
+        chosen = np.arange(len(self.runs)) if runs is None else np.array(runs, dtype=int)
+        self.replayed += len(points) * int(self.lengths[chosen].sum())
+        columns = [(*self._windows[r], list(point.names)) for point in points for r in chosen]
+        values = np.repeat([p.values for p in points], chosen.size, axis=0)
+        shares = np.repeat([p.shares for p in points], chosen.size, axis=0)
+        starts, scaled = [], []
+        for point in points:
+            start, offset = self._starts(point, chosen)
+            if moved is not None:
+                start = start + moved[chosen]
+            starts.append(start)
+            scaled.append(offset)
+        read = self.job.run(columns, values, shares, np.concatenate(starts), self.threads)
+        read[0] += np.repeat(np.array(scaled), self.lengths[chosen], axis=1).ravel()
+        return self.readings(read, len(points))
+
+    def _starts(self, point: Point, chosen: NDArray[np.intp]) -> tuple[Floats, Floats]:
+        """Return the true states at the starts, and what a scale adds to its readings.
+
+        What was measured there went through the sensor, whose scale counts from the
+        start of the run, not of the window.
+        """
+        scale, drift, delay = (
+            float(point.values[k]) if name in point.names else 0.0
+            for k, name in zip(
+                self._sensor, ("sensor_scale", "sensor_drift", "sensor_delay"), strict=True
+            )
+        )
+        x, v, rate = self._state[chosen].T
+        since, base = self._origin[chosen].T
+        read = x + v * delay + 0.5 * rate * delay**2 - drift * since
+        true = base + (read - base) / (1.0 + scale)
+        speed = np.where(v == 0.0, 0.0, (v + rate * delay - drift) / (1.0 + scale))
+        return np.stack([true, speed], axis=1), scale * (true - base)
+
+    def _residuals(
+        self, points: Sequence[Point], chosen: list[int], most: float = np.inf
+    ) -> Floats:
+        found = self.replay(points, chosen)
+        picked = self._picked(chosen)
+        rows = {}
+        for c in self.channels:
+            y, w = self.measured[c][picked], self.weights[c][picked]
+            e = np.where(w > 0.0, y, 0.0) - found[c]
+            if c == "x_rear":
+                e -= np.repeat(self.rest[c][chosen], self.lengths[chosen])
+            rows[c] = e * w
+        return self._project(rows, chosen, most)
+
+    def _picked(self, chosen: Sequence[int]) -> NDArray[np.intp]:
+        spans = [np.arange(self.starts_at[r], self.starts_at[r + 1]) for r in chosen]
+        return np.concatenate(spans) if spans else np.zeros(0, dtype=np.intp)
+
+    def _project(
+        self, rows: dict[str, Floats], chosen: Sequence[int], most: float = np.inf
+    ) -> Floats:
+        """Take out of whitened rows what a shift of each start would make of them.
+
+        `most` bounds the shifts, in units of their deviations.
+        """
+        chosen = list(chosen)
+        picked = self._picked(chosen)
+        edges = np.concatenate([[0], np.cumsum(self.lengths[chosen])])[:-1]
+        shift = {c: s[:, picked] for c, s in self._shift.items()}
+        along = np.array(
+            [
+                np.add.reduceat(sum(rows[c] * shift[c][k] for c in self.channels), edges, axis=1)
+                for k in range(self._worth.shape[1])
+            ]
+        )
+        moves = np.einsum("rij,jpr->ipr", self._worth[chosen], along)
+        moves = np.clip(moves, -most, most)
+        parts = []
+        for c in self.channels:
+            e = rows[c]
+            for k, move in enumerate(moves):
+                e = e - np.repeat(move, self.lengths[chosen], axis=1) * shift[c][k]
+            parts.append(e)
+        return np.concatenate([*parts, *moves], axis=1)
+
+    def whitened(self, dx: Floats, dv: Floats, size: int) -> Floats:
+        """Bring changes of x and v into the form of whitened residuals."""
+        picked = self._picked(self.fitted)
+        changes = {"x": dx, "v": dv}
+        rows = {
+            c: changes.get(c, np.zeros_like(dx)) * self.weights[c][picked] for c in self.channels
+        }
+        full = self._project(rows, self.fitted)
+        return np.pad(full, ((0, 0), (0, size - full.shape[1])))
+
+    def errors(self, points: Sequence[Point], chosen: Sequence[int]) -> dict[str, Floats]:
+        """Return measured minus simulated in the channels' units.
+
+        Starts are shifted within what the sensors leave open, and no further. NaN where
+        nothing was measured or counts; a row a point, window by window.
+        """
+        chosen = list(chosen)
+        e = np.concatenate([self._residuals([point], chosen, 1.0) for point in points])
+        samples = int(self.lengths[chosen].sum())
+        picked = self._picked(chosen)
+        found = {}
+        for (a, b), c in zip(
+            pairwise(range(0, (len(self.channels) + 1) * samples, samples)),
+            self.channels,
+            strict=True,
+        ):
+            w = self.weights[c][picked]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                found[c] = np.where(w > 0.0, e[:, a:b] / w, np.nan)
+        return found
+
+    def degrees(self) -> int:
+        """Count the residuals that fits see, less what the starts take."""
+        own = np.isin(np.repeat(np.arange(len(self.runs)), self.lengths), self.fitted)
+        seen = sum(int(((w > 0.0) & own).sum()) for w in self.weights.values())
+        return int(max(seen - self._worth.shape[1] * len(self.fitted), 1))

@@ -1,0 +1,60 @@
+"""All pictures of a diagnosis, by the name of their file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from locosweep.diagnosis.report.figures_cause import candidates, horizons, parameters
+from locosweep.diagnosis.report.figures_localization import (
+    force_view,
+    origin_strips,
+    shares,
+    where_in_time,
+    window_strips,
+)
+from locosweep.diagnosis.report.figures_motion import (
+    channel_over_time,
+    residual_over_time,
+    runs_large,
+    runs_small,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from matplotlib.figure import Figure
+
+    from locosweep.diagnosis.report.result import Diagnosis
+
+__all__ = ["FILES", "candidates", "channel_over_time", "force_view", "horizons", "origin_strips",
+           "parameters", "pictures", "residual_over_time", "runs_large", "runs_small", "shares",
+           "where_in_time", "window_strips"]  # fmt: skip
+
+FILES: dict[str, Callable[[Diagnosis], Figure | None]] = {
+    "runs_large.png": runs_large,
+    "runs_small.png": runs_small,
+    "where_in_time.png": where_in_time,
+    "shares.png": shares,
+    "force_view.png": force_view,
+    "candidates.png": candidates,
+    "parameters.png": parameters,
+    "horizons.png": horizons,
+}
+"""Files and what draws them; a picture without data is left out."""
+
+
+def pictures(diagnosis: Diagnosis) -> dict[str, Figure]:
+    """Draw all pictures that there is data for.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        What to show.
+
+    Returns
+    -------
+    dict of str to Figure
+        By the name of the file.
+    """
+    drawn = {name: draw(diagnosis) for name, draw in FILES.items()}
+    return {name: figure for name, figure in drawn.items() if figure is not None}

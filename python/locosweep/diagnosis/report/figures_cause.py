@@ -1,0 +1,148 @@
+"""Pictures of causes: candidates, parameters, and how far the gap shrinks."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from locosweep.diagnosis.report import figures_style as style
+from locosweep.diagnosis.report.figures_motion import gap_channel
+from locosweep.simulation.replay import effect
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from locosweep.diagnosis.report.result import Diagnosis
+
+__all__ = ["candidates", "horizons", "leading", "parameters"]
+
+_MOST = 12
+_WIDE = 1.96
+"""Standard deviations to either end of a 95 % interval."""
+
+
+def candidates(diagnosis: Diagnosis) -> Figure | None:
+    """Show the leading candidates: probability and shrink, with its interval.
+
+    Returns
+    -------
+    Figure or None
+        None without candidates.
+    """
+    rows = diagnosis.candidates[:_MOST]
+    if not rows:
+        return None
+    named = leading(diagnosis)
+    made = style.figure(9.0, 1.1 + 0.36 * len(rows))
+    left, right = made.subplots(1, 2, sharey=True)
+    names = [" +\n".join(map(style.words, row["effects"])) or "nothing" for row in rows]
+    for place, row in enumerate(rows):
+        chosen = row is named
+        left.barh(place, row["probability"], height=0.62, edgecolor="black", linewidth=0.6,
+                  color=style.AUGMENTED["color"] if chosen else "0.75")  # fmt: skip
+        sure = row["probability"]
+        left.annotate(f"{sure:.2f}" if sure >= 0.005 else "< 0.01", (sure, place), xytext=(3, 0),
+                      textcoords="offset points", va="center", fontsize=8)  # fmt: skip
+        if row["shrink"] is None:
+            right.annotate("unknown", (0.0, place), va="center", fontsize=8)
+            continue
+        low, high = _interval(diagnosis, row)
+        if low is not None and high is not None:
+            right.plot([low, high], [place, place], color="0.4", linewidth=2.2)
+        right.plot(row["shrink"], place, "o", color="black", markersize=5)
+    left.set_yticks(range(len(rows)), names, fontsize=8)
+    left.set_ylim(len(rows) - 0.4, -0.6)
+    left.set(xlim=(0, 1.15), xlabel="probability, if it is one of these [1]", ylabel="cause")
+    right.set_xlabel("shrink of the error on runs kept from the fit [1]")
+    low, high = right.get_xlim()
+    right.set_xlim(max(min(low, -0.02), -1.0), max(high, 1.02))
+    for ax in (left, right):
+        style.finish(ax)
+    return made
+
+
+def _interval(diagnosis: Diagnosis, row: dict[str, Any]) -> tuple[float | None, float | None]:
+    """Interval of a candidate's shrink; the verdict's is in the gap."""
+    found = row.get("shrink_ci")
+    if found is None and row is leading(diagnosis):
+        found = diagnosis.gap.get("shrink_ci")
+    return (None, None) if found is None else (found[0], found[1])
+
+
+def leading(diagnosis: Diagnosis) -> dict[str, Any] | None:
+    """Return the candidate that the verdict names, whatever the order of its effects."""
+    named = set(diagnosis.effects)
+    return next(
+        (row for row in diagnosis.candidates if named and set(row["effects"]) == named), None
+    )
+
+
+def parameters(diagnosis: Diagnosis) -> Figure | None:
+    """Show each fitted parameter of the verdict with its 95 % interval.
+
+    Returns
+    -------
+    Figure or None
+        None where nothing was found.
+    """
+    row = leading(diagnosis)
+    fitted = [] if row is None else [
+        (name, key, entry) for name, table in row["parameters"].items()
+        for key, entry in table.items() if entry["value"] is not None
+    ]  # fmt: skip
+    if not fitted:
+        return None
+    made = style.figure(7.0, 0.85 * len(fitted) + 0.2)
+    axes = made.subplots(len(fitted), 1, squeeze=False).ravel()
+    for ax, (name, key, entry) in zip(axes, fitted, strict=True):
+        value, std = entry["value"], entry["std"]
+        half = _WIDE * std if std else 0.0
+        ax.errorbar(value, 0.0, xerr=half or None, fmt="o", color=style.AUGMENTED["color"],
+                    markersize=6, linewidth=1.8, capsize=4)  # fmt: skip
+        symbol = {p.name: p.symbol for p in effect(name).parameters}.get(key, key)
+        room = 2.5 * half or 0.1 * abs(value) or 1.0
+        ax.set_xlim(value - room, value + room)
+        ax.set_yticks([])
+        ax.set_xlabel(f"${symbol}$ [{style.unit_text(entry['unit'])}]", fontsize=9,
+                      labelpad=1)  # fmt: skip
+        ax.set_ylabel(style.words(name).replace(" ", "\n"), rotation=0, ha="right", va="center",
+                      fontsize=8)  # fmt: skip
+        spread = f" ± {half:.2g}" if half else ", interval unknown"
+        told = f"{value:.5g}{spread} {style.unit_text(entry['unit'])}".removesuffix(" 1")
+        ax.set_title(told, fontsize=8, loc="right", pad=2)
+        ax.tick_params(labelsize=8)
+        for side in ("left", "right", "top"):
+            ax.spines[side].set_visible(False)
+    return made
+
+
+def horizons(diagnosis: Diagnosis) -> Figure | None:
+    """Show the error before and after for free runs of growing length.
+
+    Returns
+    -------
+    Figure or None
+        None where the error before is unknown at all horizons.
+    """
+    rows = [row for row in diagnosis.gap["horizons"] if row["before"]]
+    if not rows:
+        return None
+    made = style.figure(5.6, 3.3)
+    ax = made.subplots()
+    info = style.channel(gap_channel(diagnosis), diagnosis.nominal)
+    factor, unit = info.scale(max(row["before"] for row in rows))
+    seconds = [row["seconds"] for row in rows]
+    ax.plot(seconds, [factor * row["before"] for row in rows], marker="o", label="nominal model",
+            **style.NOMINAL)  # fmt: skip
+    later = [(row["seconds"], factor * row["after"]) for row in rows if row["after"]]
+    if diagnosis.effects and later:
+        ax.plot(*zip(*later, strict=True), marker="D", label="augmented model", **style.AUGMENTED)
+    floor = diagnosis.gap.get("noise_floor")
+    if floor:
+        ax.axhline(factor * floor, color="0.3", linestyle=":", linewidth=1.2, label="noise floor")
+    ax.set(xscale="log", yscale="log", xlabel="free run restarted every … [s]",
+           ylabel=f"rmse of ${info.symbol}$ [{unit}]")  # fmt: skip
+    ax.set_xticks(seconds, [f"{one:g}" for one in seconds])
+    ax.minorticks_off()
+    ax.legend(fontsize=8)
+    style.finish(ax)
+    return made

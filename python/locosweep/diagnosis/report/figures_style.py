@@ -1,0 +1,115 @@
+"""What the pictures of a diagnosis share: channels, units, labels of others, lines."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties, findfont, get_font
+
+from locosweep.plot import style as plot_style
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    from locosweep.files.robot import Robot
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["AUGMENTED", "MEASURED", "NOMINAL", "Channel", "channel", "figure", "finish", "label",
+           "reach", "unit_text", "words"]  # fmt: skip
+
+MEASURED: dict[str, Any] = {"color": "0.65", "linestyle": "-", "linewidth": 3.2}
+NOMINAL: dict[str, Any] = {"color": plot_style.LINES[1][0], "linestyle": "--", "linewidth": 1.4}
+AUGMENTED: dict[str, Any] = {"color": plot_style.LINES[0][0], "linestyle": "-", "linewidth": 1.1}
+"""Colours differ in lightness and lines in dash and width: legible in grey too."""
+
+_NAMES = {
+    "x": ("position", "x"),
+    "v": ("velocity", "v"),
+    "force": ("drive force", "F_d"),
+    "x_rear": ("position of the body", "x_r"),
+    "power": ("electric power", "P"),
+}
+_LINEAR = {"x": "m", "v": "m/s", "force": "N", "x_rear": "m", "power": "W"}
+_ROTARY = {**_LINEAR, "x": "rad", "v": "rad/s", "force": "N m"}
+_PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+_LONGEST = 24
+
+
+class Channel:
+    """Words, symbol and unit of a measured channel, scaled for people."""
+
+    def __init__(self, name: str, unit: str) -> None:
+        self.name = name
+        self.unit = unit
+        self.words, self.symbol = _NAMES.get(name, (words(name), name))
+
+    def scale(self, largest: float) -> tuple[float, str]:
+        """Return factor and unit in which values up to `largest` read well."""
+        if not np.isfinite(largest) or largest == 0.0:
+            return 1.0, self.unit
+        # 0.3 m stays 0.3 m; 0.03 m becomes 30 mm.
+        for size, prefix in _PREFIXES:
+            if largest >= 0.1 * size:
+                return 1.0 / size, prefix + self.unit
+        return 1.0 / _PREFIXES[-1][0], _PREFIXES[-1][1] + self.unit
+
+    def axis(self, unit: str, what: str = "") -> str:
+        """Label of an axis."""
+        return f"{what or self.words} ${self.symbol}$ [{unit}]"
+
+
+def channel(name: str, robot: Robot) -> Channel:
+    """Return a channel's record for a robot or bench."""
+    rotary = robot.other.get("bench.kind") == "rotary"
+    return Channel(name, (_ROTARY if rotary else _LINEAR).get(name, "1"))
+
+
+def reach(fields: Iterable[Floats]) -> float:
+    """Largest finite magnitude."""
+    sizes = [float(np.abs(f[np.isfinite(f)]).max(initial=0.0)) for f in fields]
+    return max(sizes, default=0.0)
+
+
+def words(name: str) -> str:
+    """Return a canonical name as words."""
+    return name.removesuffix("_deg").replace("_", " ")
+
+
+def unit_text(unit: str) -> str:
+    """Return a unit of the registry with raised exponents."""
+    return unit.replace("^2", "²").replace("^3", "³")
+
+
+@cache
+def _known() -> frozenset[int]:
+    return frozenset(get_font(findfont(FontProperties(family="DejaVu Sans"))).get_charmap())
+
+
+def label(text: str) -> str:
+    """Make text from a file fit to be drawn: short, printable, never taken for a formula."""
+    shown = "".join(c if c.isprintable() and ord(c) in _known() else "□" for c in text)
+    if len(shown) > _LONGEST:
+        shown = shown[: _LONGEST - 1] + "…"
+    return shown.replace("$", r"\$")
+
+
+def figure(width: float, height: float) -> Figure:
+    """Return an empty figure that belongs to no window."""
+    made = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(made)
+    return made
+
+
+def finish(ax: Axes) -> Axes:
+    """Give axes their grid."""
+    ax.grid(visible=True, linewidth=0.4, alpha=0.5)
+    ax.set_axisbelow(True)
+    return ax

@@ -1,0 +1,60 @@
+"""What these runs could not have shown, however large."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from locosweep.diagnosis.estimate.least_squares import Fit
+    from locosweep.diagnosis.estimate.problem import Problem
+    from locosweep.diagnosis.select.search import Search
+
+__all__ = ["not_visible"]
+
+_SHARE = 0.3
+"""An effect is not visible when even this share of a large one stays within noise."""
+
+
+def not_visible(search: Search, left_out: Mapping[str, str]) -> list[dict[str, str]]:
+    """List the effects whose strength these runs leave open, and why."""
+    rows = [{"effect": name, "why": why} for name, why in left_out.items()]
+    ways = _ways(search.problem)
+    for name in search.names:
+        fit = search.fits.get(frozenset({name}))
+        why = _why(fit, *ways) if fit is not None else None
+        if why:
+            rows.append({"effect": name, "why": why})
+    return rows
+
+
+def _ways(problem: Problem) -> tuple[bool, bool]:
+    """Whether the head moves forward and backward in the fitted runs."""
+    from locosweep.diagnosis.data.regimes import measured_motion
+
+    found = [measured_motion(problem, r)[1:] for r in problem.fitted]
+    limits = [3.0 * d + 0.01 * float(np.abs(v).max(initial=0.0)) for v, d in found]
+    forward = any((v > limit).any() for (v, _), limit in zip(found, limits, strict=True))
+    backward = any((v < -limit).any() for (v, _), limit in zip(found, limits, strict=True))
+    return forward, backward
+
+
+def _why(fit: Fit, forward: bool, backward: bool) -> str | None:
+    name = fit.model.names[0]
+    if name == "direction_dependent_friction" and forward != backward:
+        never = "backward" if forward else "forward"
+        return f"the head never moves {never} in these runs"
+    if name == "lubricant_buildup" and not forward:
+        return "the head never moves forward in these runs"
+    if not forward and not backward:
+        return "the head does not move in these runs" if not name.startswith("anchor") else None
+    spread = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0)) if fit.covariance.size else None
+    if spread is None or not len(fit.model.free):
+        return None
+    strength = fit.model.free[0]
+    if not strength.log and spread[0] > _SHARE * strength.size:
+        return "even a large one would stay within the noise of these runs"
+    return None

@@ -1,0 +1,183 @@
+"""Where the gap lies: channels, runs, windows, kinds of motion, and in which variable."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from locosweep.diagnosis.data.regimes import REGIMES, measured_motion
+from locosweep.diagnosis.estimate.free_run import _cuts, _restarted
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from locosweep.diagnosis.estimate.problem import Point, Problem
+
+__all__ = ["force_view", "horizons", "origin", "shares", "windows"]
+
+WINDOWS = 20
+"""Windows that a run is cut into."""
+_SHOWN = 10
+_SMOOTHED = 100
+"""Parts of a run over which its residual is smoothed."""
+
+
+def shares(parts: dict[str, float]) -> dict[str, float]:
+    """Turn sums into shares of their total."""
+    total = sum(parts.values())
+    return {key: value / total if total > 0.0 else 0.0 for key, value in parts.items()}
+
+
+def gap_squares(
+    problem: Problem,
+    channel: str,
+    nominal: dict[str, NDArray[np.float64]],
+    explained: dict[str, NDArray[np.float64]] | None,
+) -> list[NDArray[np.float64]]:
+    """Return the square of the gap at every sample, run by run, without the noise's part.
+
+    It is what an explanation adds to the nominal model; without one, what is left of
+    the residual when it is smoothed.
+    """
+    if explained is not None:
+        change = explained[channel][0] - nominal[channel][0]
+        change = np.where(np.isfinite(problem.measured[channel]), change, 0.0)
+        return np.split(change**2, problem.starts_at[1:-1])
+    e = problem.measured[channel] - nominal[channel][0]
+    if channel == "x_rear":
+        e = e - np.repeat(problem.rest[channel], problem.lengths)
+    found = []
+    for part in np.split(e, problem.starts_at[1:-1]):
+        known = np.isfinite(part)
+        width = max(1, part.size // _SMOOTHED)
+        count = uniform_filter1d(known.astype(float), width)
+        mean = uniform_filter1d(np.where(known, part, 0.0), width) / np.maximum(count, 1e-9)
+        noise = problem.noise[channel].sd ** 2 / np.maximum(width * count, 1.0)
+        found.append(np.where(known, np.maximum(mean**2 - noise, 0.0), 0.0))
+    return found
+
+
+def windows(problem: Problem, squares: list[NDArray[np.float64]]) -> list[dict[str, Any]]:
+    """Return the windows that hold most of some squares, run by run, largest first."""
+    total = float(sum(s.sum() for s in squares))
+    found: list[tuple[float, int, int, int]] = []
+    for r, values in enumerate(squares):
+        edges = np.linspace(0, values.size, WINDOWS + 1).astype(int)
+        for a, b in pairwise(edges):
+            if b > a:
+                found.append((float(values[a:b].sum()), r, int(a), int(b)))
+    found.sort(key=lambda f: (-f[0], f[1], f[2]))
+    rows = []
+    for value, r, a, b in found[:_SHOWN]:
+        if total <= 0.0 or value <= 0.0:
+            break
+        run = problem.runs[r]
+        end = run.t[b] if b < run.t.size else run.t[-1]
+        rows.append(
+            {"run": run.label, "t0": float(run.t[a]), "t1": float(end), "share": value / total}
+        )
+    return rows
+
+
+def origin(problem: Problem, point: Point) -> list[dict[str, Any]]:
+    """Return the windows in which the gap arises: the model restarted at each one's start."""
+    squares = [np.zeros(int(n)) for n in problem.lengths]
+    cuts = _cuts(problem, WINDOWS)
+    for (r, a, b), (t, e) in zip(cuts, _restarted(problem, point, cuts), strict=True):
+        ok = np.isfinite(e)
+        if ok.sum() < 4:
+            continue
+        base = np.vander(t[ok] - t[0], 2)
+        left = e[ok] - base @ np.linalg.lstsq(base, e[ok], rcond=None)[0]
+        floor = problem.noise["x"].sd ** 2 * ok.sum()
+        squares[r][a:b] = max(float(left @ left) - floor, 0.0) / (b - a)
+    return windows(problem, squares)
+
+
+def horizons(
+    problem: Problem, before: Point, after: Point, runs: list[int], seconds: tuple[float, ...]
+) -> list[dict[str, float]]:
+    """Errors of free runs that start anew from the measured state every so many seconds."""
+    rows = []
+    for horizon in seconds:
+        cuts: list[tuple[int, int, int]] = []
+        for r in runs:
+            t = problem.runs[r].since_start
+            marks = np.searchsorted(t, np.arange(0.0, t[-1], horizon))
+            edges = np.unique(np.append(marks, t.size))
+            cuts.extend((r, int(a), int(b)) for a, b in pairwise(edges) if b - a >= 2)
+        if not cuts or all(problem.runs[r].since_start[-1] < horizon for r in runs):
+            continue
+        both = []
+        for point in (before, after):
+            e = np.concatenate([e for _, e in _restarted(problem, point, cuts)])
+            both.append(float(np.sqrt(np.nanmean(e**2))))
+        rows.append({"seconds": horizon, "before": both[0], "after": both[1]})
+    return rows
+
+
+def regime_shares(
+    squares: list[NDArray[np.float64]], regimes: list[NDArray[np.int64]]
+) -> list[dict[str, Any]]:
+    """Shares of squares by kind of motion, largest first."""
+    parts = dict.fromkeys(REGIMES, 0.0)
+    for values, kinds in zip(squares, regimes, strict=True):
+        for k, name in enumerate(REGIMES):
+            parts[name] += float(values[kinds == k].sum())
+    found = sorted(shares(parts).items(), key=lambda item: -item[1])
+    return [{"regime": name, "share": share} for name, share in found if share > 0.0]
+
+
+def _swept(x: NDArray[np.float64], v: NDArray[np.float64], deviation: float) -> NDArray[np.float64]:
+    """Return the distance swept forward since the head last rested or turned."""
+    forward = v > 3.0 * deviation + 0.01 * float(np.abs(v).max(initial=0.0))
+    starts = np.where(forward, np.nan, x)
+    last = np.maximum.accumulate(np.where(forward, 0, np.arange(x.size)))
+    base = np.where(np.isnan(starts[last]), x[0], starts[last])
+    swept: NDArray[np.float64] = np.where(forward, x - base, 0.0)
+    return swept
+
+
+def force_view(problem: Problem, point: Point, mass: float) -> dict[str, Any]:
+    """Return the force that the model lacks, over each variable it may depend on.
+
+    Each window gives the constant force that its residual bends by; bins of equal
+    count give centres, means and half widths of their 95 % intervals.
+    """
+    count = int(np.clip(problem.count / (len(problem.runs) * 25), 10, 60))
+    cuts = _cuts(problem, count)
+    swept = {r: _swept(*measured_motion(problem, r)) for r in range(len(problem.runs))}
+    rows = []
+    for (r, a, b), (t, e) in zip(cuts, _restarted(problem, point, cuts), strict=True):
+        x, v, deviation = measured_motion(problem, r)
+        ok = np.isfinite(e)
+        if ok.sum() < 8 or np.abs(v[a:b]).min() < 3.0 * deviation:
+            continue
+        base = np.vander(t[ok] - t[0], 3)
+        bend = np.linalg.lstsq(base, e[ok], rcond=None)[0][0]
+        run = problem.runs[r]
+        rows.append(
+            (
+                2.0 * mass * bend,
+                float(v[a:b].mean()),
+                float(x[a:b].mean()),
+                float(run.since_start[a:b].mean()),
+                float(run.drive[a:b].mean() * problem.nominal["gain"]),
+                float(swept[r][a:b].mean()),
+            )
+        )
+    if len(rows) < 8:
+        return {}
+    table = np.array(rows)
+    view: dict[str, Any] = {}
+    for k, name in enumerate(("v", "x", "t", "drive", "distance"), start=1):
+        order = np.argsort(table[:, k], kind="stable")
+        bins = np.array_split(order, min(12, max(3, order.size // 6)))
+        centres = np.array([table[b, k].mean() for b in bins])
+        means = np.array([table[b, 0].mean() for b in bins])
+        halves = np.array([1.96 * table[b, 0].std(ddof=1) / np.sqrt(b.size) for b in bins])
+        view[name] = (centres, means, halves)
+    return view

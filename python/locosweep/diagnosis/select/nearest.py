@@ -1,0 +1,130 @@
+"""The set of effects that comes nearest to a gap which none accounts for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from locosweep.diagnosis.estimate.least_squares import point_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from locosweep.diagnosis.estimate.least_squares import Fit
+    from locosweep.diagnosis.select.search import Search
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["Nearest", "nearest"]
+
+_SURE = 2.0
+"""Deviations by which more effects have to be better, over the windows' own scatter."""
+_TIED = 2.0
+"""Deviations below which two sets of as many effects are as good."""
+_WORTH = 0.1
+"""Part of what fits left that further effects have to take: what a model lacks bends
+every effect a little."""
+_LISTED = 6
+_COMPARED = 24
+
+
+@dataclass
+class Nearest:
+    """The set, and the others of as many effects that do as well; all best first."""
+
+    fit: Fit
+    fits: list[Fit]
+
+    def told(self) -> dict[str, Any]:
+        """Return what the report says of it."""
+        return {
+            "effects": list(self.fit.model.names),
+            "as_near": [list(fit.model.names) for fit in self.fits[1:]],
+        }
+
+    def weighed(self, others: Sequence[Fit], windows: int) -> list[tuple[Fit, float]]:
+        """Weigh these and other fits; a window that is left with more counts for one sample."""
+        fits = [*self.fits, *(f for f in others if all(f is not mine for mine in self.fits))]
+        chi2 = np.array([fit.chi2 for fit in fits])
+        scale = max(float(chi2.min()) / max(windows, 1), 1.0)
+        weights = np.exp(-0.5 * (chi2 - chi2.min()) / scale)
+        return list(zip(fits, (weights / weights.sum()).tolist(), strict=True))
+
+
+def nearest(search: Search) -> Nearest | None:
+    """Find the smallest set that no larger one betters; None where none helps at all.
+
+    Where a model lacks something, differences in chi2 count for less than noise would
+    have it, and the square of a push in one window outweighs all others. So root mean
+    squares of windows are compared one by one; their scatter says how sure a difference is.
+    """
+    _swap(search)
+    groups: dict[int, list[Fit]] = {}
+    for key, fit in search.fits.items():
+        if np.isfinite(fit.chi2) and fit.residual.size:
+            groups.setdefault(len(key), []).append(fit)
+    best: Fit | None = None
+    seen = len(search.problem.fitted)
+    none = known = _windows(search, [search.none])[0]
+    near: list[Fit] = []
+    for size in sorted(set(groups) - {0}):
+        fits = sorted(groups[size], key=lambda fit: fit.chi2)[:_COMPARED]
+        rows = _windows(search, fits)
+        order = sorted(range(len(fits)), key=lambda i: _size(rows[i], none, seen))
+        first = order[0]
+        if not _better(known, rows[first], seen):
+            # Two causes may each do nothing alone.
+            continue
+        best, known = fits[first], rows[first]
+        close = [i for i in order if _deviations(rows[i] - known) < _TIED]
+        near = [fits[i] for i in [first, *(i for i in close if i != first)]][:_LISTED]
+    return Nearest(best, near) if best else None
+
+
+def _swap(search: Search) -> None:
+    """Fit what may stand in place of each part of the best pair: nothing else looks for it."""
+    pairs = [fit for key, fit in search.fits.items() if len(key) == 2]
+    for name in min(pairs, key=lambda fit: fit.chi2).model.names if pairs else ():
+        if name in search.names:
+            search.extend(search.fits[frozenset({name})], search.names)
+
+
+def _windows(search: Search, fits: Sequence[Fit]) -> Floats:
+    """Root of chi2 of every window, those of the fit first; a row a fit."""
+    problem = search.problem
+    points = [point_of(problem, fit) for fit in fits]
+    parts = []
+    for chosen in (problem.fitted, list(problem.held)):
+        if not chosen:
+            continue
+        e = problem.residuals(points, chosen) ** 2
+        lengths = problem.lengths[chosen]
+        samples = int(lengths.sum())
+        edges = np.concatenate([[0], np.cumsum(lengths)])[:-1]
+        of_channels = e[:, : len(problem.channels) * samples]
+        summed = of_channels.reshape(len(fits), -1, samples).sum(axis=1)
+        parts.append(np.sqrt(np.add.reduceat(summed, edges, axis=1)))
+    return np.concatenate(parts, axis=1)
+
+
+def _size(row: Floats, none: Floats, seen: int) -> float:
+    """Part that is left, windows of the fit and those of the check counting as much."""
+    parts = [part for part in (slice(0, seen), slice(seen, row.size)) if row[part].size]
+    return float(np.mean([row[part].sum() / none[part].sum() for part in parts]))
+
+
+def _better(old: Floats, new: Floats, seen: int) -> bool:
+    """Whether more effects are surely better, and no worse where fits did not look."""
+    fall = old - new
+    worth = fall[:seen].sum() > _WORTH * old[:seen].sum()
+    return bool(_deviations(fall) > _SURE and worth and fall[seen:].sum() >= 0.0)
+
+
+def _deviations(differences: Floats) -> float:
+    """Sum of differences over its standard deviation."""
+    spread = float(np.sqrt(np.sum((differences - differences.mean()) ** 2)))
+    return float(differences.sum()) / max(spread, 1e-12)

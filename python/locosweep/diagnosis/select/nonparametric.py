@@ -1,0 +1,260 @@
+"""Flexible terms: whether what a law leaves can be carried by the law's own variable.
+
+A force (or a shift of the reading) that is any smooth function of one variable is
+added to the fitted motion, to first order: it moves the head only while it slides.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.linalg import block_diag
+from scipy.stats import chi2
+
+from locosweep.diagnosis.estimate.least_squares import jacobian_of
+from locosweep.diagnosis.estimate.motion import ALL, motion_of, response, terms_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from locosweep.diagnosis.estimate.least_squares import Fit
+    from locosweep.diagnosis.estimate.problem import Problem
+
+__all__ = ["Flexible"]
+
+_SMOOTH = 2.0
+"""Knots over which a law is alike: laws bend, they do not jump."""
+_FREE = 1e-8
+"""Price of a fitted parameter's size: as good as none."""
+_SURE = 1e-4
+"""Probability under noise alone below which a flexible term has found something."""
+
+
+class Flexible:
+    """Flexible terms of every variable beside one fit, to first order.
+
+    The fit's own parameters are refitted beside them.
+    """
+
+    def __init__(self, problem: Problem, fit: Fit) -> None:
+        motion = motion_of(problem, fit)
+        self.residual = fit.residual
+        self._places = [problem.of_run(r, problem.fitted) for r in problem.fitted]
+        forces: list[tuple[str, NDArray[np.float64]]] = []
+        readings: list[tuple[str, NDArray[np.float64]]] = []
+        for variable in ALL:
+            groups, is_force = terms_of(variable, motion)
+            kind = forces if is_force else readings
+            kind += [(variable, terms) for terms in groups if len(terms)]
+        rows: list[NDArray[np.float64]] = []
+        if forces:
+            dx, dv = response(np.vstack([t for _, t in forces]), motion)
+            rows.append(problem.whitened(dx, dv, fit.residual.size))
+        if readings:
+            dx = np.vstack([t for _, t in readings])
+            rows.append(problem.whitened(dx, np.zeros_like(dx), fit.residual.size))
+        laws = [*forces, *readings]
+        names = [v for v, t in laws for _ in range(len(t))]
+        knots = [(i, float(k)) for i, (_, t) in enumerate(laws) for k in range(len(t))]
+        if fit.theta.size:
+            rows.append(jacobian_of(problem, fit))
+            names += ["fit"] * fit.theta.size
+            knots += [(len(laws), 0.0)] * fit.theta.size
+        basis = np.vstack(rows) if rows else np.zeros((0, fit.residual.size))
+        norm = np.sqrt((basis * basis).sum(axis=1))
+        seen = norm > 1e-9
+        law, knot = np.array(knots).reshape(-1, 2)[seen].T
+        apart = np.exp(-0.5 * np.square((knot[:, None] - knot) / _SMOOTH))
+        self.alike = norm[seen, None] * norm[seen] * apart * (law[:, None] == law)
+        self.basis = basis[seen] / norm[seen, None]
+        self.names = np.array(names, dtype=object)[seen]
+        self.gram = self.basis @ self.basis.T
+        self.moments = self.basis @ fit.residual
+
+    @property
+    def variables(self) -> list[str]:
+        """Variables that have terms along this motion."""
+        return [v for v in ALL if (self.names == v).any()]
+
+    def solve(self, variables: Sequence[str]) -> tuple[float, int, NDArray[np.float64]]:
+        """Fall of chi2 under terms of some variables, their number, and their sizes."""
+        rows = np.flatnonzero(np.isin(self.names, ["fit", *variables]))
+        if not rows.size:
+            return 0.0, 0, np.zeros(0)
+        values, vectors = np.linalg.eigh(self.gram[np.ix_(rows, rows)])
+        keep = values > 1e-8 * values[-1]
+        parts = (vectors[:, keep].T @ self.moments[rows]) / np.sqrt(values[keep])
+        sizes = np.zeros(self.names.size)
+        sizes[rows] = vectors[:, keep] @ (parts / np.sqrt(values[keep]))
+        return float(parts @ parts), int(keep.sum()), sizes
+
+    def worth(self, variables: Sequence[str], noise: float) -> float:
+        """Return how much more likely terms of some variables make the residual.
+
+        In units of chi2: twice the logarithm of the ratio of marginal likelihoods, where
+        a variable's law is a smooth random function around 0 with one deviation, the
+        likeliest. So a term costs as much as the data can tell of it.
+        """
+        return self._spread(*self._root(variables, noise), noise)[1]
+
+    def _root(
+        self, variables: Sequence[str], noise: float
+    ) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+        """Return the rows of some variables' terms and a root of their sizes' covariance."""
+        rows = np.flatnonzero(np.isin(self.names, list(variables)))
+        root = np.zeros((rows.size, rows.size))
+        for variable in dict.fromkeys(variables):
+            own = np.flatnonzero(self.names[rows] == variable)
+            if own.size:
+                alike = self.alike[np.ix_(rows[own], rows[own])]
+                part = np.linalg.cholesky(alike + 1e-9 * np.diag(np.diag(alike)))
+                factor = self._spread(rows[own], part, noise)[0]
+                root[np.ix_(own, own)] = factor * part
+        return rows, root
+
+    def _spread(
+        self, rows: NDArray[np.intp], root: NDArray[np.float64], noise: float
+    ) -> tuple[float, float]:
+        """Return the factor on deviations that is likeliest, and what it is worth."""
+        if not rows.size:
+            return 0.0, 0.0
+        beside = np.flatnonzero(self.names == "fit")
+        gram, moments = self.gram[np.ix_(rows, rows)], self.moments[rows]
+        if beside.size:
+            values, vectors = np.linalg.eigh(self.gram[np.ix_(beside, beside)])
+            keep = values > 1e-8 * values[-1]
+            along = (vectors[:, keep] / np.sqrt(values[keep])).T
+            shared = along @ self.gram[np.ix_(beside, rows)]
+            gram = gram - shared.T @ shared
+            moments = moments - shared.T @ (along @ self.moments[beside])
+        return _likeliest(root.T @ gram @ root / noise, root.T @ moments / noise)
+
+    def worth_apart(self, variables: Sequence[str], noise: float) -> float:
+        """Return the same as `worth` for a law of its own in every run, all as smooth.
+
+        What all runs have in common is worth more as one law: that pays once for what
+        every run says again.
+        """
+        rows, root = self._root(variables, noise)
+        if not rows.size:
+            return 0.0
+        fitted = np.linalg.qr(self.basis[self.names == "fit"].T)[0]
+        grams, shared, moments = [], [], []
+        for place in self._places:
+            terms = root.T @ self.basis[np.ix_(rows, place)]
+            grams.append(terms @ terms.T)
+            shared.append(terms @ fitted[place])
+            moments.append(terms @ self.residual[place])
+        beside = np.vstack(shared)
+        gram = block_diag(*grams) - beside @ beside.T
+        moment = np.concatenate(moments) - beside @ (fitted.T @ self.residual)
+        return _likeliest(gram / noise, moment / noise)[1]
+
+    def left(self, variables: Sequence[str]) -> NDArray[np.float64]:
+        """Return the residual beside terms of some variables."""
+        sizes = self.solve(variables)[2]
+        return self.residual - sizes @ self.basis if sizes.size else self.residual
+
+    def foreseen(self, variables: Sequence[str], noise: float) -> float:
+        """Return how much better terms of some variables foretell each run from the others.
+
+        In units of chi2: twice the difference in the logarithm of the density of what is
+        left in a run, given all others, with the terms and without; summed over the runs.
+        A law that other runs cannot tell is foretold with little certainty and loses
+        nothing; one that was bent to them, and does not hold in this one, loses much.
+        0 where there is but one run: nothing foretells it.
+        """
+        terms, root = self._root(variables, noise)
+        beside = self.basis[self.names == "fit"]
+        if len(self._places) < 2 or not root.any():
+            return 0.0
+        every = np.vstack([beside, root.T @ self.basis[terms]])
+        price = np.concatenate([np.full(len(beside), _FREE), np.ones(terms.size)])
+        return sum(
+            self._surprise(place, beside, price[: len(beside)], noise)
+            - self._surprise(place, every, price, noise)
+            for place in self._places
+        )
+
+    def foretold(self, variables: Sequence[str], noise: float) -> list[NDArray[np.float64]]:
+        """Return what is left in each run beside terms that all other runs give.
+
+        Along what those runs do not tell, it is divided by how uncertain they leave it: a
+        law that this run alone needs, as the fastest does, is no surprise.
+        """
+        terms, root = self._root(variables, noise)
+        beside = self.basis[self.names == "fit"]
+        basis = np.vstack([beside, root.T @ self.basis[terms]])
+        price = np.concatenate([np.full(len(beside), _FREE), np.ones(terms.size)])
+        whole = basis @ basis.T / noise + np.diag(price)
+        moments = basis @ self.residual / noise
+        left = []
+        for place in self._places:
+            here, e = basis[:, place], self.residual[place]
+            known = whole - here @ here.T / noise
+            sizes = np.linalg.solve(known, moments - here @ e / noise)
+            e = e - sizes @ here
+            unsure = np.linalg.solve(np.linalg.cholesky(known), here) / np.sqrt(noise)
+            _, size, along = np.linalg.svd(unsure, full_matrices=False)
+            left.append(e - ((1.0 - 1.0 / np.hypot(1.0, size)) * (along @ e)) @ along)
+        return left
+
+    def _surprise(
+        self,
+        place: NDArray[np.intp],
+        basis: NDArray[np.float64],
+        price: NDArray[np.float64],
+        noise: float,
+    ) -> float:
+        """Return what one run leaves, given the others: minus twice its logarithmic density."""
+        e = self.residual[place]
+        if not len(basis):
+            return float(e @ e) / noise
+        here = basis[:, place]
+        own = here @ here.T / noise
+        known = basis @ basis.T / noise - own + np.diag(price)
+        both = known + own
+        sizes = np.linalg.solve(known, (basis @ self.residual - here @ e) / noise)
+        e = e - sizes @ here
+        along = here @ e / noise
+        square = float(e @ e) / noise - float(along @ np.linalg.solve(both, along))
+        return square + float(np.linalg.slogdet(both)[1] - np.linalg.slogdet(known)[1])
+
+    def found(self, beside: Sequence[str] = (), noise: float = 1.0) -> list[tuple[str, float]]:
+        """Return the variables in which something is left, and the share of chi2 they carry.
+
+        `noise` is the variance of the residuals that noise alone would have.
+        """
+        base, terms, _ = self.solve(beside)
+        total = max(float(self.residual @ self.residual) - base, 1e-300)
+        rows = []
+        for variable in self.variables:
+            if variable in beside:
+                continue
+            fall, more, _ = self.solve([*beside, variable])
+            if more > terms:
+                chance = chi2.sf((fall - base) / noise, more - terms) * len(self.variables)
+                if chance < _SURE:
+                    rows.append((variable, (fall - base) / total))
+        return sorted(rows, key=lambda row: -row[1])
+
+
+def _likeliest(gram: NDArray[np.float64], moments: NDArray[np.float64]) -> tuple[float, float]:
+    """Return the factor on terms' deviations that is likeliest, and what it is worth.
+
+    In units of chi2, where the terms' sizes are random with deviation 1 times the factor.
+    """
+    values, vectors = np.linalg.eigh(gram)
+    keep = values > 1e-8 * max(values[-1], 1e-300)
+    values, vectors = values[keep], vectors[:, keep]
+    if not values.size:
+        return 0.0, 0.0
+    squares = (vectors.T @ moments) ** 2 / values
+    factors = np.geomspace(1e-2, 1e6, 121) / np.sqrt(values[-1])
+    signal = np.square(factors)[:, None] * values
+    worth = (squares * signal / (1.0 + signal) - np.log1p(signal)).sum(axis=1)
+    best = int(np.argmax(worth))
+    return float(factors[best]), float(worth[best])

@@ -1,0 +1,53 @@
+"""Files that appear under their name only when they are whole."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from locosweep.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+__all__ = ["check_place", "replacing"]
+
+
+def check_place(path: str | os.PathLike[str]) -> Path:
+    """Refuse a path that cannot become a file: a folder, or in none that exists."""
+    path = Path(path)
+    if "\0" in str(path):
+        raise InputError(f"{str(path)!r}: a file name cannot have a NUL in it")
+    if path.is_dir():
+        raise InputError(f"{path} is a folder: name a file")
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: the folder {path.parent} does not exist")
+    return path
+
+
+@contextlib.contextmanager
+def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Yield a temporary path that replaces `path` when all went well.
+
+    Nothing half-written is left under the final name, whatever happens.
+    """
+    path = check_place(path)
+    try:
+        handle, name = tempfile.mkstemp(suffix=path.suffix, prefix=".locosweep-", dir=path.parent)
+    except OSError as error:
+        raise InputError(f"{path}: cannot write: {error.strerror}") from None
+    os.close(handle)
+    try:
+        yield Path(name)
+        mask = os.umask(0)
+        os.umask(mask)
+        Path(name).chmod(0o666 & ~mask)
+        Path(name).replace(path)
+    except OSError as error:
+        raise InputError(f"{path}: cannot write: {error.strerror or error}") from None
+    finally:
+        Path(name).unlink(missing_ok=True)

@@ -1,0 +1,174 @@
+"""Measured runs: drive commands and what the sensors read, run by run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from locosweep.errors import DataFileError, InputError
+from locosweep.files.columns import check_units, number_columns, read_frame, rows_by_run
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Mapping
+
+    import polars as pl
+    from numpy.typing import NDArray
+
+__all__ = ["CHANNELS", "Run", "load_runs", "runs_from_frame"]
+
+CHANNELS = {
+    "x": "displacement of the head",
+    "x_rear": "displacement of the anchored body",
+    "force": "force on the head from the drive",
+    "v": "velocity of the head",
+    "power": "electric power",
+}
+"""What may be measured, beside time and drive."""
+
+_COLUMNS = ("run", "t", "drive", *CHANNELS, "slope_deg")
+
+
+@dataclass(frozen=True)
+class Run:
+    """One measured run.
+
+    Attributes
+    ----------
+    label : str
+        Its name in the file.
+    t : ndarray
+        Times in s, strictly rising.
+    drive : ndarray
+        Drive command as sent, held until the next sample.
+    channels : dict of str to ndarray
+        What was measured (`CHANNELS`), in SI units; NaN where a value is missing.
+    slope_deg : float or None
+        Slope of this run, where it differs from the model's.
+    """
+
+    label: str
+    t: NDArray[np.float64]
+    drive: NDArray[np.float64]
+    channels: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+    slope_deg: float | None = None
+
+    @property
+    def since_start(self) -> NDArray[np.float64]:
+        """Seconds since the first sample."""
+        since: NDArray[np.float64] = self.t - self.t[0]
+        return since
+
+    @property
+    def start(self) -> tuple[float, float]:
+        """Position and speed at which a replay begins.
+
+        The mean of the samples before the drive first changes, as the first one
+        carries noise like every other; the speed is the first measured one, and 0
+        without any.
+        """
+        x = self.channels.get("x")
+        if x is None or not np.isfinite(x).any():
+            position = 0.0
+        else:
+            changes = np.flatnonzero(self.drive != self.drive[0])
+            still = int(changes[0]) + 1 if changes.size and self.drive[0] == 0.0 else 1
+            before = x[:still][np.isfinite(x[:still])]
+            position = float(before.mean()) if before.size else float(x[np.isfinite(x)][0])
+        v = self.channels.get("v")
+        known = v[np.isfinite(v)] if v is not None else np.empty(0)
+        return position, float(known[0]) if known.size else 0.0
+
+
+def load_runs(
+    path: str | os.PathLike[str],
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    *,
+    needs: tuple[str, ...] = ("t", "drive", "x"),
+) -> tuple[list[Run], list[str]]:
+    """Read measured runs from CSV or Parquet, long form, one row a sample.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+    columns : mapping of str to str, optional
+        Their name of a column by ours, for instance ``{"drive": "tau"}``.
+    units : mapping of str to str, optional
+        Unit of a column, for instance ``{"x": "mm"}``; SI where not given.
+    needs : tuple of str
+        Columns that must be there.
+
+    Returns
+    -------
+    runs : list of Run
+        In the order of their first rows.
+    notices : list of str
+        What was not as expected but could be read all the same.
+
+    Raises
+    ------
+    DataFileError
+        Not readable, a column missing, text or an infinite value in a column of
+        numbers, time that does not rise, fewer than 20 samples in a run: one
+        line with file, run, row and column.
+    """
+    columns, units = dict(columns or {}), dict(units or {})
+    check_units(units, _COLUMNS[1:])
+    frame, others = read_frame(path, _COLUMNS, needs, columns)
+    runs, notices = _runs(str(path), frame, columns, units)
+    if others:
+        notices.insert(0, f"{path}: columns not used: {', '.join(others)}")
+    return runs, notices
+
+
+def runs_from_frame(frame: pl.DataFrame, name: str = "runs") -> list[Run]:
+    """Take measured runs from a Polars frame with the columns of a file."""
+    for needed in ("t", "drive", "x"):
+        if needed not in frame.columns:
+            raise InputError(f"{name}: no column {needed}: there are {', '.join(frame.columns)}")
+    return _runs(name, frame, {}, {})[0]
+
+
+def _runs(
+    path: str, frame: pl.DataFrame, columns: Mapping[str, str], units: Mapping[str, str]
+) -> tuple[list[Run], list[str]]:
+    numbers = number_columns(path, frame, _COLUMNS[1:], units, columns)
+    notices: list[str] = []
+    runs = []
+    for label, where, rows in rows_by_run(path, frame, numbers["t"]):
+        drive = _held(numbers["drive"][rows], where, notices)
+        channels = {name: numbers[name][rows] for name in CHANNELS if name in numbers}
+        slope = _slope(numbers, rows, where)
+        runs.append(Run(label, numbers["t"][rows], drive, channels, slope))
+    return runs, notices
+
+
+def _held(drive: NDArray[np.float64], where: str, notices: list[str]) -> NDArray[np.float64]:
+    """Fill missing commands with the one before: that is what a drive does."""
+    known = np.isfinite(drive)
+    if not known.any():
+        raise DataFileError(f"{where}, column drive: no values")
+    if known.all():
+        return drive
+    notices.append(f"{where}: {int((~known).sum())} missing drive values, held from before")
+    last = np.maximum.accumulate(np.where(known, np.arange(drive.size), -1))
+    return drive[np.where(last < 0, np.flatnonzero(known)[0], last)]
+
+
+def _slope(
+    numbers: Mapping[str, NDArray[np.float64]], rows: NDArray[np.intp], where: str
+) -> float | None:
+    if "slope_deg" not in numbers:
+        return None
+    slopes = np.unique(numbers["slope_deg"][rows][np.isfinite(numbers["slope_deg"][rows])])
+    if slopes.size > 1:
+        raise DataFileError(
+            f"{where}, column slope_deg: {slopes[0]:g} and {slopes[1]:g}, allowed is one per run"
+        )
+    if slopes.size and abs(slopes[0]) > 90.0:
+        raise DataFileError(f"{where}, column slope_deg: {slopes[0]:g}, allowed is -90 to 90")
+    return float(slopes[0]) if slopes.size else None

@@ -1,0 +1,151 @@
+"""Measured friction: motion and friction force, run by run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from locosweep.errors import DataFileError, InputError
+from locosweep.files.columns import check_units, number_columns, read_frame, rows_by_run
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Collection
+
+    import polars as pl
+    from numpy.typing import NDArray
+
+__all__ = ["COLUMNS", "FrictionRun", "read_friction"]
+
+COLUMNS = {
+    "run": "label of the run",
+    "t": "time [s]",
+    "x": "position [m]",
+    "v": "velocity [m/s]",
+    "force": "friction force [N], with the sign of the motion that it opposes",
+    "drive": "force of the drive [N], from which friction follows where the mass is known",
+    "load": "load that presses the surfaces together [N]",
+}
+"""What a data file may hold."""
+
+_NUMBERS = tuple(COLUMNS)[1:]
+
+
+@dataclass(frozen=True)
+class FrictionRun:
+    """One measured run as it stands in the file, in SI units.
+
+    Attributes
+    ----------
+    label : str
+        Its name.
+    t : ndarray
+        Times in s, strictly rising, shape (n,).
+    columns : dict of str to ndarray
+        What was measured beside time, shape (n,) each; NaN where a value is missing.
+    """
+
+    label: str
+    t: NDArray[np.float64]
+    columns: dict[str, NDArray[np.float64]]
+
+
+def read_friction(
+    data: str | os.PathLike[str] | pl.DataFrame | Mapping[str, object],
+    *,
+    mass: float | None = None,
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    runs: Collection[str] | None = None,
+) -> tuple[list[FrictionRun], list[str]]:
+    """Read measured friction from a file, a frame or arrays, one row a sample.
+
+    Parameters
+    ----------
+    data : path-like, polars.DataFrame or mapping of arrays
+        CSV or Parquet with the columns ``t``, ``x`` or ``v``, and ``force`` or
+        ``drive``; optional are ``run`` and ``load``.
+    mass : float, optional
+        Moving mass in kg, needed where ``drive`` stands in for ``force``.
+    columns : mapping of str to str, optional
+        Their name of a column by ours.
+    units : mapping of str to str, optional
+        Unit of a column, for instance ``{"x": "mm"}``; SI where not given.
+    runs : collection of str, optional
+        Labels of the runs to take; all where not given.
+
+    Returns
+    -------
+    runs : list of FrictionRun
+        In the order of their first rows.
+    notices : list of str
+        What was not as expected but could be read all the same.
+
+    Raises
+    ------
+    DataFileError
+        Not readable, a column missing, text or an infinite value among numbers,
+        time that does not rise, fewer than 20 samples in a run.
+    InputError
+        An unknown column, unit or run.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from locosweep.friction_fit import read_friction
+    >>> t = np.linspace(0, 1, 50)
+    >>> found, notices = read_friction({"t": t, "v": np.cos(t), "force": 0 * t + 2})
+    >>> found[0].label, sorted(found[0].columns)
+    ('0', ['force', 'v'])
+    """
+    columns, units = dict(columns or {}), dict(units or {})
+    check_units(units, _NUMBERS)
+    name, frame, others = _frame(data, columns)
+    for either in (("x", "v"), ("force", "drive")):
+        if not set(either) & set(frame.columns):
+            there = ", ".join([*frame.columns, *others][:20])
+            one, other = (columns.get(c, c) for c in either)
+            raise DataFileError(
+                f"{name}: no column {one}, and no {other} either: there are {there}"
+            )
+    if "force" not in frame.columns and mass is None:
+        raise InputError(
+            "mass is missing: friction is the drive force less mass times acceleration, "
+            "allowed is a mass in kg or a column force"
+        )
+    notices = [f"{name}: columns not used: {', '.join(others)}"] if others else []
+    numbers = number_columns(name, frame, _NUMBERS, units, columns)
+    found = []
+    for label, _, rows in rows_by_run(name, frame, numbers["t"], runs):
+        rest = {column: values[rows] for column, values in numbers.items() if column != "t"}
+        found.append(FrictionRun(label, numbers["t"][rows], rest))
+    return found, notices
+
+
+def _frame(
+    data: str | os.PathLike[str] | pl.DataFrame | Mapping[str, object], columns: dict[str, str]
+) -> tuple[str, pl.DataFrame, list[str]]:
+    import polars as pl
+
+    if isinstance(data, pl.DataFrame | Mapping):
+        try:
+            frame = data if isinstance(data, pl.DataFrame) else pl.DataFrame(dict(data))
+        except (pl.exceptions.PolarsError, TypeError, ValueError) as error:
+            first = (str(error).splitlines() or [type(error).__name__])[0]
+            raise InputError(f"data: not columns of one length: {first}") from None
+        theirs = {columns.get(name, name): name for name in COLUMNS}
+        for given in (*(columns[n] for n in columns), columns.get("t", "t")):
+            if given not in frame.columns:
+                there = ", ".join(frame.columns[:20])
+                raise InputError(f"data: no column {given}: there are {there}")
+        if frame.height == 0:
+            raise InputError("data: no rows")
+        present = {given: theirs[given] for given in frame.columns if given in theirs}
+        others = [given for given in frame.columns if given not in theirs]
+        return "data", frame.select(list(present)).rename(present), others
+    frame, others = read_frame(data, tuple(COLUMNS), ("t",), columns)
+    return str(Path(data)), frame, others

@@ -1,0 +1,156 @@
+"""A fit as plain data, as a short text, and as files in a folder."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from locosweep.errors import InputError
+from locosweep.files.atomic import replacing
+
+if TYPE_CHECKING:
+    import os
+
+    from locosweep.friction_fit.result import FittedLaw, FrictionFit
+
+__all__ = ["as_dict", "as_text", "save"]
+
+_ROWS = 10
+"""Laws in the text table."""
+
+
+def as_dict(fit: FrictionFit) -> dict[str, object]:
+    """Return plain numbers and text; numbers that JSON cannot hold become None."""
+    data = fit.data
+    return {
+        "schema": "locosweep.friction/1",
+        "verdict": {
+            "status": fit.status,
+            "law": fit.chosen.law,
+            "equal": [law.name for law in fit.equal],
+            "no_better": [law.name for law in fit.no_better],
+            "summary": fit.summary,
+        },
+        "held_out": {
+            "by": data.by,
+            "runs": data.held_out,
+            "rms": _number(fit.chosen.held_out_rms),
+            "shrink": _number(fit.shrink),
+            "left": {name: _number(share) for name, share in fit.left.items()},
+        },
+        "data": {
+            "runs": [run.label for run in data.runs],
+            "samples": sum(data.lengths),
+            "breakaways": data.breakaways,
+            "normal_force": data.normal,
+            "rest_speed": data.rest_speed,
+            "force_noise": _number(data.force_noise),
+            "velocity_error": _number(data.speed_error),
+        },
+        "laws": [_law(law) for law in fit.laws],
+        "skipped": fit.skipped,
+        "notices": fit.notices,
+        "provenance": fit.provenance,
+    }
+
+
+def _law(law: FittedLaw) -> dict[str, object]:
+    return {
+        "law": law.law,
+        "load": law.load,
+        "offset": law.offset,
+        "gain": law.gain,
+        "rms": _number(law.rms),
+        "held_out_rms": _number(law.held_out_rms),
+        "sigmas": _number(law.sigmas),
+        "tied": law.tied,
+        "samples_per_independent": _number(law.memory),
+        "settled": law.settled,
+        "parameters": {
+            name: {
+                "value": _number(p.value),
+                "std": None if p.std is None else _number(p.std),
+                "interval": None if p.interval is None else [_number(end) for end in p.interval],
+                "unit": p.unit,
+                "bounded": p.bounded,
+            }
+            for name, p in law.parameters.items()
+        },
+    }
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def as_text(fit: FrictionFit) -> str:
+    """Return the verdict, the laws and the parameters for a terminal."""
+    lines = [fit.summary, "", f"{'law':<44}{'held out':>10}{'fitted':>10}{'behind':>9}"]
+    lines[-1] += f"{'numbers':>9}"
+    for law in fit.laws[:_ROWS]:
+        behind = "tie" if law.tied else f"{law.sigmas:.1f} s.d."
+        mark = "*" if law is fit.chosen else " "
+        lines.append(
+            f"{mark} {law.name:<42}{law.held_out_rms:>8.3g} N{law.rms:>8.3g} N{behind:>9}"
+            f"{len(law.parameters):>9}"
+        )
+    if len(fit.laws) > _ROWS:
+        lines.append(f"  and {len(fit.laws) - _ROWS} more, in friction.json")
+    lines += ["", f"{'parameter of ' + fit.chosen.law:<26}{'value':>12}{'95 % interval':>26}  unit"]
+    for name, p in fit.chosen.parameters.items():
+        if p.interval is not None:
+            between = f"{p.interval[0]:.4g} to {p.interval[1]:.4g}"
+        else:
+            between = "at the end of its range" if p.bounded else "not determined"
+        lines.append(f"{name:<26}{p.value:>12.4g}{between:>26}  {p.unit}")
+    levels = [n for n in ("mu_coulomb", "mu_static") if n in fit.chosen.parameters]
+    if levels and fit.chosen.load == "constant":
+        newtons = f"{fit.data.normal:.4g} N"
+        lines.append(f"coefficients count under a normal force of {newtons}")
+    elif levels:
+        lines.append("coefficients count under the load, and the preload where there is one")
+    return "\n".join(lines)
+
+
+def _markdown(fit: FrictionFit) -> str:
+    lines = ["# Friction characteristic", "", "```", as_text(fit), "```", ""]
+    for notice in fit.notices:
+        lines.append(f"- {notice}")
+    if fit.notices:
+        lines.append("")
+    lines += [f"Computed by locosweep {fit.provenance['locosweep']}.", ""]
+    for title, name in (
+        ("Friction force over velocity", "characteristic.png"),
+        ("What the chosen law leaves", "residuals.png"),
+        ("Laws on samples held out", "laws.png"),
+        ("Force over time", "force.png"),
+    ):
+        lines += [f"![{title}]({name})", ""]
+    return "\n".join(lines)
+
+
+def save(
+    fit: FrictionFit, folder: str | os.PathLike[str], *, command: str | None = None
+) -> list[Path]:
+    """Write the report and its pictures; every file appears whole or not at all."""
+    from locosweep.friction_fit.picture import pictures
+    from locosweep.plot.save import save_figure
+
+    folder = Path(folder)
+    drawn = pictures(fit)
+    text = json.dumps(as_dict(fit), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot make this folder: {error.strerror}") from None
+    files = []
+    for name, content in {"friction.json": text, "friction.md": _markdown(fit)}.items():
+        with replacing(folder / name) as temporary:
+            temporary.write_text(content, encoding="utf-8", newline="\n")
+        files.append(folder / name)
+    for name, figure in drawn.items():
+        save_figure(figure, folder / name, command=command)
+        files.append(folder / name)
+    return files

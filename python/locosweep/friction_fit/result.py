@@ -1,0 +1,248 @@
+"""What a fit of friction laws leaves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from locosweep import _core
+from locosweep.registry import law as law_record
+
+if TYPE_CHECKING:
+    import os
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from locosweep._core import Law
+    from locosweep.friction_fit.prepare import Prepared
+
+__all__ = ["FittedLaw", "FittedParameter", "FrictionFit"]
+
+_MOST = 1e3
+"""Largest friction coefficient of the registry."""
+
+
+@dataclass(frozen=True)
+class FittedParameter:
+    """One parameter of a fitted law.
+
+    Attributes
+    ----------
+    name, unit, meaning : str
+        As in the registry; beside its parameters there are ``preload`` [N],
+        ``force_offset`` [N] and ``load_gain``.
+    value : float
+        As fitted.
+    std : float or None
+        Standard deviation; None where there is none: the data do not determine the
+        value, or it is an edge on the track, or `bounded`.
+    interval : tuple of float or None
+        95 % confidence interval.
+    bounded : bool
+        At an end of the range that was searched.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    value: float
+    std: float | None
+    interval: tuple[float, float] | None
+    bounded: bool
+
+
+@dataclass(frozen=True)
+class FittedLaw:
+    """One law as fitted.
+
+    Attributes
+    ----------
+    law : str
+        Its name in the registry.
+    load : str
+        How its levels follow the load: constant, proportional or affine.
+    offset, gain : bool
+        Whether the force sensor has a fitted offset, and a fitted share of the load.
+    parameters : dict of str to FittedParameter
+        By name.
+    rms, held_out_rms : float
+        Root mean square [N] of what is left of the samples fitted to, and of samples
+        held out.
+    sigmas : float
+        How far it is behind the best one on samples held out, in standard deviations.
+    tied : bool
+        Whether it cannot be told from the best one there.
+    memory : float
+        Samples that carry as much as one independent one.
+    freedom : float
+        Independent pieces of data beyond the parameters.
+    settled : bool
+        Whether the search came to rest.
+    normal : float
+        Normal force [N] that `constant` levels count under.
+    predicted, held_out : ndarray
+        Force [N] at every sample that counts, by the fit and by fits that never saw
+        the sample (NaN where there is none), shape (m,).
+    """
+
+    law: str
+    load: str
+    offset: bool
+    gain: bool
+    parameters: dict[str, FittedParameter]
+    rms: float
+    held_out_rms: float
+    sigmas: float
+    tied: bool
+    memory: float
+    freedom: float
+    settled: bool
+    normal: float
+    predicted: NDArray[np.float64] = field(repr=False)
+    held_out: NDArray[np.float64] = field(repr=False)
+
+    @property
+    def record(self) -> Law:
+        """The law in the registry."""
+        return law_record(self.law)
+
+    @property
+    def name(self) -> str:
+        """Law and terms in one word, for tables and legends."""
+        terms = "".join(
+            f" + {word}"
+            for word, on in (
+                (f"{self.load} load", self.load != "constant"),
+                ("offset", self.offset),
+                ("load gain", self.gain),
+            )
+            if on
+        )
+        return self.law + terms
+
+    def normal_force(self, load: float | None = None) -> float:
+        """Return the normal force [N] under a load [N]; without one that of constant levels."""
+        if self.load == "constant" or load is None:
+            return self.normal
+        preload = self.parameters["preload"].value if "preload" in self.parameters else 0.0
+        return abs(load) + preload
+
+    def force(self, speed: ArrayLike, load: float | None = None) -> NDArray[np.float64]:
+        """Friction force [N] of steady sliding, without what the sensor adds.
+
+        Parameters
+        ----------
+        speed : array_like
+            Signed speeds in m/s.
+        load : float, optional
+            Load in N, where the levels follow it.
+        """
+        speeds = np.asarray(speed, dtype=np.float64)
+        force: NDArray[np.float64] = _core.characteristic(
+            self.law, self._given(load), speeds.ravel()
+        )
+        return force.reshape(speeds.shape)
+
+    def _given(self, load: float | None) -> list[tuple[str, float]]:
+        known = {p.name for p in self.record.parameters}
+        given = {n: p.value for n, p in self.parameters.items() if n in known}
+        normal = self.normal_force(load)
+        levels = [n for n in ("mu_static", "mu_coulomb") if n in given]
+        # Under 1 N a coefficient counts newtons, of which there may be many.
+        shift = max([1.0, *(given[n] / _MOST for n in levels)])
+        given |= {n: given[n] / shift for n in levels}
+        return [*given.items(), ("gravity", 0.0), ("wall_force", normal * shift)]
+
+
+@dataclass(frozen=True)
+class FrictionFit:
+    """Friction laws fitted to measured data, the best first.
+
+    Attributes
+    ----------
+    chosen : FittedLaw
+        Of the laws that tie on samples held out the one with the fewest parameters.
+    laws : list of FittedLaw
+        All, by what is left on samples held out.
+    equal : list of FittedLaw
+        Cannot be told from the chosen one, with as few parameters.
+    no_better : list of FittedLaw
+        Cannot be told from it either, with more parameters.
+    status : str
+        "chosen": no law with as few parameters ties; "tie": some do.
+    summary : str
+        One sentence for people.
+    noise : float
+        Standard deviation [N] of the force sensor's noise from sample to sample.
+    shrink : float
+        Share of the force's spread that the chosen law takes away on samples held
+        out, 1 at best.
+    left : dict of str to float
+        Share of what the chosen law leaves that goes with v, x, t or load.
+    skipped : dict of str to str
+        Laws that were not fitted, and why.
+    data : Prepared
+        What was fitted to.
+    notices : list of str
+        What was not as expected.
+    provenance : dict
+        Version, hash of the data file, options.
+
+    Examples
+    --------
+    >>> import numpy as np, locosweep as ls
+    >>> t = np.linspace(0, 10, 800)
+    >>> v = 0.02 * np.sin(2 * t)
+    >>> noise = np.random.default_rng(1).normal(0, 0.01, t.size)
+    >>> measured = {"t": t, "v": v, "force": 0.8 * np.sign(v) + 5 * v + noise}
+    >>> fit = ls.fit_friction(measured, laws=["coulomb", "coulomb_viscous", "stribeck"])
+    >>> fit.chosen.law
+    'coulomb_viscous'
+    >>> low, high = fit.chosen.parameters["viscous"].interval
+    >>> low < 5 < high
+    True
+    """
+
+    chosen: FittedLaw
+    laws: list[FittedLaw]
+    equal: list[FittedLaw]
+    no_better: list[FittedLaw]
+    status: str
+    summary: str
+    noise: float
+    shrink: float
+    left: dict[str, float]
+    skipped: dict[str, str]
+    data: Prepared = field(repr=False)
+    notices: list[str]
+    provenance: dict[str, object]
+
+    def to_dict(self) -> dict[str, object]:
+        """Everything but samples, as plain numbers and text: what ``friction.json`` holds."""
+        from locosweep.friction_fit.report import as_dict
+
+        return as_dict(self)
+
+    def save(self, folder: str | os.PathLike[str]) -> list[str]:
+        """Write ``friction.json``, ``friction.md`` and the pictures into a folder.
+
+        Parameters
+        ----------
+        folder : path-like
+            Made if missing.
+
+        Returns
+        -------
+        list of str
+            The files.
+
+        Raises
+        ------
+        InputError
+            The folder cannot be made or written to.
+        """
+        from locosweep.friction_fit.report import save
+
+        return [str(path) for path in save(self, folder)]

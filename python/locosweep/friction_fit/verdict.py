@@ -1,0 +1,162 @@
+"""Which law the data ask for, which tie with it, and what it leaves."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from locosweep.friction_fit.prepare import Prepared
+    from locosweep.friction_fit.result import FittedLaw
+
+__all__ = ["choose", "left_over", "schwarz", "shrink_of", "summary_of"]
+
+_REFUTED = 10.0
+"""Difference of the Schwarz criterion that is very strong evidence (Kass and Raftery 1995)."""
+
+_BINS = 12
+_MUCH_LEFT = 0.1
+"""Share of what is left from which a variable is named."""
+_NEAR_NOISE = 1.5
+"""What is left over the noise, up to which nothing more is to be found."""
+
+
+def schwarz(rms: float, pieces: float, parameters: int) -> float:
+    """Schwarz criterion of a fit, the lower the better.
+
+    Parameters
+    ----------
+    rms : float
+        Root mean square [N] of what is left of the samples fitted to.
+    pieces : float
+        Independent pieces of data.
+    parameters : int
+        How many were fitted.
+    """
+    least = float(np.finfo(float).tiny)
+    return float(2.0 * pieces * np.log(max(rms, least)) + parameters * np.log(max(pieces, 2.0)))
+
+
+def choose(
+    data: Prepared, laws: list[FittedLaw]
+) -> tuple[FittedLaw, list[FittedLaw], list[FittedLaw]]:
+    """Take the simplest of the laws that tie with the best one.
+
+    Samples held out may be few: what they cannot tell apart, but the samples fitted to
+    refute, does not count as a tie.
+
+    Parameters
+    ----------
+    data : Prepared
+        What was fitted to.
+    laws : list of FittedLaw
+        By what is left on samples held out, the best first.
+
+    Returns
+    -------
+    chosen : FittedLaw
+    equal, no_better : list of FittedLaw
+        What ties with it, with as many parameters and with more.
+    """
+    tied = _not_refuted(data, [law for law in laws if law.tied])
+    fewest = min(len(law.parameters) for law in tied)
+    simplest = [law for law in tied if len(law.parameters) == fewest]
+    chosen = simplest[0]
+    return chosen, simplest[1:], [law for law in tied if len(law.parameters) > fewest]
+
+
+def _not_refuted(data: Prepared, laws: list[FittedLaw]) -> list[FittedLaw]:
+    """Laws that the samples fitted to do not speak very strongly against."""
+    away = [np.full(run.rows.size, run.label in data.held_out) for run in data.runs]
+    fitted = ~np.concatenate(away)
+    force = data.column("force")[fitted]
+    # A bristle law may have been fitted to fewer samples: all count here.
+    left = [float(np.sqrt(np.mean((force - law.predicted[fitted]) ** 2))) for law in laws]
+    memory = laws[int(np.argmin(left))].memory
+    pieces = force.size / max(memory, 1.0)
+    costs = [schwarz(rms, pieces, len(law.parameters)) for rms, law in zip(left, laws, strict=True)]
+    best = int(np.argmin(costs))
+    most = len(laws[best].parameters)
+    # More parameters than needed are no evidence against a law.
+    return [
+        law
+        for law, cost in zip(laws, costs, strict=True)
+        if len(law.parameters) > most or not cost > costs[best] + _REFUTED
+    ]
+
+
+def shrink_of(data: Prepared, law: FittedLaw) -> float:
+    """Share of the force's spread on held-out samples that a law takes away."""
+    seen = np.isfinite(law.held_out)
+    force = data.column("force")[seen]
+    spread = float(np.sqrt(np.mean((force - np.mean(force)) ** 2)))
+    return 1.0 - law.held_out_rms / spread if spread > 0 else 0.0
+
+
+def left_over(data: Prepared, law: FittedLaw) -> dict[str, float]:
+    """Share of the held-out residual's variance that follows each variable.
+
+    The residual is averaged over bins of the variable, apart for either direction;
+    what bins of pure chance with the residual's memory would take is subtracted.
+    """
+    seen = np.isfinite(law.held_out)
+    residual = (data.column("force") - law.held_out)[seen]
+    way = data.column("v")[seen] < 0
+    found = {}
+    since = np.concatenate([run.t[run.rows] - run.t[0] for run in data.runs])
+    variables = {"v": data.column("v"), "x": data.column("x"), "t": since}
+    if data.loaded:
+        variables["load"] = data.column("load")
+    for name, values in variables.items():
+        cell = _cells(values[seen]) + _BINS * way
+        found[name] = _explained(residual, cell, law.memory)
+    return found
+
+
+def _cells(values: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Bins with as many samples each."""
+    edges = np.quantile(values, np.linspace(0, 1, _BINS + 1)[1:-1])
+    return np.searchsorted(edges, values).astype(np.int64)
+
+
+def _explained(residual: NDArray[np.float64], cell: NDArray[np.int64], memory: float) -> float:
+    """Return the adjusted share of the variance between cells."""
+    _, place = np.unique(cell, return_inverse=True)
+    count = np.bincount(place)
+    mean = np.bincount(place, residual) / count
+    middle = residual - residual.mean()
+    whole = float(middle @ middle)
+    if whole == 0.0:
+        return 0.0
+    inside = residual - mean[place]
+    share = float(inside @ inside) / whole
+    independent = max(residual.size / memory, 2.0)
+    if independent <= count.size + 1:
+        return 0.0
+    adjusted = 1.0 - share * (independent - 1) / (independent - count.size)
+    return float(np.clip(adjusted, 0.0, 1.0))
+
+
+def summary_of(
+    chosen: FittedLaw,
+    equal: list[FittedLaw],
+    shrink: float,
+    noise: float,
+    left: dict[str, float],
+) -> str:
+    """Say it in one sentence."""
+    head = f"{chosen.name} leaves {chosen.held_out_rms:.3g} N of the friction force"
+    head += f" on samples held out ({100 * shrink:.0f} % of its spread explained)"
+    if equal:
+        names = ", ".join(law.name for law in equal)
+        head += f"; it cannot be told from {names}"
+    if noise > 0 and chosen.held_out_rms <= _NEAR_NOISE * noise:
+        return f"{head}; what is left is noise."
+    most = max(left, key=lambda name: left[name], default=None)
+    if most is not None and left[most] >= _MUCH_LEFT:
+        words = {"v": "velocity", "x": "position", "t": "time", "load": "load"}
+        return f"{head}; {100 * left[most]:.0f} % of what is left follows the {words[most]}."
+    return f"{head}; what is left follows none of velocity, position, time and load."

@@ -1,0 +1,1 @@
+"""The paper's figures, numbers and sim-to-real gap, reproduced."""

@@ -1,0 +1,110 @@
+"""The paper's own gap: an actuator that gives less than the anchors would allow."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import polars as pl
+
+from locosweep import _core
+
+if TYPE_CHECKING:
+    import os
+
+__all__ = ["paper_gap"]
+
+_NOMINAL = """\
+# The head segment of the paper's robot, as its designer would describe it.
+[robot]
+segments = 4          # paper
+mass = 0.271          # kg, paper
+gravity = 9.81
+
+[surface]
+mu_static = 0.5       # of the anchors, paper
+mu_coulomb = 0.2      # of the moving segment on a lubricated pipe, assumed
+viscous = 0.0
+slope_deg = 0.0
+
+[drive]
+gain = 1.0
+
+[sensor]
+position_noise = 5e-6       # m, assumed as large as the step
+position_resolution = 5e-6  # m, paper
+"""
+_MASS, _MU, _GRAVITY = 0.271, 0.2, 9.81
+_LIMIT = 0.85
+"""What the actuator gives at 10 V, paper, N."""
+_BUILDUP = 6.0
+"""Lubricant that piles up before the segment, assumed, N/m."""
+_ANCHORS = 3 * 0.5 * _MASS * _GRAVITY
+"""What three anchors hold, N: the highest level that is commanded."""
+_LEVELS = (
+    (0.62, 0.70, 0.78, 0.84),
+    (0.60, 0.80, 1.00, 0.75),
+    (0.70, 1.50, 0.82, _ANCHORS),
+    (0.82, 0.66, 2.50, 0.72),
+    (0.75, 0.90, 0.68, 1.20),
+)
+_PUSH, _PAUSE, _RATE = 0.35, 0.25, 200.0
+_STEP = 1e-5
+_SEED = 2013
+
+
+def paper_gap(folder: str | os.PathLike[str]) -> tuple[Path, Path]:
+    """Write runs and nominal model of the paper's robot, whose reality differs twice.
+
+    The drive commands forces up to what the anchors would hold (3.99 N); the real
+    actuator gives 0.85 N at most, and lubricant piles up before the segment. Reality
+    is the blind check's own simulator. Values that the paper does not state are
+    marked as assumed in the nominal file.
+
+    Parameters
+    ----------
+    folder : path-like
+        Made if missing.
+
+    Returns
+    -------
+    tuple of Path
+        runs.csv and nominal.toml, for `diagnose`.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from locosweep.paper.gap import paper_gap
+    >>> [path.name for path in paper_gap(tempfile.mkdtemp())]
+    ['runs.csv', 'nominal.toml']
+    """
+    out = Path(folder)
+    out.mkdir(parents=True, exist_ok=True)
+    rig = {
+        "segments": 4.0, "mass": _MASS, "gravity": _GRAVITY, "mu_coulomb": _MU,
+        "viscous": 0.0, "slope_deg": 0.0, "gain": 1.0, "limit": np.inf,
+    }  # fmt: skip
+    effects = [
+        ("drive_saturation", "law", {"F_max": _LIMIT}),
+        ("lubricant_buildup", "law", {"k_b": _BUILDUP}),
+    ]
+    cycle = _PUSH + _PAUSE
+    t = np.arange(round(4 * cycle * _RATE)) / _RATE
+    runs: list[Any] = []
+    jobs: list[Any] = []
+    for i, levels in enumerate(_LEVELS):
+        place = np.minimum((t / cycle).astype(int), 3)
+        pushes = (t - place * cycle) >= _PAUSE
+        runs.append((t, np.where(pushes, np.array(levels)[place], 0.0), 0.0))
+        jobs.append((i, rig, effects, (0.0, 0.0), _STEP, _SEED + i))
+    generator = np.random.default_rng(_SEED)
+    frames = []
+    read = _core.reality_run(runs, jobs, 1)
+    for i, ((_, drive, _), (x, *_)) in enumerate(zip(runs, read, strict=True)):
+        noisy = np.asarray(x) + generator.normal(0.0, 5e-6, t.size)
+        steps = np.round(noisy / 5e-6) * 5e-6
+        frames.append(pl.DataFrame({"run": [i] * t.size, "t": t, "drive": drive, "x": steps}))
+    pl.concat(frames).write_csv(out / "runs.csv")
+    (out / "nominal.toml").write_text(_NOMINAL, encoding="utf-8", newline="\n")
+    return out / "runs.csv", out / "nominal.toml"

@@ -1,0 +1,138 @@
+"""Cells of a heat map: edges, contours, and hatches where there is no value."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.colors import LogNorm
+from matplotlib.patches import Patch, PathPatch
+from matplotlib.path import Path
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import LogLocator, MaxNLocator
+
+from locosweep.plot import style
+from locosweep.registry import Status, parameter
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+    from matplotlib.collections import QuadMesh
+    from matplotlib.colors import Normalize
+    from matplotlib.contour import QuadContourSet
+    from numpy.typing import NDArray
+
+    from locosweep.result import Output
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["colour_bar", "contours", "edges", "hatch_cells"]
+
+_INK = "0.35"
+
+
+def edges(name: str, centres: Floats) -> Floats:
+    """Edges of the cells around rising centres; one alone gets some width."""
+    if len(centres) == 1:
+        half = 0.5 if parameter(name).integer else 0.05 * abs(float(centres[0])) or 0.5
+        return np.array([centres[0] - half, centres[0] + half])
+    middle = (centres[:-1] + centres[1:]) / 2
+    first, last = 2 * centres[0] - middle[0], 2 * centres[-1] - middle[-1]
+    return np.concatenate([[first], middle, [last]])
+
+
+def colour_bar(
+    ax: Axes, mesh: QuadMesh, finite: Floats, shown: style.Colours, output: Output
+) -> None:
+    """Add the colour bar, labelled at the classes of whole numbers."""
+    norm = shown.norm
+    below = norm.vmin is not None and finite.min() < norm.vmin
+    above = norm.vmax is not None and finite.max() > norm.vmax
+    extend = {(True, True): "both", (True, False): "min", (False, True): "max"}
+    bar = ax.figure.colorbar(
+        mesh,
+        ax=ax,
+        label=style.output_label(output),
+        extend=extend.get((below, above), "neither"),
+        ticks=LogLocator(subs=(1, 2, 5)) if isinstance(norm, LogNorm) else None,
+        format="{x:g}" if isinstance(norm, LogNorm) else None,
+    )
+    if isinstance(norm, LogNorm):
+        bar.ax.minorticks_off()
+    if shown.ticks:
+        bar.set_ticks(list(shown.ticks), labels=list(shown.names))
+        bar.ax.minorticks_off()
+
+
+def contours(
+    ax: Axes,
+    xs: Floats,
+    ys: Floats,
+    values: Floats,
+    levels: int | Sequence[float] | None,
+    norm: Normalize,
+    output: Output,
+) -> None:
+    """Draw labelled contours inside the range of the values."""
+    if min(values.shape) < 2 or (levels is None and output.integer):
+        return
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    if isinstance(levels, int | np.integer) or levels is None:
+        count = 7 if levels is None else int(levels)
+        if count == 0:
+            return
+        logarithmic = isinstance(norm, LogNorm)
+        locator = LogLocator(subs=(1, 2, 5)) if logarithmic else MaxNLocator(count)
+        levels = list(locator.tick_values(low, high))
+    inner = sorted({float(level) for level in levels if low < level < high})
+    if not inner:
+        return
+    masked = np.ma.masked_invalid(values)
+    lines = ax.contour(xs, ys, masked, levels=inner, colors="black", linewidths=0.7)
+    texts = ax.clabel(
+        lines,
+        manual=_label_places(lines),
+        fontsize=8,
+        inline=False,
+        use_clabeltext=True,
+        fmt={level: style.with_unit(level, output.unit) for level in inner},
+    )
+    for text in texts or ():
+        text.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
+
+
+def _label_places(lines: QuadContourSet) -> list[tuple[float, float]]:
+    """Middle of each contour: away from the edges, which would cut the label."""
+    paths = [np.asarray(path.vertices, np.float64) for path in lines.get_paths()]
+    middles = [vertices[len(vertices) // 2] for vertices in paths if len(vertices)]
+    return [(float(x), float(y)) for x, y in middles]
+
+
+def hatch_cells(
+    ax: Axes, codes: NDArray[np.uint8], x_edges: Floats, y_edges: Floats
+) -> list[Patch]:
+    """Hatch the cells of each status, and return the entries for the legend."""
+    entries: list[Patch] = []
+    for code in np.unique(codes[codes > 0]).tolist():
+        area = PathPatch(_runs(codes == code, x_edges, y_edges), facecolor="none")
+        entry = Patch(facecolor=style.NO_VALUE, label=style.wrapped(Status(code).sentence))
+        for patch in (area, entry):
+            patch.set(hatch=style.hatch(code), edgecolor=_INK, linewidth=0.0)
+        ax.add_patch(area)
+        entries.append(entry)
+    return entries
+
+
+def _runs(cells: NDArray[np.bool_], x_edges: Floats, y_edges: Floats) -> Path:
+    """One path around all cells, a rectangle for each run within a row."""
+    padded = np.pad(cells.astype(np.int8), ((0, 0), (1, 1)))
+    change = np.diff(padded, axis=1)
+    rows, first = np.nonzero(change == 1)
+    last = np.nonzero(change == -1)[1]
+    left, right = x_edges[first], x_edges[last]
+    low, high = y_edges[rows], y_edges[rows + 1]
+    corners = [(left, low), (right, low), (right, high), (left, high), (left, low)]
+    points = np.stack([np.stack(corner, axis=-1) for corner in corners], axis=1)
+    codes = np.tile([Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY], len(rows))
+    return Path(points.reshape(-1, 2), codes)

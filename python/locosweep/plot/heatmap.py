@@ -1,0 +1,421 @@
+"""Pictures of a result: heat maps and curves, with units and named gaps."""
+
+from __future__ import annotations
+
+from numbers import Real
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
+
+from locosweep.errors import InputError
+from locosweep.plot import cells, style
+from locosweep.registry import Status, parameter, unknown
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+    from matplotlib.colors import Colormap, Normalize
+    from matplotlib.legend import Legend
+    from numpy.typing import NDArray
+
+    from locosweep.result import Output, Result
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["Plotter"]
+
+_RASTER_FROM = 10_000
+"""Cells from which a heat map is stored as an image inside SVG and PDF."""
+_MOST_CELLS = 600
+"""Cells along an axis that a heat map draws: a picture has no more dots, and each takes memory."""
+
+
+class Plotter:
+    r"""Pictures of one result; ``Result.plot`` makes it.
+
+    Every method draws into `ax`, or into a new figure without one, and returns
+    the axes; ``locosweep.plot.save_figure`` writes them. Nothing is shown, no
+    global setting of matplotlib is read into or changed.
+
+    Examples
+    --------
+    >>> import locosweep as ls
+    >>> r = ls.sweep("mean_velocity", mu_static=0.5, mu_coulomb=0.3,
+    ...              slope_deg=[0, 10, 20, 30], segments=range(2, 9))
+    >>> ax = r.plot.heatmap()
+    >>> ax.get_xlabel(), ax.get_ylabel()
+    ('number of segments of the robot $N$', 'slope of the ground $\\alpha$ [deg]')
+    """
+
+    def __init__(self, result: Result) -> None:
+        self.result = result
+
+    def heatmap(
+        self,
+        x: str | None = None,
+        y: str | None = None,
+        value: str | None = None,
+        *,
+        ax: Axes | None = None,
+        norm: Normalize | str | None = None,
+        cmap: Colormap | str | None = None,
+        levels: int | Sequence[float] | None = None,
+        mark_optimum: bool = True,
+        **at: float,
+    ) -> Axes:
+        r"""Draw an output over two axes; cells without a value are hatched and named.
+
+        Of an axis that is longer than a picture is wide in dots, evenly chosen cells are
+        drawn; colours and the marked optimum are those of all cells.
+
+        Parameters
+        ----------
+        x, y : str, optional
+            Axes of the result; default the last and the one before it, of those
+            that `at` does not fix.
+        value : str, optional
+            Output; default the first.
+        ax : Axes, optional
+            Where to draw.
+        norm : {"linear", "log"} or Normalize, optional
+            Default: classes for whole numbers, else linear, around zero where
+            both signs occur.
+        cmap : str or Colormap, optional
+            Default viridis, or RdBu_r where both signs occur.
+        levels : int or sequence of float, optional
+            How many contours, or which; 0 for none. Default about seven, none
+            for whole numbers.
+        mark_optimum : bool
+            Mark the highest value (not for whole numbers).
+        **at
+            Value of every other axis, as it stands in the axis.
+
+        Returns
+        -------
+        Axes
+
+        Raises
+        ------
+        InputError
+            An unknown or missing axis, output or axis value.
+
+        Examples
+        --------
+        >>> import locosweep as ls
+        >>> r = ls.sweep("best_segments", mu_static=[0.3, 0.4, 0.5], mu_coulomb=[0.2, 0.3],
+        ...              slope_deg=[0, 10, 20])
+        >>> ax = r.plot.heatmap("slope_deg", "mu_static", mu_coulomb=0.3)
+        >>> ax.get_title()
+        '$\\mu_C$ = 0.3'
+        """
+        output = self.result.output(value)
+        x, y = self._two(x, y, at)
+        index, title = self._cut((y, x), at)
+        flip = list(self.result.axes).index(x) < list(self.result.axes).index(y)
+        values, codes = self._slice(output, index)
+        if flip:
+            values, codes = values.T, codes.T
+        (xs, columns), (ys, rows) = (_centres(name, self.result.axes[name]) for name in (x, y))
+        best = _highest(values, rows, columns)
+        place = None if best is None else ((x, float(xs[best[1]])), (y, float(ys[best[0]])))
+        extremes = [float(fold.reduce(values, axis=None)) for fold in (np.fmin, np.fmax)]
+        (xs, columns), (ys, rows) = _drawn(xs, columns), _drawn(ys, rows)
+        values, codes = values[np.ix_(rows, columns)], codes[np.ix_(rows, columns)]
+
+        ax = _new_axes() if ax is None else ax
+        works = np.isfinite(values)
+        finite = values[works]
+        if finite.size:
+            # Cells that are not drawn count for the colours all the same.
+            finite = np.append(finite, extremes)
+        shown = style.colours(finite, integer=output.integer, norm=norm, cmap=cmap)
+        x_edges, y_edges = (cells.edges(n, c) for n, c in ((x, xs), (y, ys)))
+        mesh = ax.pcolormesh(
+            x_edges,
+            y_edges,
+            np.ma.masked_array(values, ~works),
+            norm=shown.norm,
+            cmap=shown.cmap,
+            rasterized=values.size >= _RASTER_FROM,
+        )
+        handles: list[Line2D | Patch] = []
+        if finite.size:
+            cells.colour_bar(ax, mesh, finite, shown, output)
+            cells.contours(ax, xs, ys, values, levels, shown.norm, output)
+        if mark_optimum and place is not None and not output.integer:
+            where = ", ".join(style.setting(name, at_) for name, at_ in place)
+            label = f"highest: {style.with_unit(extremes[1], output.unit)} at {where}"
+            star = ax.plot(place[0][1], place[1][1], "*", ls="none", label=label)[0]
+            star.set(markersize=14, markerfacecolor="white", markeredgecolor="black", clip_on=False)
+            handles.append(star)
+        handles += cells.hatch_cells(ax, codes, x_edges, y_edges)
+        _dress(ax, title, handles)
+        _axis(ax.xaxis, x, xs)
+        _axis(ax.yaxis, y, ys)
+        return ax
+
+    def curves(
+        self,
+        x: str,
+        *,
+        value: str | None = None,
+        by: str | None = None,
+        ax: Axes | None = None,
+        mark_optimum: bool = True,
+        **at: float | Sequence[float],
+    ) -> Axes:
+        r"""Draw an output over one axis, one line for each value of another.
+
+        Parameters
+        ----------
+        x : str
+            Axis of the result.
+        value : str, optional
+            Output; default the first.
+        by : str, optional
+            Axis with one line for each value, at most eight; give some of its
+            values as a sequence, by name, to draw only those.
+        ax : Axes, optional
+            Where to draw.
+        mark_optimum : bool
+            Mark the highest value of each line (not for whole numbers).
+        **at
+            Value of every other axis, as it stands in the axis.
+
+        Returns
+        -------
+        Axes
+
+        Raises
+        ------
+        InputError
+            An unknown or missing axis, output or axis value, or too many lines.
+
+        Examples
+        --------
+        >>> import locosweep as ls
+        >>> r = ls.sweep("mean_velocity", mu_static=0.5, mu_coulomb=0.3,
+        ...              slope_deg=[0, 10, 20, 30], segments=range(2, 9))
+        >>> ax = r.plot.curves("segments", by="slope_deg", slope_deg=[0, 10])
+        >>> ax.get_ylabel()
+        'mean velocity $\\bar v$ [m/s]'
+        """
+        output = self.result.output(value)
+        self._check_axis(x)
+        lines: list[tuple[dict[str, float | Sequence[float]], str]] = [({}, "")]
+        if by is not None:
+            self._check_axis(by)
+            if by == x:
+                raise InputError(f"by is {by}: that axis is already x")
+            lines = [
+                ({by: wanted}, style.setting(by, wanted))
+                for wanted in self._lines(by, at.pop(by, None))
+            ]
+        ax = _new_axes() if ax is None else ax
+        xs, order = _centres(x, self.result.axes[x])
+        whole_x = parameter(x).integer
+        seen: set[int] = set()
+        handles: list[Line2D | Patch] = []
+        title = ""
+        for (extra, label), (colour, dash, marker) in zip(lines, style.LINES, strict=False):
+            index, title = self._cut((x,), {**at, **extra}, hide=by)
+            values, codes = self._slice(output, index)
+            values, codes = values[order], codes[order]
+            seen |= set(np.unique(codes).tolist())
+            line = ax.plot(
+                xs,
+                values,
+                color=colour,
+                linestyle=dash,
+                linewidth=0.8 if whole_x else 1.6,
+                marker=marker if whole_x or len(xs) == 1 else "",
+                markersize=4.5,
+                drawstyle="steps-mid" if output.integer and not whole_x else "default",
+                label=label or output.label,
+            )
+            if by is not None:
+                if not np.isfinite(values).any():
+                    line[0].set_label(f"{label}: no value")
+                handles += line
+            if mark_optimum and not output.integer and np.isfinite(values).any():
+                best = int(np.nanargmax(values))
+                ax.plot(xs[best], values[best], "*", ms=13, mfc=colour, mec="black", ls="none")
+        if mark_optimum and not output.integer and seen & {0}:
+            star = Line2D([], [], marker="*", linestyle="none", label="highest")
+            star.set(markersize=13, markerfacecolor="white", markeredgecolor="black")
+            handles.append(star)
+        gaps = [
+            Line2D([], [], ls="none", label=style.wrapped(f"gap: {Status(code).sentence}"))
+            for code in sorted(seen - {0})
+        ]
+        _dress(ax, title, gaps, handles)
+        _axis(ax.xaxis, x, xs)
+        ax.set_ylabel(style.output_label(output))
+        if output.integer:
+            ax.yaxis.set_major_locator(MaxNLocator(integer=True))
+        ax.grid(visible=True, linewidth=0.4, alpha=0.5)
+        return ax
+
+    def _check_axis(self, name: str) -> None:
+        if name not in self.result.axes:
+            raise unknown("axis", name, self.result.axes)
+
+    def _two(self, x: str | None, y: str | None, at: Mapping[str, object]) -> tuple[str, str]:
+        """Both axes of a heat map, the defaults filled in."""
+        for name in (x, y):
+            if name is not None:
+                self._check_axis(name)
+        free = [name for name in self.result.axes if name not in (x, y, *at)]
+        if len(free) < (x is None) + (y is None):
+            names = ", ".join(self.result.axes) or "none"
+            raise InputError(f"a heat map needs two axes that are not fixed: the axes are {names}")
+        x = free.pop() if x is None else x
+        y = free.pop() if y is None else y
+        if x == y:
+            raise InputError(f"x and y are both {x}: a heat map needs two axes")
+        return x, y
+
+    def _lines(self, by: str, wanted: float | Sequence[float] | None) -> list[float]:
+        axis = self.result.axes[by]
+        some = axis if wanted is None else np.atleast_1d(np.asarray(wanted, dtype=object))
+        places = [_place(by, axis, value) for value in some]
+        if not 1 <= len(places) <= len(style.LINES):
+            most = len(style.LINES)
+            raise InputError(
+                f"{by} would give {len(places)} lines: allowed are 1 to {most}, "
+                f"choose some with {by}=[...]"
+            )
+        return [float(axis[place]) for place in places]
+
+    def _cut(
+        self, keep: tuple[str, ...], at: Mapping[str, object], hide: str | None = None
+    ) -> tuple[tuple[int | slice, ...], str]:
+        """Index of a slice along `keep`, and what it is fixed at, for the title."""
+        axes = self.result.axes
+        for name in at:
+            self._check_axis(name)
+            if name in keep:
+                raise InputError(f"{name} is given, but it is an axis of the picture")
+        missing = [n for n, a in axes.items() if n not in keep and n not in at and len(a) > 1]
+        if missing:
+            text = ", ".join(f"{name}={_few(axes[name], 3)}" for name in missing)
+            raise InputError(f"these axes need one value each: {text}")
+        index: list[int | slice] = []
+        words = []
+        for name, axis in axes.items():
+            if name in keep:
+                index.append(slice(None))
+                continue
+            place = _place(name, axis, at[name]) if name in at else 0
+            index.append(place)
+            if name != hide:
+                words.append(style.setting(name, float(axis[place])))
+        return tuple(index), ", ".join(filter(None, [style.simulated(self.result), *words]))
+
+    def _slice(
+        self, output: Output, index: tuple[int | slice, ...]
+    ) -> tuple[Floats, NDArray[np.uint8]]:
+        values = np.asarray(self.result[output.name][index], np.float64)
+        if np.isfinite(values).all():
+            return values, np.zeros(values.shape, np.uint8)
+        return values, self.result.status_of(output.name)[index]
+
+
+def _new_axes() -> Axes:
+    figure = Figure(figsize=(6.8, 5.0), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure.subplots()
+
+
+def _place(name: str, axis: Floats, wanted: object) -> int:
+    """Index of an axis value that was given as a number."""
+    if isinstance(wanted, bool) or not isinstance(wanted, Real):
+        raise InputError(f"{name} is {wanted!r}: allowed is one number, {_few(axis)}")
+    number = float(wanted)
+    span = np.ptp(axis[np.isfinite(axis)]) if np.isfinite(axis).any() else 0.0
+    near = np.isclose(axis, number, rtol=1e-9, atol=1e-12 * float(span))
+    if not near.any():
+        raise InputError(f"{name} is {number:g}: allowed are the values of that axis, {_few(axis)}")
+    return int(np.argmax(near))
+
+
+def _few(axis: Floats, most: int = 10) -> str:
+    numbers = [f"{value:g}" for value in axis]
+    if len(numbers) > most:
+        numbers = [*numbers[: most - 2], "...", numbers[-1]]
+    return ", ".join(numbers) if most > 3 else "|".join(numbers)
+
+
+def _centres(name: str, axis: Floats) -> tuple[Floats, NDArray[np.intp]]:
+    """Axis values in rising order, and which they were."""
+    if not np.isfinite(axis).all():
+        raise InputError(f"{name} has infinite values: along an axis of a picture allowed are none")
+    return np.unique(axis, return_index=True)
+
+
+def _drawn(centres: Floats, places: NDArray[np.intp]) -> tuple[Floats, NDArray[np.intp]]:
+    """Choose the cells along an axis that are drawn: all, or evenly some with both ends."""
+    if len(centres) <= _MOST_CELLS:
+        return centres, places
+    chosen = np.linspace(0, len(centres) - 1, _MOST_CELLS).round().astype(np.intp)
+    return centres[chosen], places[chosen]
+
+
+def _highest(
+    values: Floats, rows: NDArray[np.intp], columns: NDArray[np.intp]
+) -> tuple[int, int] | None:
+    """Row and column, in rising order of the axes, of the highest value; no copy of all."""
+    tops = np.fmax.reduce(values, axis=1)[rows]
+    if not np.isfinite(tops).any():
+        return None
+    row = int(np.nanargmax(tops))
+    return row, int(np.nanargmax(values[rows[row]][columns]))
+
+
+def _axis(axis: Axis, name: str, values: Floats) -> None:
+    axis.set_label_text(style.axis_label(name))
+    if len(values) == 1:
+        axis.set_ticks(values.tolist())
+    elif parameter(name).integer:
+        axis.set_major_locator(MaxNLocator(integer=True))
+
+
+def _dress(ax: Axes, title: str, below: Sequence[Artist], beside: Sequence[Artist] = ()) -> None:
+    """Title, and legends below and beside the axes, where they cover no data."""
+    if title:
+        ax.set_title(title, fontsize=10)
+    # Below: the distance is in units of the font, room for ticks and label.
+    if below:
+        first = _legend(ax, below, "upper center", (0.5, 0.0), 4.6)
+    if beside:
+        if below:
+            ax.add_artist(first)
+            # Clipped to the axes it would get no room from the layout.
+            first.set_clip_on(False)
+        _legend(ax, beside, "upper left", (1.0, 1.0), 0.5)
+
+
+def _legend(
+    ax: Axes,
+    handles: Sequence[Artist],
+    place: Literal["upper left", "upper center"],
+    anchor: tuple[float, float],
+    distance: float,
+) -> Legend:
+    return ax.legend(
+        handles=handles,
+        loc=place,
+        bbox_to_anchor=anchor,
+        borderaxespad=distance,
+        fontsize=8,
+        handlelength=2.6,
+        frameon=False,
+    )

@@ -1,0 +1,1 @@
+"""Simulated motion: trajectories of one segment, whole robots, replays of measured drives."""

@@ -1,0 +1,164 @@
+"""Replays of measured drives through a nominal or an augmented model."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from locosweep import _core
+from locosweep.engine import whole
+from locosweep.errors import InputError
+from locosweep.registry import unknown
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import polars as pl
+
+    from locosweep.files.robot import Robot
+    from locosweep.files.runs import Run
+    from locosweep.progress import Progress
+
+__all__ = ["effect", "effect_values", "effects", "motor_of", "nominal_of", "replay_runs"]
+
+
+@cache
+def _effects() -> dict[str, _core.Effect]:
+    return {record.name: record for record in _core.effects()}
+
+
+def effects() -> list[_core.Effect]:
+    """List the effects that a nominal model of a measured run may lack.
+
+    Returns
+    -------
+    list of Effect
+        Records with ``name``, ``site`` (friction, drive, body, environment or
+        sensor), ``formula`` (TeX), ``meaning`` and ``parameters``.
+
+    Examples
+    --------
+    >>> import locosweep as ls
+    >>> [e.name for e in ls.effects() if e.site == "sensor"]
+    ['sensor_scale', 'sensor_drift', 'sensor_delay']
+    """
+    return list(_effects().values())
+
+
+def effect(name: str) -> _core.Effect:
+    """Return one effect by name; InputError with the nearest name if unknown."""
+    try:
+        return _effects()[name]
+    except KeyError:
+        raise unknown("effect", name, _effects()) from None
+
+
+def nominal_of(robot: Robot) -> dict[str, float]:
+    """Return the numbers of a robot file that a replay takes.
+
+    Raises
+    ------
+    InputError
+        A number that has no default is missing.
+    """
+    other = robot.other
+    values = {p.name: p.default for p in _core.parameters() if p.default is not None}
+    values.update(robot.parameters)
+    force = other.get("surface.coulomb_force")
+    nominal: dict[str, float] = {
+        "segments": values.get("segments", 1.0),
+        "limit": values["drive_limit"],
+    }
+    for name in ("mass", "gravity", "viscous", "slope_deg", "gain"):
+        nominal[name] = values[name]
+    if force is not None:
+        nominal["coulomb_force"] = float(force)
+    elif "mu_coulomb" in values:
+        nominal["mu_coulomb"] = values["mu_coulomb"]
+    else:
+        raise InputError("the model has no mu_coulomb and no coulomb_force in [surface]")
+    if other.get("bench.kind") == "rotary":
+        nominal["gravity_torque"] = float(other.get("bench.gravity_torque", 0.0))
+    return nominal
+
+
+def motor_of(robot: Robot) -> tuple[float, float] | None:
+    """Return winding resistance and force constant that a file gives in [motor].
+
+    None where it does not: values that nobody stated predict no electric power.
+    """
+    given = robot.parameters
+    if "winding_resistance" not in given or "force_constant" not in given:
+        return None
+    return float(given["winding_resistance"]), float(given["force_constant"])
+
+
+def effect_values(chosen: dict[str, dict[str, float]]) -> np.ndarray:
+    """Return the parameters of all effects, in the registry's order, as one row."""
+    row = np.zeros(_core.effect_parameter_count())
+    for name, parameters in chosen.items():
+        record = effect(name)
+        for i, parameter in enumerate(record.parameters):
+            row[record.first + i] = parameters.get(parameter.name, 0.0)
+    return row
+
+
+def replay_runs(
+    robot: Robot,
+    runs: Sequence[Run],
+    *,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> pl.DataFrame:
+    """Replay runs through a model: what its sensors would read, without noise.
+
+    Parameters
+    ----------
+    robot : Robot
+        The model (`load_robot`), with its effects if it has any.
+    runs : sequence of Run
+        Drives and where the head starts (`locosweep.files.runs.load_runs`).
+    threads : int, optional
+        As in `sweep`.
+    progress : callable, optional
+        As in `sweep`.
+
+    Returns
+    -------
+    polars.DataFrame
+        Columns run, t, x, v, x_rear and force, one row a sample.
+    """
+    import polars as pl
+
+    if not runs:
+        raise InputError("runs is empty: allowed is at least one run")
+    nominal = nominal_of(robot)
+    data = [
+        (
+            run.since_start,
+            run.drive,
+            nominal["slope_deg"] if run.slope_deg is None else run.slope_deg,
+        )
+        for run in runs
+    ]
+    names = list(robot.effects)
+    columns = [(i, 0, run.t.size, names) for i, run in enumerate(runs)]
+    count = len(runs)
+    values = np.tile(effect_values(robot.effects), (count, 1))
+    shares = np.tile([1.0, 1.0, 1.0, 0.0], (count, 1))
+    starts = np.array([run.start for run in runs])
+    workers = _core.threads_to_use(whole("threads", threads))
+    job = _core.Replay({**nominal}, data)
+    x, v, rear, force = job.run(columns, values, shares, starts, workers, progress)
+    return pl.DataFrame(
+        {
+            "run": np.repeat([run.label for run in runs], [run.t.size for run in runs]),
+            "t": np.concatenate([run.t for run in runs]),
+            "x": x,
+            "v": v,
+            "x_rear": rear,
+            "force": force,
+        }
+    )

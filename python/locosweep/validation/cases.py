@@ -1,0 +1,441 @@
+"""Cases of the blind check: a rig, its runs, and what is really going on.
+
+Case `i` is the same whatever the number of cases.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from locosweep.validation.drives import KINDS, Shape, draw_shape, sample_times
+from locosweep.validation.experiment import COARSE, Drive, Experiment, World
+from locosweep.validation.laws import CAUSES, LAWS, OUTSIDE, Cause, Scale, draw_cause
+from locosweep.validation.rigs import Rig, Sensors, draw_rig, draw_sensors, log_uniform
+from locosweep.validation.sizes import ALIKE, Nuisances, rival_distances
+
+if TYPE_CHECKING:
+    from numpy.random import Generator
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["KINDS_OF_CASE", "Case", "absent_of", "draw_case", "scale_of_runs"]
+
+KINDS_OF_CASE = {"none": 0.25, "one": 0.45, "two": 0.15, "outside": 0.15}
+"""Shares of the mixture."""
+_MISMATCH = 1 / 3
+"""Share of single effects that follow another law than their name's."""
+_MOST_SAMPLES = 16000
+"""Of all runs of a case."""
+_LEAST, _MOST = 0.8, 600.0
+"""Sizes outside are drawn anew: an effect that sets in at once cannot be made small."""
+_OPEN = {
+    "payload_mass": "mass",
+    "coulomb_error": "mu_coulomb",
+    "drive_gain_error": "gain",
+    "drive_delay": "clock",
+}
+"""Errors of values: no effect where the nominal file says that the value is uncertain."""
+_NO_SENSORS = Sensors(1.0, 1.0)
+"""Sensors that do not matter yet."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One case, before noise.
+
+    Attributes
+    ----------
+    kind : str
+        Of `KINDS_OF_CASE`.
+    experiment, check : Experiment
+        Runs that the diagnosis gets, and fresh ones of the same reality.
+    world : World
+        What is really going on.
+    truth : dict
+        What is written of it.
+    """
+
+    kind: str
+    experiment: Experiment
+    check: Experiment
+    world: World
+    truth: dict[str, Any] = field(default_factory=dict)
+
+
+def _excess(rig: Rig, slope_deg: float, way: float) -> float:
+    """Drive force that just moves the head from rest."""
+    n = rig.nominal
+    if rig.rotary:
+        return rig.level
+    alpha = np.radians(slope_deg)
+    weight = n["mass"] * n["gravity"]
+    level = n.get("coulomb_force", n.get("mu_coulomb", 0.0) * weight * np.cos(alpha))
+    return float(level + way * weight * np.sin(alpha))
+
+
+def _sized(
+    rig: Rig, shape: Shape, t: Floats, slope_deg: float, way: float, travel: float
+) -> Floats:
+    """Command of a size with which the head travels about so far, back and forth."""
+    least = max(_excess(rig, slope_deg, way), 0.1 * rig.level) / rig.nominal["gain"]
+    low, high = 1.0, 8.0
+    if rig.rotary:
+        high += 3.0 * rig.nominal["gravity_torque"] / rig.level
+    sizes = np.geomspace(low * 1.02, high, 14)
+    drives = [
+        Drive(t, way * least * size * shape.values, slope_deg, (0.0, 0.0), 0) for size in sizes
+    ]
+    read = Experiment(rig, tuple(drives), _NO_SENSORS).read([World()], 5e-4, 1)[0]
+    paths = np.array([np.abs(np.diff(run["x"])).sum() for run in read])
+    size = float(
+        np.exp(
+            np.interp(np.log(travel), np.log(np.maximum.accumulate(paths) + 1e-9), np.log(sizes))
+        )
+    )
+    command: Floats = way * least * size * shape.values
+    return command
+
+
+def _round_command(command: Floats) -> Floats:
+    step = 10.0 ** np.floor(np.log10(max(np.abs(command).max(), 1e-6)) - 3)
+    whole: Floats = np.round(np.round(command / step) * step, 12)
+    return whole
+
+
+def _drives(rng: Generator, rig: Rig, count: int, plan: dict[str, Any]) -> list[Drive]:
+    """Draw the runs of one session."""
+    drives: list[Drive] = []
+    kinds = rng.permutation(np.array(KINDS)).tolist()
+    way = 1.0
+    for i in range(count):
+        duration = plan["duration"] * rng.uniform(0.8, 1.2)
+        t = sample_times(rng, plan["rate"], duration, jitter=plan["jitter"])
+        one_way = plan["mode"] == "forward" or (plan["mode"] == "mixed" and rng.random() < 0.5)
+        shape = draw_shape(rng, kinds[i % len(kinds)], t, one_way=one_way)
+        slope = rig.nominal["slope_deg"]
+        if plan["slopes"]:
+            most = min(10.0, np.degrees(np.arctan(0.6 * rig.nominal["mu_coulomb"])))
+            slope = round(float(rng.uniform(-most, most)), 1)
+        travel = plan["travel"] * log_uniform(rng, 0.4, 2.5)
+        turned = plan["mode"] == "mixed" and one_way and rng.random() < 0.3
+        command = _round_command(_sized(rig, shape, t, slope, -way if turned else way, travel))
+        speed = 0.0
+        if plan["starts_moving"]:
+            speed = float(rng.normal(0.0, 0.2)) * travel / duration * 4.0
+            speed = abs(speed) if plan["mode"] == "forward" else speed
+        start = (float(rng.uniform(-0.5, 0.5)) * plan["offset"], speed)
+        seed = int(rng.integers(2**53))
+        drives.append(Drive(t, command, slope, start, seed, plan["slopes"]))
+    if plan["repeats"] and count > 2:
+        # The same command once more: what differs then is noise.
+        drives[-1] = replace(drives[0], seed=drives[-1].seed)
+    return drives
+
+
+def _plan(rng: Generator, rig: Rig) -> dict[str, Any]:
+    count = int(rng.integers(3, 9))
+    duration = float(rng.uniform(2.0, 8.0))
+    rate = float(rng.choice([50, 100, 125, 200, 250, 400, 500, 1000]))
+    while rate * duration * count > _MOST_SAMPLES and rate > 50:
+        rate /= 2
+    travel = log_uniform(rng, 0.15, 2.0) if rig.rotary else log_uniform(rng, 0.015, 0.4)
+    chances = rng.random(5)
+    return {
+        "count": count,
+        "duration": duration,
+        "rate": rate,
+        "jitter": bool(chances[0] < 0.25),
+        "mode": str(rng.choice(["forward", "both", "mixed"], p=[0.3, 0.35, 0.35])),
+        "slopes": bool(chances[1] < 0.15 and "mu_coulomb" in rig.nominal),
+        "repeats": bool(chances[2] < 0.25),
+        "starts_moving": bool(chances[3] < 0.12),
+        "offset": travel if chances[4] < 0.4 and not rig.rotary else 0.0,
+        "travel": travel,
+    }
+
+
+def scale_of_runs(experiment: Experiment) -> Scale:
+    """Read the scale of a rig off its nominal runs."""
+    rig = experiment.rig
+    n = rig.nominal
+    read = experiment.read([World()], COARSE, 1)[0]
+    weight = (n["segments"] - 1.0) * n["mass"] * n["gravity"]
+    return Scale(
+        level=rig.level,
+        force=float(max(np.abs(d.command).max() for d in experiment.drives) * n["gain"]),
+        mass=n["mass"],
+        grip=weight * float(np.cos(np.radians(n["slope_deg"]))),
+        speed=float(max(np.abs(r["v"]).max() for r in read)),
+        travel=float(np.median([np.ptp(r["x"]) for r in read])),
+        low=float(min(r["x"].min() for r in read)),
+        high=float(max(r["x"].max() for r in read)),
+        duration=float(np.mean([d.t[-1] for d in experiment.drives])),
+        mu=n.get("mu_coulomb", float("nan")),
+    )
+
+
+def absent_of(rig: Rig) -> list[str]:
+    """Causes that have no meaning on a bench."""
+    absent = ["anchor_slip"] if rig.rotary or rig.linear_bench else []
+    return [*absent, "slope_error"] if rig.rotary else absent
+
+
+def _form(rng: Generator, rig: Rig, name: str, *, mismatch: bool) -> str:
+    forms = [form for cause, form in LAWS if cause == name]
+    others = [form for form in forms if form not in ("law", "force")]
+    if mismatch and others:
+        return str(rng.choice(others))
+    if name == "coulomb_error" and "coulomb_force" in rig.nominal:
+        return "force"
+    return forms[0]
+
+
+def _target(rng: Generator, kind: str) -> float:
+    """Size to be reached: from 1 to 300, a good half of them between 3 and 40.
+
+    Of two effects each hides much of the other: both start where one alone is named.
+    """
+    if kind == "two":
+        return log_uniform(rng, 10.0, 300.0)
+    return log_uniform(rng, 3.0, 40.0) if rng.random() < 0.25 else log_uniform(rng, 1.0, 300.0)
+
+
+def _strength(nuisances: Nuisances, cause: Cause, target: float) -> tuple[float, Floats]:
+    """Find the strength at which a cause has a size; as near as it gets."""
+
+    def response(s: float) -> Floats:
+        return nuisances.differences([(cause.effect(s),)])[0]
+
+    # A force sensor sees the shortest delay by a whole sample: none is shorter than 1 ms.
+    shown = cause.name == "drive_delay" and "force" in nuisances.experiment.sensors.channels
+    grid = np.geomspace(5e-3 if shown else 1e-3, 1.0, 7)
+    found = nuisances.differences([(cause.effect(float(s)),) for s in grid])
+    sizes = np.array([np.linalg.norm(f) for f in found])
+    above = np.flatnonzero(sizes >= target)
+    if above.size == 0:
+        best = int(np.argmax(sizes))
+        return float(grid[best]), found[best]
+    at = int(above[0])
+    high, seen = float(grid[at]), found[at]
+    if at == 0 and shown:
+        return high, seen
+    low = float(grid[at - 1]) if at else 1e-6
+    for _ in range(14):
+        if abs(np.linalg.norm(seen) / target - 1.0) < 0.05:
+            break
+        middle = float(np.sqrt(low * high))
+        tried = response(middle)
+        if np.linalg.norm(tried) >= target:
+            high, seen = middle, tried
+        else:
+            low = middle
+    return high, seen
+
+
+def _rounded(parameters: dict[str, float]) -> dict[str, float]:
+    return {name: float(f"{value:.6g}") for name, value in parameters.items()}
+
+
+def _pick(rng: Generator, rig: Rig, channels: tuple[str, ...], count: int) -> list[str]:
+    """Pick causes that the sensors could show."""
+    absent = [*absent_of(rig), *(() if "x_rear" in channels else ("anchor_slip",))]
+    names = [c for c in CAUSES if c not in absent]
+    both = {"transmission_backlash", "transmission_compliance"}
+    left_open = {cause for cause, value in _OPEN.items() if value in rig.uncertainty}
+    while True:
+        picked = [str(name) for name in rng.choice(names, count, replace=False)]
+        if not both <= set(picked) and not left_open & set(picked):
+            return picked
+
+
+def draw_case(seed: int, index: int, *, gap_free: bool = False, threads: int = 1) -> Case:
+    """Draw one case.
+
+    Parameters
+    ----------
+    seed, index : int
+        Of the check and of the case.
+    gap_free : bool
+        A case without a gap and with exactly the nominal values.
+    threads : int
+        For the reality; the case does not depend on it.
+    """
+    rng = np.random.default_rng([seed, int(gap_free), index])
+    kind = str(rng.choice(list(KINDS_OF_CASE), p=list(KINDS_OF_CASE.values())))
+    kind = "none" if gap_free else kind
+    for _ in range(50):
+        case = _try_case(rng, kind, exact=gap_free, threads=threads)
+        if case is not None:
+            return case
+    raise RuntimeError(f"case {index} of seed {seed}: nothing drawn can be seen")
+
+
+def _try_case(rng: Generator, kind: str, *, exact: bool, threads: int) -> Case | None:
+    rig = draw_rig(rng, exact=exact)
+    plan = _plan(rng, rig)
+    drives = _drives(rng, rig, plan["count"], plan)
+    fresh = _drives(rng, rig, 3, {**plan, "repeats": False})
+    blind = Experiment(rig, tuple(drives), _NO_SENSORS)
+    scale = scale_of_runs(blind)
+    if scale.travel < 0.2 * plan["travel"] / 2.5:
+        return None
+    sensors = draw_sensors(rng, rig, scale.travel, scale.speed, scale.force)
+    if kind in ("one", "two") and rng.random() < 0.04 and not rig.rotary and not rig.linear_bench:
+        sensors = replace(sensors, channels=tuple({*sensors.channels, "x_rear"}))
+    experiment = replace(blind, sensors=sensors)
+    check = Experiment(rig, tuple(fresh), sensors)
+    shifts = {name: float(np.clip(rng.normal(), -2.0, 2.0)) for name in rig.uncertainty}
+    truth: dict[str, Any] = {
+        "kind": kind,
+        "plan": plan,
+        "drives": len(drives),
+        "channels": ["x", *sensors.channels],
+        "shifts": shifts,
+        "bench": "rotary" if rig.rotary else "linear" if rig.linear_bench else "robot",
+        "effects": [],
+    }
+    if kind == "none":
+        truth |= {"status": "none", "accepted": [], "d": 0.0}
+        return Case(kind, experiment, check, World(shifts), truth)
+    nuisances = Nuisances(experiment, scale, World(shifts), threads)
+    if kind == "outside":
+        return _outside(rng, Case(kind, experiment, check, World(shifts), truth), nuisances, scale)
+    names = _pick(rng, rig, sensors.channels, 1 if kind == "one" else 2)
+    mismatch = kind == "one" and rng.random() < _MISMATCH
+    forms = [_form(rng, rig, name, mismatch=mismatch) for name in names]
+    causes = [draw_cause(rng, scale, name, form) for name, form in zip(names, forms, strict=True)]
+    chosen, gaps = [], []
+    for cause in causes:
+        strength, gap = _strength(nuisances, cause, _target(rng, kind))
+        name, form, parameters = cause.effect(strength)
+        chosen.append((name, form, _rounded(parameters)))
+        gaps.append(gap)
+    sizes = [float(np.linalg.norm(gap)) for gap in gaps]
+    if min(sizes) < _LEAST or max(sizes) > _MOST:
+        return None
+    world = World(shifts, tuple(chosen))
+    case = Case(kind, experiment, check, world, truth)
+    return (
+        _single(case, nuisances, scale, gaps[0]) if kind == "one" else _pair(case, scale, threads)
+    )
+
+
+def _verdict(own: float, distances: dict[str, float], name: str) -> dict[str, Any]:
+    """Class of causes that the runs cannot tell from the true one.
+
+    A rival counts as the same where it comes within the noise of the true effect, and
+    where the effect follows another law than its name's, where it comes nearer than the
+    name's own law does.
+    """
+    bar = max(ALIKE, own)
+    accepted = [name, *sorted(r for r, left in distances.items() if left < bar and r != name)]
+    others = [left for r, left in distances.items() if r not in accepted]
+    return {"accepted": accepted, "next_rival": min(others, default=float("inf"))}
+
+
+def _single(case: Case, nuisances: Nuisances, scale: Scale, gap: Floats) -> Case:
+    (name, form, parameters) = case.world.effects[0]
+    d = nuisances.size(case.world.effects)
+    absent = absent_of(case.experiment.rig)
+    distances = rival_distances(
+        nuisances, scale, gap, own=case.world.effects[0], absent=absent, most=d
+    )
+    law = form in ("law", "force")
+    found = _verdict(0.0 if law else distances[name], distances, name)
+    entry = {
+        "name": name,
+        "form": form,
+        "parameters": parameters,
+        "d": d,
+        "d_name": min(d, found["next_rival"]),
+        "accepted": found["accepted"],
+        "distances": distances,
+    }
+    truth = {
+        **case.truth,
+        "status": "explained" if len(found["accepted"]) == 1 else "ambiguous",
+        "effects": [entry],
+        "mismatch": not law,
+        "accepted": [[rival] for rival in found["accepted"]],
+        "d": d,
+    }
+    return replace(case, truth=truth)
+
+
+def _pair(case: Case, scale: Scale, threads: int) -> Case:
+    """Sizes and rivals of each of two effects, the other one refitted."""
+    effects, accepted, entries = case.world.effects, [], []
+    nominal = Nuisances(case.experiment, scale, World(case.world.shifts), threads)
+    whole = nominal.differences([effects])[0]
+    absent = absent_of(case.experiment.rig)
+    singles = rival_distances(nominal, scale, whole, absent=absent)
+    accepted += [[rival] for rival, left in sorted(singles.items()) if left < ALIKE]
+    for i, (name, form, parameters) in enumerate(effects):
+        other = effects[1 - i]
+        around = Nuisances(case.experiment, scale, World(case.world.shifts, (other,)), threads)
+        gap = around.differences([(effects[i],)])[0]
+        nudged = other[0], other[1], _nudged(other[2])
+        world = World(case.world.shifts, (nudged,))
+        moved = case.experiment.read([world], COARSE, threads)[0]
+        other_way = around.left(case.experiment.whitened(moved) - around.base)
+        beside = [other_way] if np.linalg.norm(other_way) > 0.0 else []
+        alone = gap - sum((b * (b @ gap) / (b @ b) for b in beside), 0.0)
+        d = min(float(np.linalg.norm(alone)), around.size((effects[i],)))
+        distances = rival_distances(
+            around, scale, gap, own=effects[i], beside=beside, absent=[*absent, other[0]], most=d
+        )
+        found = _verdict(0.0, distances, name)
+        entries.append({
+            "name": name, "form": form, "parameters": parameters, "d": d,
+            "d_name": min(d, found["next_rival"]), "accepted": found["accepted"],
+            "distances": distances,
+        })  # fmt: skip
+    for first in entries[0]["accepted"]:
+        for second in entries[1]["accepted"]:
+            if entries[0]["name"] in (first,) or entries[1]["name"] in (second,):
+                accepted.append([first, second])
+    classes = [entry["accepted"] for entry in entries]
+    plain = all(len(c) == 1 for c in classes) and not any(len(a) == 1 for a in accepted)
+    truth = {
+        **case.truth,
+        "status": "explained" if plain else "ambiguous",
+        "effects": entries,
+        "mismatch": False,
+        "accepted": accepted,
+        "d": nominal.size(effects),
+    }
+    return replace(case, truth=truth)
+
+
+def _nudged(parameters: dict[str, float]) -> dict[str, float]:
+    """Move the first parameter, the one that carries most laws' strength, a little."""
+    first = next(iter(parameters))
+    return {**parameters, first: parameters[first] * 1.01}
+
+
+def _outside(rng: Generator, case: Case, nuisances: Nuisances, scale: Scale) -> Case | None:
+    name = str(rng.choice(OUTSIDE))
+    cause = draw_cause(rng, scale, name, "outside")
+    strength, gap = _strength(nuisances, cause, _target(rng, "outside"))
+    parameters = _rounded(cause.effect(strength)[2])
+    d = nuisances.size(((name, "outside", parameters),))
+    if not _LEAST <= d <= _MOST:
+        return None
+    absent = absent_of(case.experiment.rig)
+    distances = rival_distances(nuisances, scale, gap, absent=absent, most=d)
+    accepted = [[rival] for rival, left in sorted(distances.items()) if left < ALIKE]
+    truth = {
+        **case.truth,
+        "status": "unexplained",
+        "outside": {"name": name, "parameters": parameters, "d": d, "distances": distances},
+        "accepted": accepted,
+        "mismatch": False,
+        "d": d,
+        "d_name": min(d, *distances.values()),
+    }
+    world = World(case.world.shifts, ((name, "outside", parameters),))
+    return replace(case, world=world, truth=truth)

@@ -1,0 +1,149 @@
+"""A whole blind check: draw, seal, diagnose from files, open, judge."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import time
+from concurrent.futures import as_completed
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from locosweep.validation.case_files import SEAL, digest, read_truth, runs_file
+from locosweep.validation.fresh_runs import fresh_shrink
+from locosweep.validation.judge import Judged, judge
+from locosweep.validation.next_run import NextRun, carried_out
+from locosweep.validation.processes import code_digest, pool_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
+
+__all__ = ["Outcome", "carry_out", "diagnose_cases", "judge_cases"]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Where a diagnosis lies and what it cost."""
+
+    name: str
+    seconds: float
+    error: str
+
+
+def _diagnose(folder: Path, kept: Path, seed: int, code: str) -> Outcome:
+    """Diagnose one case from its two files; what is there of the same code is kept."""
+    from locosweep.diagnosis.pipeline import diagnose
+    from locosweep.diagnosis.report.model_file import write_augmented
+
+    runs, nominal = runs_file(folder), folder / "nominal.toml"
+    key = hashlib.sha256(f"{digest(runs)} {digest(nominal)} {seed} {code}".encode()).hexdigest()
+    record = kept / "outcome.json"
+    if record.exists():
+        known = json.loads(record.read_text())
+        if known["key"] == key:
+            return Outcome(folder.name, known["seconds"], known["error"])
+    kept.mkdir(parents=True, exist_ok=True)
+    begin, error = time.process_time(), ""
+    try:
+        found = diagnose(runs, nominal, seed=seed, threads=1)
+    except Exception as problem:
+        # What a diagnosis fails with is a verdict on it, not on the check.
+        error = f"{type(problem).__name__}: {' '.join(str(problem).split())}"[:300]
+    seconds = time.process_time() - begin
+    if not error:
+        (kept / "report.json").write_text(json.dumps(found.report, allow_nan=False))
+        write_augmented(found.augmented, kept / "augmented.toml", nominal.read_text())
+    record.write_text(json.dumps({"key": key, "seconds": seconds, "error": error}))
+    return Outcome(folder.name, seconds, error)
+
+
+def diagnose_cases(
+    out: Path,
+    names: Sequence[str],
+    *,
+    seed: int = 0,
+    processes: int = 1,
+    progress: Callable[[int, int], object] | None = None,
+) -> list[Outcome]:
+    """Diagnose sealed cases; they must have been sealed before."""
+    if not (out / SEAL).exists():
+        raise FileNotFoundError(out / SEAL)
+    code = code_digest("diagnosis", "files.py", "measured.py", "replay.py", engine=True)
+    found: dict[str, Outcome] = {}
+    with pool_of(processes) as pool:
+        waiting = [
+            pool.submit(_diagnose, out / name, out / "diagnoses" / name, seed, code)
+            for name in names
+        ]
+        for done, future in enumerate(as_completed(waiting), 1):
+            outcome = future.result()
+            found[outcome.name] = outcome
+            if progress is not None:
+                progress(done, len(waiting))
+    return [found[name] for name in names]
+
+
+def _judge(out: Path, outcome: Outcome) -> Judged:
+    truth = read_truth(out, outcome.name)
+    kept = out / "diagnoses" / outcome.name
+    if outcome.error:
+        return judge(truth, None, seconds=outcome.seconds, error=outcome.error)
+    report: dict[str, Any] = json.loads((kept / "report.json").read_text())
+    fresh = None
+    if report["verdict"]["status"] in ("explained", "ambiguous") and truth["kind"] != "none":
+        fresh = fresh_shrink(
+            out / "sealed" / outcome.name / "check.csv",
+            out / outcome.name / "nominal.toml",
+            kept / "augmented.toml",
+            report["gap"]["channel"] or "x",
+            truth,
+        )
+    return judge(truth, report, fresh=fresh, seconds=outcome.seconds)
+
+
+def judge_cases(out: Path, outcomes: Sequence[Outcome]) -> list[Judged]:
+    """Open the truths, after the last diagnosis, and judge each.
+
+    Raises
+    ------
+    DataFileError
+        A truth is not what was sealed.
+    """
+    return [_judge(out, outcome) for outcome in outcomes]
+
+
+def _carry_out(out: Path, name: str, seed: int) -> NextRun | None:
+    report = json.loads((out / "diagnoses" / name / "report.json").read_text())
+    return carried_out(name, seed, int(name.rpartition("_")[2]), report)
+
+
+def carry_out(
+    out: Path,
+    judged: Sequence[Judged],
+    seed: int,
+    count: int,
+    *,
+    processes: int = 1,
+    progress: Callable[[int, int], object] | None = None,
+) -> list[Judged]:
+    """Carry out the run that a report proposes, of the first `count` that propose one.
+
+    Only where a class of one effect holds the true one and others.
+    """
+    names = [c.case for c in judged if c.kind == "one" and c.status == "ambiguous" and c.right]
+    found: dict[str, NextRun] = {}
+    with pool_of(processes) as pool:
+        waiting = [pool.submit(_carry_out, out, name, seed) for name in names[:count]]
+        for done, future in enumerate(as_completed(waiting), 1):
+            run = future.result()
+            if run is not None:
+                found[run.case] = run
+            if progress is not None:
+                progress(done, len(waiting))
+    return [
+        replace(c, next_resolves=found[c.case].resolves, next_possible=found[c.case].possible)
+        if c.case in found
+        else c
+        for c in judged
+    ]

@@ -1,0 +1,69 @@
+"""Drawing of many cases into a folder, over processes."""
+
+from __future__ import annotations
+
+import json
+from concurrent.futures import as_completed
+from typing import TYPE_CHECKING
+
+from locosweep.validation.case_files import case_name, seal, write_case
+from locosweep.validation.cases import draw_case
+from locosweep.validation.processes import code_digest, pool_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+__all__ = ["draw_cases"]
+
+_DRAWING = (
+    "casefiles",
+    "cases",
+    "drives",
+    "experiment",
+    "lawbook",
+    "laws",
+    "laws_drive",
+    "laws_friction",
+    "laws_outside",
+    "laws_rest",
+    "rigs",
+    "rivals",
+    "sizes",
+)
+"""Modules that say what a case is: when others change, drawn cases stay."""
+
+
+def _draw(seed: int, index: int, gap_free: bool, out: Path, code: str) -> str:
+    name = case_name(index, gap_free=gap_free)
+    record = out / "sealed" / name / "drawn.json"
+    key = {"seed": seed, "index": index, "gap_free": gap_free, "code": code}
+    if not record.exists() or json.loads(record.read_text()) != key:
+        case = draw_case(seed, index, gap_free=gap_free)
+        write_case(case, name, out, [seed, int(gap_free), index])
+        record.write_text(json.dumps(key))
+    return name
+
+
+def draw_cases(
+    out: Path,
+    cases: int,
+    seed: int,
+    *,
+    gap_free: int = 0,
+    processes: int = 1,
+    progress: Callable[[int, int], object] | None = None,
+) -> list[str]:
+    """Draw cases into a folder and seal their truths; those that are there are kept."""
+    wanted = [(i, False) for i in range(cases)] + [(i, True) for i in range(gap_free)]
+    modules = (f"blindcheck/{name}.py" for name in _DRAWING)
+    code = code_digest(*modules, engine=False)
+    with pool_of(processes) as pool:
+        waiting = [pool.submit(_draw, seed, i, free, out, code) for i, free in wanted]
+        for done, future in enumerate(as_completed(waiting), 1):
+            future.result()
+            if progress is not None:
+                progress(done, len(waiting))
+    names = [case_name(i, gap_free=free) for i, free in wanted]
+    seal(out, names)
+    return names

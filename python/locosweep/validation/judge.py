@@ -1,0 +1,261 @@
+"""One verdict against one truth."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, field
+from typing import Any
+
+from locosweep.simulation.replay import effects
+
+__all__ = ["CONTAINS", "SURE_TWIN", "Judged", "judge"]
+
+SURE_TWIN = 2.0
+"""A rival nearer than this many standard deviations cannot be told from the truth."""
+
+CONTAINS = {
+    "coulomb_error": {
+        "friction_drift",
+        "direction_dependent_friction",
+        "position_dependent_friction",
+        "stribeck_friction",
+    },
+    "slope_error": {"direction_dependent_friction"},
+    "drive_gain_error": {"supply_sag"},
+}
+"""Wider effects that have the key as a limit: not rivals of it."""
+
+_PRIMARY = {
+    "direction_dependent_friction": ("F_c_forward", "F_c_backward"),
+    "stribeck_friction": ("F_s", "v_s"),
+    "position_dependent_friction": ("a", "L"),
+    "friction_drift": ("a", "T"),
+    "supply_sag": ("a", "T"),
+    "presliding_compliance": ("sigma0",),
+    "transmission_backlash": ("b",),
+    "transmission_compliance": ("k",),
+    "anchor_slip": ("mu_static", "mu_coulomb"),
+}
+"""Parameters that are judged, where not all of them are."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What came out for one case.
+
+    Attributes
+    ----------
+    case, kind, family : str
+        Folder, kind of case, and what is true of it in a word (an effect's name,
+        two joined by a plus, a disturbance, or none).
+    mode : str
+        How the head is driven: forward, both or mixed.
+    d, d_name : float
+        Size of what is there, and of what sets it apart from other causes.
+    mismatch : bool
+        Whether the true effect follows another law than its name's.
+    alone : bool
+        Whether the data leave the true effects as the only explanation.
+    twin : bool
+        Whether a rival is too near to be told apart.
+    said : str
+        The verdict in a word, in the same form as `family`.
+    status : str
+        Of the verdict; ``error`` where there was none.
+    probability : float
+        That the verdict states.
+    right : bool
+        Whether it is right, up to what the data can tell.
+    one_right : bool
+        Whether at least one of the true effects is named.
+    exact : bool
+        Whether the true names stand there, alone in their classes.
+    site_right, window_share : bool or None, float or None
+        Site of the first effect; share of the gap in the windows named, of what as
+        much time could hold.
+    parameters : tuple of float
+        Relative errors of the true effect's parameters.
+    claimed, interval, fresh : float or None
+        Shrink that the report claims, its interval, and the one on fresh runs.
+    seconds : float
+        Processor time of the diagnosis.
+    error : str
+        Why there is no report.
+    next_resolves, next_possible : bool or None
+        Whether the proposed run tells the true effect from its rivals, and whether any
+        run of the menu does; None where that was not tried.
+    """
+
+    case: str
+    kind: str
+    family: str
+    mode: str = "both"
+    d: float = 0.0
+    d_name: float = 0.0
+    mismatch: bool = False
+    alone: bool = True
+    twin: bool = False
+    said: str = "none"
+    status: str = "none"
+    probability: float = 0.0
+    right: bool = False
+    one_right: bool = False
+    exact: bool = False
+    named: bool = False
+    single_name: bool = False
+    site_right: bool | None = None
+    window_share: float | None = None
+    parameters: tuple[float, ...] = ()
+    claimed: float | None = None
+    interval: tuple[float, float] | None = None
+    fresh: float | None = None
+    seconds: float = float("nan")
+    error: str = ""
+    channels: tuple[str, ...] = field(default=("x",))
+    next_resolves: bool | None = None
+    next_possible: bool | None = None
+
+
+def _covers(classes: list[list[str]], names: list[str]) -> bool:
+    """Whether each name lies in a class of its own."""
+    if len(classes) != len(names):
+        return False
+    return any(
+        all(name in members for name, members in zip(order, classes, strict=True))
+        for order in itertools.permutations(names)
+    )
+
+
+def _right(truth: dict[str, Any], verdict: dict[str, Any]) -> bool:
+    names = [effect["name"] for effect in truth["effects"]]
+    said, classes = verdict["effects"], verdict["equivalent"]
+    status = verdict["status"]
+    if truth["kind"] == "none":
+        return bool(status == "none")
+    if status not in ("explained", "ambiguous"):
+        return bool(truth["kind"] == "outside" and status == "unexplained")
+    accepted = [sorted(a) for a in truth["accepted"]]
+    if sorted(said) in accepted:
+        return True
+    return bool(names) and _covers(classes, names)
+
+
+def _one_right(truth: dict[str, Any], verdict: dict[str, Any]) -> bool:
+    found = set(verdict["effects"]).union(*map(set, verdict["equivalent"]))
+    return any({e["name"], *e["accepted"]} & found for e in truth["effects"])
+
+
+def _twin(truth: dict[str, Any], said: list[str]) -> bool:
+    """Whether a cause that is not named copies a single effect's gap as well.
+
+    Of what is named where that is one effect, else of the true one.
+    """
+    if truth["kind"] != "one":
+        return False
+    effect = truth["effects"][0]
+    name = said[0] if len(said) == 1 else effect["name"]
+    wider = CONTAINS.get(name, set()) if truth["plan"]["mode"] != "forward" else set()
+    return any(
+        left is not None and left < SURE_TWIN and rival != name and rival not in wider
+        for rival, left in effect["distances"].items()
+    )
+
+
+def _errors(truth: dict[str, Any], report: dict[str, Any]) -> tuple[float, ...]:
+    """Relative errors of parameters, where the true effects were named and have the law."""
+    names = sorted(e["name"] for e in truth["effects"])
+    if not names or any(e["form"] not in ("law", "force") for e in truth["effects"]):
+        return ()
+    rows = [c for c in report["candidates"] if sorted(c["effects"]) == names]
+    if not rows or sorted(report["verdict"]["effects"]) != names:
+        return ()
+    errors = []
+    for effect in truth["effects"]:
+        found = rows[0]["parameters"].get(effect["name"], {})
+        known = effect["parameters"]
+        for name in _PRIMARY.get(effect["name"], tuple(known)):
+            value = found.get(name, {}).get("value")
+            if value is not None and known.get(name):
+                errors.append(abs(value - known[name]) / abs(known[name]))
+    return tuple(errors)
+
+
+def window_share(truth: dict[str, Any], report: dict[str, Any]) -> float | None:
+    """Share of the gap that lies in the windows named, of what as much time could hold."""
+    cells = truth.get("gap_cells")
+    windows = report["where"]["windows"]
+    if not cells or not windows:
+        return None
+    # Cells are (run, start, end, squared gap): those that a window covers count by their part.
+    held = covered = 0.0
+    for run, start, end, square in cells:
+        part = 0.0
+        for window in windows:
+            if window["run"] == run:
+                part += max(0.0, min(end, window["t1"]) - max(start, window["t0"]))
+        part = min(part, end - start)
+        held += square * part / (end - start)
+        covered += part
+    best = time = 0.0
+    for _, start, end, square in sorted(cells, key=lambda cell: -cell[3] / (cell[2] - cell[1])):
+        part = min(end - start, max(0.0, covered - time))
+        best += square * part / (end - start)
+        time += part
+    return held / best if best > 0.0 else None
+
+
+def judge(
+    truth: dict[str, Any],
+    report: dict[str, Any] | None,
+    *,
+    fresh: float | None = None,
+    seconds: float = float("nan"),
+    error: str = "",
+) -> Judged:
+    """Judge one report; `None` with an `error` where the diagnosis gave none."""
+    names = [effect["name"] for effect in truth["effects"]]
+    outside = truth.get("outside", {}).get("name")
+    common: dict[str, Any] = {
+        "case": truth["case"],
+        "kind": truth["kind"],
+        "family": outside or "+".join(names) or "none",
+        "mode": truth["plan"]["mode"],
+        "d": float(truth["d"]),
+        "d_name": float(
+            min([e["d_name"] for e in truth["effects"]], default=truth.get("d_name", 0.0))
+        ),
+        "mismatch": bool(truth.get("mismatch")),
+        "alone": len(truth["accepted"]) == 1 and bool(names),
+        "twin": _twin(truth, report["verdict"]["effects"] if report else []),
+        "seconds": seconds,
+        "channels": tuple(truth["channels"]),
+    }
+    if report is None:
+        return Judged(**common, said="error", status="error", error=error or "no report")
+    verdict = report["verdict"]
+    status, said = verdict["status"], verdict["effects"]
+    named = status in ("explained", "ambiguous")
+    site = None
+    if names and named:
+        sites = {record.name: record.site for record in effects()}
+        known = {sites[a] for e in truth["effects"] for a in e["accepted"]}
+        site = report["where"]["site"] in known
+    interval = report["gap"]["shrink_ci"]
+    return Judged(
+        **common,
+        said="+".join(said) if named else status,
+        status=status,
+        probability=float(verdict["probability"] or 0.0),
+        right=_right(truth, verdict),
+        one_right=named and _one_right(truth, verdict),
+        exact=sorted(said) == sorted(names) and all(len(c) == 1 for c in verdict["equivalent"]),
+        named=named,
+        single_name=named and len(said) == 1 and len(verdict["equivalent"][0]) == 1,
+        site_right=site,
+        window_share=window_share(truth, report) if truth["kind"] != "none" else None,
+        parameters=_errors(truth, report),
+        claimed=report["gap"]["shrink"] if named else None,
+        interval=tuple(interval) if named and interval and None not in interval else None,
+        fresh=fresh,
+        error=error,
+    )

@@ -1,0 +1,169 @@
+"""The next experiment carried out in the reality, and whether it tells rivals apart.
+
+Every run of the menu is simulated beside the runs of the case. It tells the true effect
+from the others of its class where each of these, refitted, leaves at least `ALIKE`
+deviations of what all runs together show, beside what the true effect's own law leaves. It
+is carried out once, however often the report asks for it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from locosweep.diagnosis.design.menu import FORCE_NOISE, MENU, PAYLOAD
+from locosweep.files.runs import Run
+from locosweep.validation.cases import absent_of, draw_case, scale_of_runs
+from locosweep.validation.experiment import COARSE, Drive, Experiment, Readings, World
+from locosweep.validation.sizes import ALIKE, Nuisances, rival_distances
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from locosweep.validation.cases import Case
+    from locosweep.validation.experiment import Effect
+
+__all__ = ["NextRun", "carried_out"]
+
+
+@dataclass(frozen=True)
+class NextRun:
+    """What a proposed run would have told.
+
+    Attributes
+    ----------
+    case : str
+        The case.
+    proposed : str
+        Run of the menu that the report proposes; empty where it says that none would do.
+    resolves : bool
+        Whether that run tells the true effect from every other one of its class.
+    possible : bool
+        Whether any run of the menu does.
+    """
+
+    case: str
+    proposed: str
+    resolves: bool
+    possible: bool
+
+
+@dataclass(frozen=True)
+class _Longer(Experiment):
+    """Runs and one more, which may be of a heavier or turned robot, or read a force."""
+
+    heavier: bool = False
+    turned: bool = False
+    reads_force: bool = False
+
+    def read(self, worlds: Sequence[World], step: float, threads: int) -> list[list[Readings]]:
+        """Run all drives in all worlds, the last one in its own way."""
+        rig = self.rig
+        if self.heavier:
+            rig = replace(rig, nominal={**rig.nominal, "mass": PAYLOAD * rig.nominal["mass"]})
+        extra = Experiment(rig, self.drives[-1:], self.sensors)
+        last = list(worlds)
+        if self.turned:
+            last = [replace(w, effects=tuple(map(_turned, w.effects))) for w in worlds]
+        if self.heavier and "mu_coulomb" in self.rig.nominal:
+            more = (PAYLOAD - 1.0) * self.rig.level
+            last = [replace(w, effects=tuple(_loaded(e, more) for e in w.effects)) for w in last]
+        before = Experiment(self.rig, self.drives[:-1], self.sensors).read(worlds, step, threads)
+        after = extra.read(last, step, threads)
+        if self.reads_force:
+            for runs in before:
+                for run in runs:
+                    run["force"] = np.zeros_like(run["x"])
+        return [[*a, *b] for a, b in zip(before, after, strict=True)]
+
+
+def _turned(effect: Effect) -> Effect:
+    """Return an effect as it is on a robot that was turned round."""
+    name, form, values = effect
+    if name != "slope_error":
+        return effect
+    return name, form, {k: -v if k == "d_alpha_deg" else v for k, v in values.items()}
+
+
+def _loaded(effect: Effect, more: float) -> Effect:
+    """Return an effect as it is where a payload makes the Coulomb level higher.
+
+    Levels of friction are given at the known mass: what they add to it stays.
+    """
+    name, form, values = effect
+    if not {"F_s", "F_c_forward", "F_c_backward"} & set(values):
+        return effect
+    return name, form, {k: v + more if k.startswith("F_") else v for k, v in values.items()}
+
+
+def _longer(case: Case, name: str) -> _Longer | None:
+    """Return the runs of a case with one more of the menu; None where it has no meaning."""
+    experiment = case.experiment
+    rig, sensors = experiment.rig, experiment.sensors
+    if rig.rotary and name in ("turn round", "incline"):
+        return None
+    force = name == "force sensor"
+    if force and "force" in sensors.channels:
+        return None
+    read = experiment.read([case.world], COARSE, 1)[0]
+    far = int(np.argmax([np.ptp(run["x"]) for run in read]))
+    drive = experiment.drives[far]
+    pattern = Run("next", drive.t, drive.command, {"x": read[far]["x"]}, drive.slope_deg)
+    change = next(change for known, change, _ in MENU if known == name)
+    run = change(pattern, rig.nominal["slope_deg"])
+    slope = drive.slope_deg if run.slope_deg is None else run.slope_deg
+    new = Drive(run.since_start, run.drive, slope, (drive.start[0], 0.0), drive.seed, True)
+    if force:
+        largest = float(np.abs(drive.command).max()) * rig.nominal["gain"]
+        sensors = replace(
+            sensors, channels=(*sensors.channels, "force"), force_noise=FORCE_NOISE * largest
+        )
+    return _Longer(
+        rig,
+        (*experiment.drives, new),
+        sensors,
+        heavier=name == "payload",
+        turned=name == "turn round",
+        reads_force=force,
+    )
+
+
+def _nearest(case: Case, name: str, rivals: Sequence[str]) -> float:
+    """Distance of the nearest rival over the runs so far and one more, in deviations.
+
+    Where the true effect follows another law than its name's, that name leaves something
+    as well: what rivals leave more counts.
+    """
+    longer = _longer(case, name)
+    if longer is None:
+        return 0.0
+    scale = scale_of_runs(case.experiment)
+    nuisances = Nuisances(longer, scale, World(case.world.shifts), 1)
+    gap = nuisances.differences([case.world.effects])[0]
+    every = set(absent_of(case.experiment.rig))
+    found = rival_distances(nuisances, scale, gap, absent=sorted(every))
+    true, form, _ = case.world.effects[0]
+    own = 0.0 if form in ("law", "force") else found[true]
+    nearest = min((found[rival] for rival in rivals if rival in found), default=0.0)
+    return float(np.sqrt(max(nearest**2 - own**2, 0.0)))
+
+
+def carried_out(name: str, seed: int, index: int, report: dict[str, Any]) -> NextRun | None:
+    """Carry out all runs of the menu for an ambiguous verdict on one effect.
+
+    None where there is nothing to tell apart: no class, or one without the true effect.
+    """
+    verdict, planned = report["verdict"], report["next_experiment"]
+    if verdict["status"] != "ambiguous" or len(verdict["equivalent"]) != 1:
+        return None
+    case = draw_case(seed, index)
+    true = [effect for effect, _, _ in case.world.effects]
+    members = verdict["equivalent"][0]
+    if len(true) != 1 or true[0] not in members or len(members) < 2:
+        return None
+    rivals = [member for member in members if member != true[0]]
+    resolving = {run for run, _, _ in MENU if _nearest(case, run, rivals) >= ALIKE}
+    proposed = planned["menu"][0]["run"] if planned.get("possible") else ""
+    return NextRun(name, proposed, proposed in resolving, bool(resolving))

@@ -1,0 +1,273 @@
+"""How large a cause is on given runs, and which other causes look the same there.
+
+Sizes are lengths of whitened vectors, in standard deviations of the noise, after what
+a fit may shift freely is projected out: start offset and start velocity of each run,
+and uncertain nominal values within their standard deviations.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from locosweep.validation.experiment import COARSE, Experiment, World
+from locosweep.validation.laws import CAUSES, Scale
+from locosweep.validation.rivals import LENGTHS, Rival, rivals_of, waves_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from locosweep.validation.experiment import Effect
+
+    Floats = NDArray[np.float64]
+
+__all__ = ["ALIKE", "Nuisances", "rival_distances"]
+
+ALIKE = 3.0
+"""Causes nearer than this cannot be told apart."""
+_RIGID = {
+    "transmission_backlash": "transmission_compliance",
+    "transmission_compliance": "transmission_backlash",
+}
+"""Causes that are one where nothing gives way: a mass more on the side of the drive."""
+_WAVES = "position_dependent_friction"
+_FINER = 4
+"""Times that lengths on either side of the best one are tried."""
+_NO_PLAY = 1e-9
+_SMALL = 0.1
+"""Standard deviations by which uncertain values are moved for their sensitivities."""
+_STEPS = 6
+_FURTHEST = 8.0
+"""Standard deviations that an uncertain value is shifted by, at most."""
+
+
+class Nuisances:
+    """What is projected out of differences between worlds.
+
+    Parameters
+    ----------
+    experiment : Experiment
+        Rig and drives.
+    scale : Scale
+        Speeds for the nudges.
+    world : World
+        Where the sensitivities are taken.
+    threads : int
+        For the reality.
+    """
+
+    def __init__(self, experiment: Experiment, scale: Scale, world: World, threads: int) -> None:
+        self.experiment, self.world, self.threads = experiment, world, threads
+        nudge = 0.01 * scale.speed
+        names = list(experiment.rig.uncertainty)
+        worlds = [world, World(world.shifts, world.effects, nudge)]
+        for name in names:
+            shifts = {**world.shifts, name: world.shifts.get(name, 0.0) + _SMALL}
+            worlds.append(World(shifts, world.effects))
+        read = experiment.read(worlds, COARSE, threads)
+        self.base = experiment.whitened(read[0])
+        moved = (experiment.whitened(read[1]) - self.base) / nudge
+        self._runs = list(self._bases(moved))
+        columns = [(experiment.whitened(r) - self.base) / _SMALL for r in read[2:]]
+        self._count = len(columns)
+        self._prior = np.zeros((self.base.size + self._count, 0))
+        if columns:
+            # A standard deviation costs as much as one of the noise.
+            stacked = np.array([self._per_run(c) for c in columns]).T
+            self._prior = np.linalg.qr(np.vstack([stacked, np.eye(self._count)]))[0]
+
+    def _bases(self, moved: Floats) -> list[tuple[slice, Floats]]:
+        """Directions of start offset and start velocity, run by run."""
+        bases, at = [], 0
+        channels = ("x", *self.experiment.sensors.channels)
+        for drive in self.experiment.drives:
+            size = drive.t.size * len(channels)
+            place = slice(at, at + size)
+            offset = np.zeros(size)
+            offset[: drive.t.size] = 1.0
+            columns = [offset]
+            if np.linalg.norm(moved[place]) > 0.0:
+                columns.append(moved[place])
+            bases.append((place, np.linalg.qr(np.array(columns).T)[0]))
+            at += size
+        return bases
+
+    def _per_run(self, vector: Floats) -> Floats:
+        vector = vector.copy()
+        for place, basis in self._runs:
+            part = vector[place]
+            vector[place] = part - basis @ (basis.T @ part)
+        return vector
+
+    def left(self, vector: Floats) -> Floats:
+        """Project a whitened difference."""
+        whole = np.concatenate([self._per_run(vector), np.zeros(self._count)])
+        left: Floats = whole - self._prior @ (self._prior.T @ whole)
+        return left
+
+    def size(self, effects: tuple[Effect, ...]) -> float:
+        """Measure what effects, added to the world's own, change, beyond first order.
+
+        Uncertain values that take an effect up bend on the way: they are shifted step by
+        step, where `differences` shifts them along their sensitivities at the world's own.
+        """
+        world = World(self.world.shifts, (*self.world.effects, *effects))
+        read = self.experiment.read([world], COARSE, self.threads)[0]
+        seen = self._per_run(self.experiment.whitened(read))
+        names = list(self.experiment.rig.uncertainty)
+        moved = np.zeros(len(names))
+        best = float(np.linalg.norm(seen - self._per_run(self.base)))
+        for _ in range(_STEPS if names else 0):
+            at = [moved, *(moved + _SMALL * row for row in np.eye(len(names)))]
+            reads = self.experiment.read(
+                [self._shifted(names, m) for m in at], COARSE, self.threads
+            )
+            here, *near = (self._per_run(self.experiment.whitened(r)) for r in reads)
+            rest = np.concatenate([seen - here, -moved])
+            columns = np.vstack([(np.array(near) - here).T / _SMALL, np.eye(len(names))])
+            if not np.isfinite(columns).all():
+                break
+            best = min(best, float(np.linalg.norm(rest)))
+            step = np.linalg.lstsq(columns, rest, rcond=None)[0]
+            moved = np.clip(moved + step, -_FURTHEST, _FURTHEST)
+        return best
+
+    def _shifted(self, names: Sequence[str], moved: Floats) -> World:
+        shifts = dict(self.world.shifts)
+        for name, far in zip(names, moved.tolist(), strict=True):
+            shifts[name] = shifts.get(name, 0.0) + far
+        return World(shifts, self.world.effects)
+
+    def differences(self, effects: Sequence[tuple[Effect, ...]]) -> list[Floats]:
+        """Return what sets of effects, added to the world's own, change; projected."""
+        worlds = [World(self.world.shifts, (*self.world.effects, *added)) for added in effects]
+        read = self.experiment.read(worlds, COARSE, self.threads)
+        return [self.left(self.experiment.whitened(r) - self.base) for r in read]
+
+
+def rival_distances(
+    nuisances: Nuisances,
+    scale: Scale,
+    gap: Floats,
+    *,
+    own: Effect | None = None,
+    beside: Sequence[Floats] = (),
+    absent: Sequence[str] = (),
+    most: float = np.inf,
+) -> dict[str, float]:
+    """Measure how near each cause, refitted, comes to a gap.
+
+    Parameters
+    ----------
+    nuisances : Nuisances
+        At the world that the rivals are added to.
+    scale : Scale
+        Of the rig.
+    gap : ndarray
+        The projected difference that rivals try to copy.
+    own : tuple of str, str and dict, optional
+        The effect that makes it.
+    beside : sequence of ndarray
+        Projected sensitivities of effects that stay and are refitted as well.
+    absent : sequence of str
+        Causes that have no meaning on the rig, or are already in the world.
+    most : float
+        Size of the gap by a refit beyond first order: no rival leaves more.
+
+    Returns
+    -------
+    dict of str to float
+        What each cause leaves of the gap, in standard deviations.
+    """
+    as_force = bool(np.isnan(scale.mu))
+    atoms = [a for a in rivals_of(scale, as_force=as_force) if a.cause not in absent]
+    basis = np.linalg.qr(np.array(beside).T)[0] if len(beside) else np.zeros((gap.size, 0))
+
+    def off(vector: Floats) -> Floats:
+        left: Floats = vector - basis @ (basis.T @ vector)
+        return left
+
+    gap = off(gap)
+    size = float(np.linalg.norm(gap))
+    best: dict[str, float] = {cause: min(size, most) for cause in CAUSES if cause not in absent}
+    if size == 0.0:
+        return best
+
+    def responses(strengths: list[tuple[Rival, float]]) -> list[Floats]:
+        effects = [(atom.effect(s, as_force=as_force),) for atom, s in strengths]
+        return [off(d) for d in nuisances.differences(effects)]
+
+    if own and own[0] in _RIGID:
+        stiff = {"b": _NO_PLAY * scale.travel, "m_d": own[2]["m_d"]}
+        rigid = nuisances.differences([(("transmission_backlash", "law", stiff),)])[0]
+        cause = _RIGID[own[0]]
+        best[cause] = min(best[cause], float(np.linalg.norm(gap - off(rigid))))
+    left = _refitted(atoms, gap, responses)
+    if _WAVES not in absent:
+        _between(left, lambda finer: _refitted(finer, gap, responses))
+    for atom, rest in left.items():
+        best[atom.cause] = min(best[atom.cause], rest)
+    return best
+
+
+def _between(
+    left: dict[Rival, float], refitted: Callable[[list[Rival]], dict[Rival, float]]
+) -> None:
+    """Look between the lengths of waves, nearer and nearer the best one."""
+    factor = LENGTHS[1] / LENGTHS[0]
+    for _ in range(_FINER):
+        waves = {atom.length: rest for atom, rest in left.items() if atom.length}
+        if not waves:
+            return
+        length = min(waves, key=lambda at: waves[at])
+        if waves[length] < ALIKE:
+            return
+        factor = factor**0.4
+        left |= refitted([a for at in (length / factor, length * factor) for a in waves_of(at)])
+
+
+def _refitted(
+    atoms: Sequence[Rival],
+    gap: Floats,
+    responses: Callable[[list[tuple[Rival, float]]], list[Floats]],
+) -> dict[Rival, float]:
+    """Refit the strength of every rival that can be seen; return what each leaves of a gap."""
+    size = float(np.linalg.norm(gap))
+    start = 0.01
+    strength: dict[Rival, float] = {}
+    for atom, seen in zip(atoms, responses([(a, start) for a in atoms]), strict=True):
+        norm = float(np.linalg.norm(seen))
+        # As strong as the gap, as far as one may take the response to be straight.
+        if norm > 0.0:
+            strength[atom] = start * float(np.clip(size / norm, 1e-3, 30.0))
+    visible = list(strength)
+    left = dict.fromkeys(visible, size)
+    current = dict(zip(visible, responses([(a, strength[a]) for a in visible]), strict=True))
+    for again in (True, True, True, False):
+        moves: list[tuple[Rival, float]] = []
+        groups: dict[str, list[Rival]] = {}
+        for atom in visible:
+            groups.setdefault(atom.group, []).append(atom)
+        for members in groups.values():
+            columns = np.array([current[a] for a in members]).T
+            factors = np.linalg.lstsq(columns, gap, rcond=1e-9)[0]
+            fitted = float(np.linalg.norm(gap - columns @ factors))
+            # Several span a plane of directions; of one, the law itself has to do.
+            rest = fitted if len(members) > 1 else float(np.linalg.norm(gap - columns[:, 0]))
+            near = fitted < max(0.5 * size, 4.0 * ALIKE)
+            for atom, factor in zip(members, factors, strict=True):
+                left[atom] = min(left[atom], rest)
+                moved = float(strength[atom] * np.clip(factor, -4.0, 4.0))
+                if near and atom.allows(moved) and abs(moved) > 1e-7 and abs(factor - 1.0) > 0.01:
+                    moves.append((atom, moved))
+        if not (moves and again):
+            break
+        for (atom, s), seen in zip(moves, responses(moves), strict=True):
+            if np.linalg.norm(seen) > 0.0:
+                strength[atom], current[atom] = s, seen
+            else:
+                visible.remove(atom)
+    return left
