@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from locosweep.blindcheck import metrics, pictures, tables
 
 from locosweep.cli import main
 from locosweep.diagnosis.design.menu import MENU
@@ -21,6 +20,7 @@ from locosweep.files.robot import load_robot
 from locosweep.files.runs import load_runs
 from locosweep.simulation.replay import replay_runs
 from locosweep.validation import case_files as casefiles
+from locosweep.validation import metrics, pictures, tables
 from locosweep.validation import next_run as nextrun
 from locosweep.validation.cases import Case, draw_case, scale_of_runs
 from locosweep.validation.experiment import COARSE, World

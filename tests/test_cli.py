@@ -501,6 +501,7 @@ def test_full_disk_is_one_line():
     assert done.stderr.count(b"\n") == 1
 
 
+@pytest.mark.usefixtures("ctrl_c")
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_signals_end_a_long_sweep_quickly(tmp_path, number, code):
     # A small result: what lasts is the sweep, not getting memory.
@@ -513,12 +514,16 @@ def test_signals_end_a_long_sweep_quickly(tmp_path, number, code):
         [*COMMAND, *arguments, "--threads", "1"],
         cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
-    time.sleep(1.5)
-    assert process.poll() is None, process.communicate()
-    begin = time.perf_counter()
-    process.send_signal(number)
-    out, err = process.communicate(timeout=20)
-    assert time.perf_counter() - begin <= 1.0
+    try:
+        time.sleep(1.5)
+        assert process.poll() is None, process.communicate()
+        begin = time.perf_counter()
+        process.send_signal(number)
+        out, err = process.communicate(timeout=20)
+        assert time.perf_counter() - begin <= 1.0
+    finally:
+        process.kill()
+        process.communicate()
     assert process.returncode == code
     assert out == ""
     assert err == ("locosweep: interrupted\n" if code == 130 else "")
@@ -539,6 +544,7 @@ def test_progress_only_on_a_terminal(tmp_path):
     assert "evaluations/s" in shown
 
 
+@pytest.mark.usefixtures("ctrl_c")
 def test_an_error_that_ctrl_c_caused_is_an_interrupt(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

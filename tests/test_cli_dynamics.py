@@ -2,7 +2,6 @@
 
 import json
 import os
-import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -27,15 +26,13 @@ SINE = ("--drive", "sine", "--set", "drive_amplitude=2", "--set", "duration=0.5"
 def call(tmp_path, monkeypatch, capsys):
     """Run the command here: code, standard output, standard error."""
     monkeypatch.chdir(tmp_path)
-    before = signal.getsignal(signal.SIGTERM)
 
     def run(*arguments):
         code = main([str(part) for part in arguments])
         done = capsys.readouterr()
         return code, done.out, done.err
 
-    yield run
-    signal.signal(signal.SIGTERM, before)
+    return run
 
 
 @pytest.fixture

@@ -2,7 +2,6 @@
 
 import json
 import os
-import signal
 from pathlib import Path
 
 import numpy as np
@@ -299,15 +298,13 @@ class TestVerdict:
 def call(tmp_path, monkeypatch, capsys):
     """Run the command here: code, standard output, standard error."""
     monkeypatch.chdir(tmp_path)
-    before = signal.getsignal(signal.SIGTERM)
 
     def run(*arguments):
         code = main(["friction", *(str(part) for part in arguments)])
         done = capsys.readouterr()
         return code, done.out, done.err
 
-    yield run
-    signal.signal(signal.SIGTERM, before)
+    return run
 
 
 @pytest.fixture

@@ -1,0 +1,31 @@
+"""What tests of several files share."""
+
+from __future__ import annotations
+
+import signal
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+@pytest.fixture(autouse=True)
+def _handlers() -> Iterator[None]:
+    """Give back the signal handlers that the command sets where a test runs it in here."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.fixture
+def ctrl_c() -> None:
+    """Let Ctrl-C interrupt this process and what it starts, as on a terminal.
+
+    A shell starts the background commands of a script with SIGINT ignored, and children
+    inherit that: no KeyboardInterrupt would come and no exit code 130. A handler, unlike
+    ignoring, is back at its default in a child.
+    """
+    signal.signal(signal.SIGINT, signal.default_int_handler)
