@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 __all__ = ["draw_cases"]
 
 _DRAWING = (
-    "casefiles",
+    "case_files",
     "cases",
     "drives",
     "experiment",
-    "lawbook",
+    "law_table",
     "laws",
     "laws_drive",
     "laws_friction",
@@ -56,7 +56,7 @@ def draw_cases(
 ) -> list[str]:
     """Draw cases into a folder and seal their truths; those that are there are kept."""
     wanted = [(i, False) for i in range(cases)] + [(i, True) for i in range(gap_free)]
-    modules = (f"blindcheck/{name}.py" for name in _DRAWING)
+    modules = (f"validation/{name}.py" for name in _DRAWING)
     code = code_digest(*modules, engine=False)
     with pool_of(processes) as pool:
         waiting = [pool.submit(_draw, seed, i, free, out, code) for i, free in wanted]

@@ -81,7 +81,7 @@ def short(diagnosis: Diagnosis) -> str:
 @cache
 def _environment() -> jinja2.Environment:
     made = jinja2.Environment(
-        loader=jinja2.PackageLoader("locosweep.diagnosis", "."),
+        loader=jinja2.PackageLoader("locosweep.diagnosis.report", "."),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
