@@ -69,7 +69,7 @@ def diagnose_cases(
     """Diagnose sealed cases; they must have been sealed before."""
     if not (out / SEAL).exists():
         raise FileNotFoundError(out / SEAL)
-    code = code_digest("diagnosis", "files.py", "measured.py", "replay.py", engine=True)
+    code = code_digest("diagnosis", "files", "simulation", engine=True)
     found: dict[str, Outcome] = {}
     with pool_of(processes) as pool:
         waiting = [
