@@ -33,6 +33,8 @@ force_noise = 0.01
 EFFECTS = {"lubricant_buildup": {"k_b": 0.6}}
 NOISE = {"x": 5e-6, "v": 1e-3, "force": 0.01, "x_rear": 5e-6}
 CHANNELS = ("x", "force")
+HOSTILE = ("<script>alert(1)</script>", "$x_{", 'a" onload="x', "\u202eevil\u0007 & <b>日本")
+"""Names of runs that are code to a browser, to a formula, or turn text round."""
 
 
 def drives(count: int, seconds: float = 3.0, step: float = 0.005):

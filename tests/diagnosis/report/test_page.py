@@ -1,0 +1,80 @@
+"""The page: complete, closed in itself, and safe against what files say."""
+
+from html.parser import HTMLParser
+
+import pytest
+
+from diagnosis_case import EFFECTS, HOSTILE, made
+from locosweep.diagnosis.report.figures import FILES, pictures
+from locosweep.diagnosis.report.page import page
+
+
+class Reader(HTMLParser):
+    """Tags, attributes and text of a page."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.text = ""
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_data(self, data):
+        self.text += data
+
+
+class TestPage:
+    def test_carries_everything_itself(self, saved):
+        text = (saved / "report.html").read_text()
+        assert len(text) < 5_000_000
+        tags = Reader(text).tags
+        assert not {tag for tag, _ in tags} & {"script", "link", "iframe", "object", "base", "form"}
+        links = [a.get("src") or a.get("href") for _, a in tags if "src" in a or "href" in a]
+        assert all(one.startswith(("data:image/png;base64,", "#")) for one in links)
+        assert "url(" not in text
+        assert "@import" not in text
+        images = [a for tag, a in tags if tag == "img"]
+        assert len(images) == len(FILES)
+        assert all(a["alt"] for a in images)
+        ids = {a["id"] for _, a in tags if "id" in a}
+        assert {one[1:] for one in links if one.startswith("#")} <= ids
+
+    def test_says_it_all(self, found, saved):
+        text = " ".join(Reader((saved / "report.html").read_text()).text.split())
+        for part in (found.summary, "97 %", "lubricant buildup", "k_b", "N/m",
+                     "the head never moves backward", *found.warnings,
+                     found.provenance["runs_sha256"], "surface.mu_coulomb"):  # fmt: skip
+            assert part in text, part
+
+    def test_text_of_files_stays_text(self, hostile):
+        text = page(hostile, {})
+        read = Reader(text)
+        assert "script" not in {tag for tag, _ in read.tags}
+        assert not any("onload" in attributes for _, attributes in read.tags)
+        assert HOSTILE[0] in read.text
+        assert "\u202e" not in text
+        assert "\u0007" not in text
+
+    @pytest.mark.parametrize("status", ["none", "unexplained", "ambiguous"])
+    def test_other_verdicts(self, tmp_path, status):
+        effects = EFFECTS if status == "ambiguous" else {}
+        one = made(tmp_path, effects=effects)
+        one.report["verdict"]["status"] = status
+        if status == "ambiguous":
+            one.report["verdict"]["equivalent"] = [["lubricant_buildup", "quadratic_drag"]]
+            one.report["next_experiment"] = {"separates": [["lubricant_buildup", "quadratic_drag"]],
+                                             "suggestion": "a slower run"}  # fmt: skip
+        else:
+            # What an engine may leave open.
+            one.report["gap"] |= {"before": None, "after": None, "noise_floor": None,
+                                  "shrink": None, "horizons": [], "channel": None}  # fmt: skip
+            one.report["where"] |= {"windows": [], "origin": [], "channels": [], "regimes": []}
+            one.report["candidates"] = []
+        for figure in pictures(one).values():
+            figure.draw_without_rendering()
+        text = Reader(page(one, {})).text
+        words = {"none": "No gap beyond the noise", "unexplained": "no known effect",
+                 "ambiguous": "cannot tell it from quadratic drag"}  # fmt: skip
+        assert words[status] in text

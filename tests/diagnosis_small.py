@@ -1,0 +1,58 @@
+"""A rig and runs of a few hundred samples, for unit tests of one module."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from locosweep.diagnosis.estimate.problem import Problem
+from locosweep.files.robot import Robot
+from locosweep.files.runs import Run
+from locosweep.simulation.replay import replay_runs
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+NOISE = 1e-5
+ROBOT = Robot(
+    {"mass": 0.25, "gravity": 9.81, "mu_coulomb": 0.3, "segments": 4.0},
+    {"sensor.position_noise": NOISE, "sensor.force_noise": 0.01},
+)
+
+
+def driven(count: int = 3, seconds: float = 2.0, step: float = 0.01) -> list[Run]:
+    """Runs of sines that push both ways, without readings."""
+    t = np.arange(0.0, seconds, step)
+    return [
+        Run(str(k), t, np.where(t < 0.1, 0.0, (1.0 + 0.1 * k) * np.sin((5.0 + k) * (t - 0.1))))
+        for k in range(count)
+    ]
+
+
+def measured(
+    effects: dict[str, dict[str, float]],
+    runs: Sequence[Run] | None = None,
+    channels: Sequence[str] = ("x",),
+    *,
+    robot: Robot = ROBOT,
+    noise: float = NOISE,
+) -> list[Run]:
+    """Return the runs as read where reality has `effects`; noise is on the positions."""
+    runs = driven() if runs is None else runs
+    read = replay_runs(replace(robot, effects=effects), runs)
+    random = np.random.default_rng(5)
+    found, at = [], 0
+    for run in runs:
+        own = {c: read[c].to_numpy()[at : at + run.t.size].copy() for c in channels}
+        at += run.t.size
+        for c in own:
+            own[c] += (noise if c.startswith("x") else 0.0) * random.standard_normal(run.t.size)
+        found.append(replace(run, channels=own))
+    return found
+
+
+def problem(runs: Sequence[Run], robot: Robot = ROBOT, **changes: object) -> Problem:
+    """Return the runs against the robot's model."""
+    return Problem(robot, list(runs), 1, **changes)  # type: ignore[arg-type]
