@@ -14,10 +14,11 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import locosweep as ls
+from common.record import json_option, write
 
 _HEATMAP = (
     "heatmap mean_velocity --x slope_deg=0:25:500 --y mu_static=0.1:1:500 "
@@ -130,12 +131,15 @@ def main() -> None:
     """Parse the command line, measure, print."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--quick", action="store_true", help="fewer repetitions")
-    quick = parser.parse_args().quick
+    json_option(parser)
+    given = parser.parse_args()
+    lines = [*calls(given.quick), *processes(given.quick)]
     print(f"{'':36}{'median':>10}{'fastest':>10}{'target':>11}")
-    for line in [*calls(quick), *processes(quick)]:
+    for line in lines:
         target = f"<= {text(line.target)}" if line.target else "-"
         met = "" if line.target is None or line.median <= line.target else "  NOT MET"
         print(f"{line.what:36}{text(line.median):>10}{text(line.fastest):>10}{target:>11}{met}")
+    write(given.json, {"lines": [asdict(line) for line in lines]})
 
 
 if __name__ == "__main__":

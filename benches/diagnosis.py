@@ -1,6 +1,6 @@
 """How long a diagnosis takes: 6 runs of 2000 samples, by what is wrong with the rig.
 
-    python benches/diagnosis.py [--rounds 3] [--threads 2] [--quick]
+    python benches/diagnosis.py [--rounds 3] [--threads 2] [--quick] [--json FILE]
 
 `singles` is the time until every single effect is fitted and ranked; `whole` adds pairs,
 rivals, intervals and the written report with its pictures. The physical limit beside them
@@ -21,6 +21,7 @@ import polars as pl
 
 import locosweep as ls
 from common.machine import describe
+from common.record import json_option, write
 from common.table import table
 from locosweep.files.robot import Robot
 from locosweep.files.runs import Run
@@ -90,19 +91,23 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--quick", action="store_true", help="short runs, one round")
+    json_option(parser)
     asked = parser.parse_args()
     runs = drives(200 if asked.quick else 2000)
     cases = list(CASES)[:3] if asked.quick else list(CASES)
     frames = {name: measured(name, runs) for name in cases}
     timed(frames[cases[0]], asked.threads)
     lines = [["what is wrong", "singles, s", "whole, s", "said"]]
+    found = []
     for name in cases:
         rounds = 1 if asked.quick else asked.rounds
         took = [timed(frames[name], asked.threads) for _ in range(rounds)]
         singles, whole = (statistics.median(row[i] for row in took) for i in range(2))
         lines.append([name, f"{singles:.2f}", f"{whole:.2f}", took[0][2]])
+        found.append({"case": name, "singles": singles, "whole": whole, "said": took[0][2]})
     print(table(lines, markdown=True))
     print(describe(["numpy", "polars"]), f"threads {asked.threads}")
+    write(asked.json, {"threads": asked.threads, "rows": found})
 
 
 if __name__ == "__main__":

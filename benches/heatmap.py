@@ -21,6 +21,7 @@ from pathlib import Path
 
 import locosweep as ls
 from common.machine import describe
+from common.record import json_option, write
 from common.table import table
 
 # What the console script does, which is not installed beside a source tree.
@@ -166,6 +167,7 @@ def main() -> None:
     parser.add_argument("--markdown", action="store_true", help="print a Markdown table")
     parser.add_argument("--stops", type=int, help=f"stops of each work (default {_STOPS})")
     parser.add_argument("--only", choices=["exact", "runge_kutta"], help="one work")
+    json_option(parser)
     given = parser.parse_args()
     # Where a shell has this script ignore Ctrl-C, in the background, so would what it starts.
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -175,6 +177,7 @@ def main() -> None:
     result = 8 * shape[0] * shape[1]
     lines = [["1 heat map of", "takes", "shown", "beside result", "stops", "median", "worst"]]
     wrong: list[str] = []
+    rows = []
     for work in works:
         # What a picture takes anyway: interpreter, libraries, a few cells.
         base = whole(work, (3, 3)).peak
@@ -193,6 +196,18 @@ def main() -> None:
             wrong.append(f"{work}: worst stop {1e3 * max(latencies):.0f} ms, allowed are 250")
         if not drawn.shown:
             wrong.append(f"{work}: no progress was shown")
+        rows.append(
+            {
+                "work": work,
+                "trajectories": shape[0] * shape[1],
+                "seconds": drawn.seconds,
+                "shown": drawn.shown,
+                "beside_mb": beside,
+                "stops": len(found),
+                "median_stop": statistics.median(latencies),
+                "worst_stop": max(latencies),
+            }
+        )
         lines.append(
             [
                 f"{shape[0] * shape[1]:,}, {work}",
@@ -206,6 +221,7 @@ def main() -> None:
         )
     print(", ".join(f"{name} {value}" for name, value in describe(["locosweep"]).items()))
     print(table(lines, given.markdown))
+    write(given.json, {"rows": rows})
     if wrong:
         raise SystemExit("NOT MET: " + "\n".join(wrong))
     print(f"every stop: exit code {_INTERRUPTED}, no file left")

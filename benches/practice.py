@@ -1,6 +1,6 @@
 """Diagnose a folder of labelled cases and print verdicts beside truths, as a table.
 
-    python benches/practice.py FOLDER [CASE ...]
+    python benches/practice.py FOLDER [CASE ...] [--json FILE]
 
 FOLDER holds `truth.json` and a folder per case with `runs.csv`, `nominal.toml` and
 `check.csv`. Only the first two of these go into the diagnosis.
@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 import locosweep as ls
+from common.record import json_option, write
 from locosweep.files.robot import load_robot
 from locosweep.files.runs import load_runs
 from locosweep.simulation.replay import replay_runs
@@ -42,7 +43,7 @@ def rmse(model: Path, runs: Path, channel: str) -> float:
     return float(np.sqrt(np.nanmean((kept - read) ** 2)))
 
 
-def row(folder: Path, truth: dict[str, Any]) -> tuple[bool, str]:
+def row(folder: Path, truth: dict[str, Any]) -> tuple[bool, list[str]]:
     """Diagnose one case; whether it is right, and its row of the table."""
     begin = time.process_time()
     found = ls.diagnose(folder / "runs.csv", folder / "nominal.toml", threads=1)
@@ -63,7 +64,7 @@ def row(folder: Path, truth: dict[str, Any]) -> tuple[bool, str]:
     cells = [folder.name[-3:], true, said + (" (other law)" if verdict["law_mismatch"] else ""),
              f"{verdict['probability']:.2f}", stated, fresh, f"{seconds:.1f}",
              "yes" if good else "**no**"]  # fmt: skip
-    return good, "| " + " | ".join(cells) + " |"
+    return good, cells
 
 
 def main() -> None:
@@ -71,17 +72,19 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("cases", nargs="*")
+    json_option(parser)
     asked = parser.parse_args()
     truths = json.loads((asked.folder / "truth.json").read_text())["cases"]
     cases = asked.cases or sorted(truths)
-    print("| case | true | said | probability | shrink | on other runs | s | right |")
-    print("|---|---|---|---|---|---|---|---|")
+    found = []
     count = 0
     for case in cases:
-        good, line = row(asked.folder / case, truths[case])
+        good, cells = row(asked.folder / case, truths[case])
         count += good
-        print(line, flush=True)
+        found.append(cells)
+        print("  ".join(cells), flush=True)
     print(f"\n{count} of {len(cases)} right")
+    write(asked.json, {"rows": found})
 
 
 if __name__ == "__main__":

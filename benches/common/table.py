@@ -1,4 +1,4 @@
-"""Tables for a terminal or a README."""
+"""Tables for a terminal and for the documentation."""
 
 from __future__ import annotations
 
@@ -14,3 +14,11 @@ def table(lines: list[list[str]], markdown: bool) -> str:
         return "\n".join("  ".join(line) for line in padded)
     rule = ["-" * widths[0], *("-" * (width - 1) + ":" for width in widths[1:])]
     return "\n".join(f"| {' | '.join(line)} |" for line in [padded[0], rule, *padded[1:]])
+
+
+def rows(lines: list[list[str]]) -> str:
+    """Write a Markdown table without padding, so that one figure changes one line."""
+    # A bar would end the cell.
+    cells = [[cell.replace("|", r"\|") for cell in line] for line in lines]
+    cells.insert(1, ["---"] * len(lines[0]))
+    return "\n".join(f"| {' | '.join(line)} |" for line in cells) + "\n"

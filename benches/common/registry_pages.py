@@ -1,0 +1,85 @@
+"""Pages of the documentation that come from the registry: effects and quantities."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import locosweep as ls
+from common.table import rows
+from locosweep import _core
+
+# Fields that a section shows in a form of its own, or that only programs need.
+_OF_EFFECT = {"name", "site", "meaning", "formula", "parameters", "first"}
+_OF_PARAMETER = {
+    "name", "symbol", "unit", "meaning", "range", "allowed", "integer", "default", "file_key",
+}  # fmt: skip
+
+
+def effects() -> str:
+    """Return every effect with its formula, its parameters and all else that its record says."""
+    known = _core.effects()
+    overview = [[f"[`{e.name}`](#{e.name})", e.site, e.meaning] for e in known]
+    parts = [rows([["effect", "site", "meaning"], *overview])]
+    for effect in known:
+        said = [f"- {_words(key)}: {value}" for key, value in _others(effect, _OF_EFFECT)]
+        parts += [
+            f"### {effect.name}\n\n{effect.meaning.capitalize()} (site: {effect.site}).\n",
+            f"```math\n{effect.formula}\n```\n",
+            _parameters(effect.parameters),
+        ]
+        parts += ["\n".join(said) + "\n"] if said else []
+    return "\n".join(parts)
+
+
+def quantities() -> str:
+    """Return every quantity with its formula, source and limits."""
+    known = ls.quantities()
+    parts = []
+    for title, simulated in (("Closed forms", False), ("Simulated", True)):
+        group = [q for q in known if q.simulated is simulated]
+        parts.append(f"## {title}\n")
+        overview = [[f"[`{q.name}`](#{q.name})", _unit(q.unit), q.meaning] for q in group]
+        parts.append(rows([["quantity", "unit", "meaning"], *overview]))
+        for q in group:
+            names = ", ".join(f"`{p.name}`" for p in q.parameters)
+            parts.append(
+                f"### {q.name}\n\n{q.meaning[0].upper()}{q.meaning[1:]}.\n\n"
+                f"```math\n{q.formula}\n```\n\n"
+                f"- Parameters: {names}\n- Source: {q.source}\n- Limits: {q.limits}\n"
+            )
+    return "\n".join(parts)
+
+
+def _parameters(records: Iterable[Any]) -> str:
+    known = list(records)
+    # What later records add, such as the value at which an effect does nothing, gets a column.
+    more = sorted({key for p in known for key, _ in _others(p, _OF_PARAMETER)})
+    lines = [["parameter", "symbol", "unit", "allowed", *map(_words, more), "meaning"]]
+    for p in known:
+        low, high = p.range
+        extra = [_said(getattr(p, key, "")) for key in more]
+        allowed = f"{low:g} to {high:g}"
+        lines.append([f"`{p.name}`", f"$`{p.symbol}`$", _unit(p.unit), allowed, *extra, p.meaning])
+    return rows(lines)
+
+
+def _others(record: Any, shown: set[str]) -> list[tuple[str, str]]:
+    """Return the other public fields that hold something, as text."""
+    keys = [key for key in dir(record) if not key.startswith("_") and key not in shown]
+    found = [(key, getattr(record, key)) for key in keys]
+    return [(k, _said(v)) for k, v in found if not callable(v) and v not in (None, "", [], ())]
+
+
+def _said(value: Any) -> str:
+    if isinstance(value, str | int | float):
+        return f"{value:g}" if isinstance(value, float) else str(value)
+    return ", ".join(map(_said, value)) if isinstance(value, list | tuple) else str(value)
+
+
+def _words(key: str) -> str:
+    return key.replace("_", " ")
+
+
+def _unit(unit: str) -> str:
+    return "-" if unit == "1" else unit
