@@ -1,0 +1,220 @@
+"""The documentation: links and paths exist, tables are current, code blocks run."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from locosweep.cli import group
+
+ROOT = Path(__file__).parents[1]
+PAGES = [
+    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md")),
+    ROOT / "benches" / "README.md",
+    *sorted((ROOT / "docs").glob("*.md")),
+]
+IDS = [str(page.relative_to(ROOT)) for page in PAGES]
+# Folders whose paths the documentation may name; all else in backticks belongs to a user.
+FOLDERS = (".ci", "benches", "docs", "examples", "python", "rust", "tests")
+FILES = [
+    p for folder in FOLDERS for p in (ROOT / folder).rglob("*") if "__pycache__" not in p.parts
+]
+README_LINES = 120
+
+
+def anchors(text: str) -> set[str]:
+    """Return what the headings of a page can be linked by."""
+    heads = re.findall(r"^#+ (.*)$", text, re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", head).strip().lower().replace(" ", "-") for head in heads}
+
+
+def dead_links(page: Path, text: str) -> list[str]:
+    """Return relative links to files or headings that are not there."""
+    dead = []
+    for link in re.findall(r"\]\(([^)\s]+)\)", text):
+        file, _, anchor = link.partition("#")
+        if re.match(r"\w+:", link):
+            continue
+        target = page.parent / file if file else page
+        if anchor and target.exists():
+            fits = anchor in anchors(text if target == page else target.read_text())
+        else:
+            fits = target.exists()
+        dead += [] if fits else [link]
+    return dead
+
+
+def is_there(path: str) -> bool:
+    """Whether a path, from the root of the project or the end of one, fits a file."""
+    if any(ROOT.glob(path.rstrip("/"))):
+        return True
+    return any(file.match(path) for file in FILES)
+
+
+def resolves(name: str) -> bool:
+    """Whether a dotted name of the package is a module or something in one."""
+    parts = name.split(".")
+    for cut in range(len(parts), 0, -1):
+        try:
+            found: object = importlib.import_module(".".join(parts[:cut]))
+        except ModuleNotFoundError:
+            continue
+        for part in parts[cut:]:
+            if not hasattr(found, part):
+                return False
+            found = getattr(found, part)
+        return True
+    return False
+
+
+def dead_names(text: str) -> list[str]:
+    """Return paths and dotted names in backticks that are not there."""
+    text = re.sub(r"^```.*?^```$", "", text, flags=re.MULTILINE | re.DOTALL)
+    dead = []
+    for quoted in re.findall(r"`([^`\n]+)`", text):
+        for word in quoted.split():
+            word = word.split("(")[0]
+            source = re.fullmatch(r"[\w./*-]+\.(py|rs|sh|jinja)", word)
+            if source or re.match(rf"({'|'.join(map(re.escape, FOLDERS))})/", word):
+                dead += [] if is_there(word) else [word]
+            elif re.fullmatch(r"(locosweep|ls)(\.\w+)+", word):
+                name = re.sub(r"^ls\.", "locosweep.", word)
+                # Formats of files are named like modules: locosweep.sweep/1.
+                dead += [] if resolves(name) else [word]
+    return dead
+
+
+def blocks(text: str, language: str) -> list[str]:
+    """Return the code blocks of a language."""
+    return re.findall(rf"^```{language}\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+
+
+def wrong_commands(text: str) -> list[str]:
+    """Return commands in console blocks that `locosweep` would not take."""
+    wrong = []
+    for block in blocks(text, "console"):
+        for line in re.findall(r"^\$ (.*)$", block.replace("\\\n", " "), re.MULTILINE):
+            program, *words = shlex.split(line, comments=True)
+            if program != "locosweep":
+                continue
+            command = group.commands.get(words[0]) if words else None
+            if command is None:
+                wrong.append(line)
+                continue
+            options = {name for p in command.params for name in (*p.opts, *p.secondary_opts)}
+            given = {word for word in words[1:] if word.startswith("--")}
+            wrong += [line] if given - options - {"--help"} else []
+    return wrong
+
+
+def tables(docs: Path) -> subprocess.CompletedProcess[str]:
+    """Check the tables of a folder of pages."""
+    command = [sys.executable, str(ROOT / "benches" / "tables.py"), "--check", "--docs", str(docs)]
+    paths = [str(ROOT / "python"), *filter(None, [os.environ.get("PYTHONPATH")])]
+    return subprocess.run(
+        command,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize("page", PAGES, ids=IDS)
+def test_links_and_paths_exist(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    assert dead_links(page, text) == []
+    assert dead_names(text) == []
+    assert wrong_commands(text) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "dead"),
+    [
+        ("[a](docs/no_such_page.md)", ["docs/no_such_page.md"]),
+        ("[a](docs/blind-check.md#no-such-heading)", ["docs/blind-check.md#no-such-heading"]),
+        ("[a](#no-heading)", ["#no-heading"]),
+        ("[a](docs/blind-check.md#sizes) [b](https://example.org/x) # c", []),
+    ],
+)
+def test_planted_dead_links_are_found(text: str, dead: list[str]) -> None:
+    assert dead_links(ROOT / "README.md", text) == dead
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "`tests/registry.rs`",
+        "`rust/core/no_such_room/`",
+        "see `closed_form/no_such.rs` there",
+        "`python/locosweep/plot*.py`",
+        "`locosweep.diagnosis.pictures`",
+        "`ls.no_such_function(x)`",
+    ],
+)
+def test_planted_dead_paths_are_found(text: str) -> None:
+    assert len(dead_names(text)) == 1
+
+
+def test_paths_of_users_are_no_dead_paths() -> None:
+    text = (
+        "`report.html`, `sealed/NAME/truth.json`, `ls.sweep(q)`, `closed_form/mod.rs`, `sweep.rs`"
+    )
+    assert dead_names(text) == []
+
+
+def test_planted_wrong_commands_are_found() -> None:
+    good = "```console\n$ locosweep sweep q --axis a=1:2 \\\n    --out f.parquet\n```\n"
+    assert wrong_commands(good) == []
+    assert len(wrong_commands(good.replace("--axis", "--axes"))) == 1
+    assert len(wrong_commands(good.replace("sweep q", "swoop q"))) == 1
+
+
+def test_tables_are_current() -> None:
+    done = tables(ROOT / "docs")
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
+    ("page", "old", "new", "said"),
+    [
+        ("blind-check.md", "| 0.968 |", "| 0.998 |", "blind-check.md"),
+        ("effects.md", "`back_emf`", "`back_mf`", "effects.md"),
+        ("speed.md", "<!-- end peers -->\n", "", "no partner"),
+        ("speed.md", "begin peers -->", "begin beers -->", "no partner"),
+    ],
+)
+def test_planted_old_tables_are_found(
+    tmp_path: Path, page: str, old: str, new: str, said: str
+) -> None:
+    docs = tmp_path / "docs"
+    shutil.copytree(ROOT / "docs", docs)
+    text = (docs / page).read_text(encoding="utf-8")
+    assert old in text
+    (docs / page).write_text(text.replace(old, new), encoding="utf-8")
+    done = tables(docs)
+    assert done.returncode != 0
+    assert said in done.stderr
+
+
+def test_the_readme_is_short_and_starts_with_the_two_commands() -> None:
+    lines = (ROOT / "README.md").read_text(encoding="utf-8").splitlines()
+    assert len(lines) < README_LINES
+    first = blocks("\n".join(lines), "console")[0].splitlines()
+    assert [line.split("#")[0].strip() for line in first] == ["$ make run", "$ make test"]
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/sweeps.md", "docs/simulation.md"])
+def test_python_blocks_run(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    code = "\n".join(blocks((ROOT / page).read_text(encoding="utf-8"), "python"))
+    assert code
+    exec(compile(code, page, "exec"), {})  # noqa: S102
