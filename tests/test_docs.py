@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import json
 import os
 import re
 import shlex
@@ -115,9 +116,9 @@ def wrong_commands(text: str) -> list[str]:
     return wrong
 
 
-def tables(docs: Path) -> subprocess.CompletedProcess[str]:
-    """Check the tables of a folder of pages."""
-    command = [sys.executable, str(ROOT / "benches" / "tables.py"), "--check", "--docs", str(docs)]
+def tables(docs: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    """Write or check the tables of a folder of pages."""
+    command = [sys.executable, str(ROOT / "benches" / "tables.py"), "--docs", str(docs), *words]
     paths = [str(ROOT / "python"), *filter(None, [os.environ.get("PYTHONPATH")])]
     return subprocess.run(
         command,
@@ -179,7 +180,7 @@ def test_planted_wrong_commands_are_found() -> None:
 
 
 def test_tables_are_current() -> None:
-    done = tables(ROOT / "docs")
+    done = tables(ROOT / "docs", "--check")
     assert done.returncode == 0, done.stderr
 
 
@@ -200,9 +201,38 @@ def test_planted_old_tables_are_found(
     text = (docs / page).read_text(encoding="utf-8")
     assert old in text
     (docs / page).write_text(text.replace(old, new), encoding="utf-8")
-    done = tables(docs)
+    done = tables(docs, "--check")
     assert done.returncode != 0
     assert said in done.stderr
+
+
+def test_a_stored_result_fills_its_table(tmp_path: Path) -> None:
+    page = tmp_path / "speed.md"
+    page.write_text("<!-- begin border -->\n<!-- end border -->\n", encoding="utf-8")
+    assert tables(tmp_path).returncode == 0
+    assert "Not measured yet" in page.read_text(encoding="utf-8")
+    line = {"what": "one point", "median": 3.14e-5, "fastest": None, "target": 5e-5}
+    result = tmp_path / "border.json"
+    result.write_text(json.dumps({"machine": {"simd": "avx2"}, "lines": [line]}))
+    done = tables(tmp_path, "--store", "border", str(result))
+    assert done.returncode == 0, done.stderr
+    text = page.read_text(encoding="utf-8")
+    assert "| one point | 31.4 us | - | at most 50 us |" in text
+    assert "simd avx2: `python benches/border.py" in text
+
+
+def test_printed_precision_fills_its_table(tmp_path: Path) -> None:
+    page = tmp_path / "accuracy.md"
+    page.write_text("<!-- begin accuracy -->\n<!-- end accuracy -->\n", encoding="utf-8")
+    printed = tmp_path / "accuracy.txt"
+    printed.write_text(
+        "worst\nnet_force 3.4e-14 1.1e-15 3.5e-16     732 values\n"
+        ".slope_limit_deg: worst error 2.2e-15 relative\n"
+    )
+    assert tables(tmp_path, "--store", "accuracy", str(printed)).returncode == 0
+    text = page.read_text(encoding="utf-8")
+    assert "| `net_force` | 732 | 3.4e-14 | 1.1e-15 | 3.5e-16 |" in text
+    assert "| `slope_limit_deg` | - | - | - | 2.2e-15 |" in text
 
 
 def test_the_readme_is_short_and_starts_with_the_two_commands() -> None:
@@ -212,7 +242,9 @@ def test_the_readme_is_short_and_starts_with_the_two_commands() -> None:
     assert [line.split("#")[0].strip() for line in first] == ["$ make run", "$ make test"]
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/sweeps.md", "docs/simulation.md"])
+@pytest.mark.parametrize(
+    "page", ["README.md", "docs/sweeps.md", "docs/simulation.md", "docs/friction.md"]
+)
 def test_python_blocks_run(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     code = "\n".join(blocks((ROOT / page).read_text(encoding="utf-8"), "python"))
