@@ -105,7 +105,7 @@ def main() -> None:
         singles, whole = (statistics.median(row[i] for row in took) for i in range(2))
         lines.append([name, f"{singles:.2f}", f"{whole:.2f}", took[0][2]])
         found.append({"case": name, "singles": singles, "whole": whole, "said": took[0][2]})
-    print(table(lines, markdown=True))
+    print(table(lines))
     print(describe(["numpy", "polars"]), f"threads {asked.threads}")
     write(asked.json, {"threads": asked.threads, "rows": found})
 

@@ -8,13 +8,12 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import json
 import sys
 from collections.abc import Callable
-from pathlib import Path
 from types import ModuleType
 
 from common.machine import describe
+from common.record import json_option, write
 from common.table import table
 
 # The folder of the same name, which goes before this file.
@@ -87,8 +86,7 @@ def main() -> None:
     parser.add_argument("--scale", type=float, help="share of the points (default 1)")
     parser.add_argument("--rounds", type=int, help=f"runs of each way (default {_ROUNDS})")
     parser.add_argument("--only", metavar="W3,robot", help=f"some of {','.join(WORKS)}")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write all numbers to FILE")
-    parser.add_argument("--markdown", action="store_true", help="print Markdown tables")
+    json_option(parser)
     given = parser.parse_args()
     scale = given.scale or (_QUICK_SCALE if given.quick else 1.0)
     rounds = given.rounds or (_QUICK_ROUNDS if given.quick else _ROUNDS)
@@ -108,14 +106,10 @@ def main() -> None:
     rates = battery.measure(rounds, tell)
     tell("")
     print(", ".join(f"{name} {value}" for name, value in about.items()))
-
-    def heading(text: str) -> str:
-        return f"\n{'### ' if given.markdown else ''}{text}\n"
-
     for work, rows in groups.items():
-        print(heading(TITLES[work]))
+        print(f"\n{TITLES[work]}\n")
         lines = report.agreement(rows) if given.quick else report.cells(work, rows)
-        print(table(lines, given.markdown))
+        print(table(lines))
         for line in report.notes(rows):
             print(f"\n{line}")
     if over := [one for one in held if one.beside_mb > memory.LIMIT_MB]:
@@ -126,14 +120,12 @@ def main() -> None:
     limit = limits.measure(rounds)
     found = targets.judge(groups, limit, str(about["simd"]), scale)
     found += [*targets.rates(rates, limit), *targets.memory(held)]
-    print(heading("effects: 6 runs x 2000 samples, finite differences, 1 thread"))
-    print(table(battery.cells(rates), given.markdown))
-    print(heading("all in one: per trajectory and core"))
-    print(table(targets.cells(found), given.markdown))
+    print("\neffects: 6 runs x 2000 samples, finite differences, 1 thread\n")
+    print(table(battery.cells(rates)))
+    print("\nall in one: per trajectory and core\n")
+    print(table(targets.cells(found)))
     print(f"\n{targets.limits_note(limit)}")
-    if given.json:
-        text = json.dumps(report.record(about, groups, rates, held, found), indent=2)
-        given.json.write_text(text + "\n")
+    write(given.json, report.record(about, groups, rates, held, found))
 
 
 if __name__ == "__main__":

@@ -164,7 +164,6 @@ def main() -> None:
     """Parse the command line, measure, print."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--quick", action="store_true", help="few trajectories, few stops")
-    parser.add_argument("--markdown", action="store_true", help="print a Markdown table")
     parser.add_argument("--stops", type=int, help=f"stops of each work (default {_STOPS})")
     parser.add_argument("--only", choices=["exact", "runge_kutta"], help="one work")
     json_option(parser)
@@ -220,7 +219,7 @@ def main() -> None:
             ]
         )
     print(", ".join(f"{name} {value}" for name, value in describe(["locosweep"]).items()))
-    print(table(lines, given.markdown))
+    print(table(lines))
     write(given.json, {"rows": rows})
     if wrong:
         raise SystemExit("NOT MET: " + "\n".join(wrong))

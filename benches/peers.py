@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -17,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from common.machine import describe
+from common.record import json_option, write
 from common.table import table
 
 # The folder of the same name, which goes before this file.
@@ -84,8 +84,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="small arrays, few rounds, no jax")
     parser.add_argument("--scale", type=float, help="share of the full arrays (default 1)")
     parser.add_argument("--rounds", type=int, help=f"runs of each variant (default {_ROUNDS})")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write all numbers to FILE")
-    parser.add_argument("--markdown", action="store_true", help="print Markdown tables")
+    json_option(parser)
     given = parser.parse_args()
     scale = given.scale or (_QUICK_SCALE if given.quick else 1.0)
     rounds = given.rounds or (_QUICK_ROUNDS if given.quick else _ROUNDS)
@@ -103,14 +102,12 @@ def main() -> None:
     found = targets.judge(report.times_of(groups), needed, scale)
     print(", ".join(f"{name} {value}" for name, value in about.items()))
     for group, rows in groups.items():
-        print(f"\n{'### ' if given.markdown else ''}{group}\n")
-        print(table(report.cells(group, rows), given.markdown))
+        print(f"\n{group}\n")
+        print(table(report.cells(group, rows)))
     print()
     for lines in (report.scaling(groups), report.verdicts(found)):
-        print(table(lines, given.markdown) + "\n")
-    if given.json:
-        text = json.dumps(report.record(about, groups, needed, found), indent=2)
-        given.json.write_text(text + "\n")
+        print(table(lines) + "\n")
+    write(given.json, report.record(about, groups, needed, found))
 
 
 if __name__ == "__main__":

@@ -196,6 +196,13 @@ def precision_rows(text: str) -> list[list[str]]:
     return [list(row) for row in found]
 
 
+def without_paths(command: str) -> str:
+    """Return a command that says nothing of the folders of a machine."""
+    words = re.sub(r" --json[ =]\S+", "", command).split(" ")
+    ours = ("benches/", "tests/")
+    return " ".join("DIR" if "/" in w and not w.startswith(ours) else w for w in words)
+
+
 def store(name: str, file: Path, docs: Path) -> None:
     """Keep a result with what it holds for."""
     if name not in RESULTS:
@@ -204,11 +211,11 @@ def store(name: str, file: Path, docs: Path) -> None:
     given = {"rows": precision_rows(text)} if name == "accuracy" else json.loads(text)
     machine = given.pop("machine", None) or describe([])
     commit = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"],  # noqa: S607
+        ["git", "describe", "--always", "--dirty", "--exclude=*"],  # noqa: S607
         cwd=ROOT, capture_output=True, text=True, check=True,
     )  # fmt: skip
     of = {
-        "command": given.pop("command", COMMANDS[name]),
+        "command": without_paths(given.pop("command", COMMANDS[name])),
         "commit": commit.stdout.strip(),
         "date": datetime.datetime.now(tz=datetime.UTC).date().isoformat(),
         "machine": ", ".join(f"{key} {value}" for key, value in machine.items()),

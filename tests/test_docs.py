@@ -212,13 +212,17 @@ def test_a_stored_result_fills_its_table(tmp_path: Path) -> None:
     assert tables(tmp_path).returncode == 0
     assert "Not measured yet" in page.read_text(encoding="utf-8")
     line = {"what": "one point", "median": 3.14e-5, "fastest": None, "target": 5e-5}
+    known = {
+        "machine": {"simd": "avx2"},
+        "command": "locosweep x --json /home/f.json --out /home/o",
+    }
     result = tmp_path / "border.json"
-    result.write_text(json.dumps({"machine": {"simd": "avx2"}, "lines": [line]}))
+    result.write_text(json.dumps(known | {"lines": [line]}))
     done = tables(tmp_path, "--store", "border", str(result))
     assert done.returncode == 0, done.stderr
     text = page.read_text(encoding="utf-8")
     assert "| one point | 31.4 us | - | at most 50 us |" in text
-    assert "simd avx2: `python benches/border.py" in text
+    assert "simd avx2: `locosweep x --out DIR`." in text
 
 
 def test_printed_precision_fills_its_table(tmp_path: Path) -> None:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Mapping
+import shlex
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,10 @@ def json_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all numbers to FILE")
 
 
-def write(file: Path | None, result: Mapping[str, Any]) -> None:
-    """Write numbers with the machine that they hold for, where a file is asked for."""
+def write(file: Path | None, result: dict[str, Any]) -> None:
+    """Write numbers with the command and the machine that they hold for, if a file is asked for."""
     if file is not None:
-        text = json.dumps({"machine": describe(["locosweep"]), **result}, indent=2)
+        command = shlex.join(["python", f"benches/{Path(sys.argv[0]).name}", *sys.argv[1:]])
+        known = {"command": command, "machine": describe(["locosweep"])}
+        text = json.dumps(known | result, indent=2)
         file.write_text(text + "\n", encoding="utf-8")
