@@ -97,6 +97,11 @@ class TestMissing:
             diagnose(frame, ROBOT, threads=1)
 
 
+def test_runs_too_short_for_windows_are_diagnosed() -> None:
+    found = diagnose(measured(switched(2, 0.2, 100.0), {}), ROBOT, threads=1)
+    assert found.status == "none"
+
+
 class TestUncertain:
     @pytest.mark.parametrize(
         ("effects", "name"),

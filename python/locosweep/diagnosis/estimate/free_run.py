@@ -24,6 +24,8 @@ def _restarted(
 
     Returns for each its times and the residual of the position in m.
     """
+    if not cuts:
+        return []
     motion = {r: measured_motion(problem, r) for r in {cut[0] for cut in cuts}}
     starts = []
     for r, a, _ in cuts:
