@@ -1,10 +1,14 @@
 """The augmented model as a file that reads back to the same model."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 import locosweep as ls
 from diagnosis_case import EFFECTS, NOMINAL
-from locosweep.diagnosis.report.model_file import write_augmented
+from diagnosis_small import ROBOT, measured, problem
+from locosweep.diagnosis.report.model_file import calibrated, write_augmented
 from locosweep.files.robot import Robot
 
 
@@ -60,3 +64,41 @@ class TestAugmented:
         for given in (None, (tmp_path / "n.toml").read_text()):
             self.text(tmp_path / "a.toml", augmented, given)
             assert ls.load_robot(tmp_path / "a.toml") == augmented
+
+
+class TestCalibrated:
+    """The model of a fit whose uncertain nominal values were fitted too."""
+
+    def point(self, *factors):
+        return replace(problem(measured({})).plain(), shares=np.array(factors))
+
+    def test_exact_values_stay(self):
+        found = calibrated(ROBOT, self.point(1.0, 1.0, 1.0, 0.0), EFFECTS)
+        assert found == replace(ROBOT, effects=EFFECTS)
+
+    def test_factors_go_into_the_nominal_values(self):
+        found = calibrated(ROBOT, self.point(1.1, 0.9, 1.2, 0.0), {})
+        assert found.parameters["mass"] == pytest.approx(0.275)
+        assert found.parameters["mu_coulomb"] == pytest.approx(0.27)
+        assert found.parameters["gain"] == pytest.approx(1.2)
+
+    def test_a_clock_that_is_off_delays_the_drive(self):
+        late = self.point(1.0, 1.0, 1.0, 0.003)
+        assert calibrated(ROBOT, late, {}).effects == {"drive_delay": {"T": 0.003}}
+        more = calibrated(ROBOT, late, {"drive_delay": {"T": 0.01}})
+        assert more.effects["drive_delay"]["T"] == pytest.approx(0.013)
+
+    def test_levels_of_friction_move_with_the_coulomb_level(self):
+        effects = {"direction_dependent_friction": {"F_c_forward": 0.8, "F_c_backward": 0.7}}
+        found = calibrated(ROBOT, self.point(1.1, 0.9, 1.0, 0.0), effects)
+        # 0.3 * 0.25 kg * 9.81 m/s^2, and 0.99 of it.
+        shift = -0.01 * 0.3 * 0.25 * 9.81
+        assert found.effects["direction_dependent_friction"] == pytest.approx(
+            {"F_c_forward": 0.8 + shift, "F_c_backward": 0.7 + shift}
+        )
+
+    def test_a_level_in_newton(self):
+        other = {**ROBOT.other, "surface.coulomb_force": 0.5}
+        parameters = {k: v for k, v in ROBOT.parameters.items() if k != "mu_coulomb"}
+        found = calibrated(Robot(parameters, other), self.point(1.0, 0.9, 1.0, 0.0), {})
+        assert found.other["surface.coulomb_force"] == pytest.approx(0.45)

@@ -6,7 +6,7 @@ import pytest
 
 from diagnosis_case import EFFECTS, HOSTILE, made
 from locosweep.diagnosis.report.figures import FILES, pictures
-from locosweep.diagnosis.report.page import page
+from locosweep.diagnosis.report.page import HEADLINES, _line, _number, _percent, _sure, page, short
 
 
 class Reader(HTMLParser):
@@ -78,3 +78,36 @@ class TestPage:
         words = {"none": "No gap beyond the noise", "unexplained": "no known effect",
                  "ambiguous": "cannot tell it from quadratic drag"}  # fmt: skip
         assert words[status] in text
+
+
+class TestFilters:
+    """How the page writes numbers."""
+
+    @pytest.mark.parametrize(
+        ("value", "shown"),
+        [(0.97, "97 %"), (0.9995, "100.0 %"), (0.9949, "99.5 %"), (0.0042, "0.4 %"), (1.0, "100 %"),
+         (-0.2, "−20 %"), (None, "unknown"), (float("nan"), "unknown")],
+    )  # fmt: skip
+    def test_percent(self, value, shown):
+        assert _percent(value) == shown
+
+    def test_numbers(self):
+        assert _number(-0.012345) == "−0.0123"
+        assert _number(1234.5, 6) == "1234.5"
+        assert _number(None) == _number(float("inf")) == "unknown"
+
+    @pytest.mark.parametrize(
+        ("value", "shown"), [(0.0004, "< 0.001"), (0.25, "0.25"), (0.9994, "> 0.999")]
+    )
+    def test_probabilities(self, value, shown):
+        assert _sure(value) == shown
+
+    def test_provenance_is_one_line(self):
+        assert _line({"largest_rest": [1, None], "b": {}}) == "largest rest 1, unknown, b none"
+
+
+def test_a_few_lines_for_notebooks(found, hostile):
+    assert short(found).startswith(f"<div><strong>{HEADLINES['explained']}</strong>")
+    assert "0.97" in short(found)
+    assert all(f"<li>{warning}" in short(found).replace("&#39;", "'") for warning in found.warnings)
+    assert "<script" not in short(hostile)
