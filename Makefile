@@ -8,7 +8,12 @@ OUT    := out
 
 RUST_SOURCES := $(shell find rust Cargo.toml Cargo.lock pyproject.toml -type f 2>/dev/null)
 
-.PHONY: run test lint bench wheel clean tools
+# Processes that run the Python tests.
+JOBS ?= 2
+PYTEST := $(BIN)/python -m pytest -n $(JOBS)
+CARGO_FLAGS := --release --locked
+
+.PHONY: run build check test test-all lint style types bench wheel clean tools
 
 run: $(VENV)/built
 	$(BIN)/locosweep reproduce all --robot examples/locosnake.toml --out $(OUT)
@@ -21,10 +26,24 @@ run: $(VENV)/built
 	$(BIN)/locosweep diagnose $(OUT)/gap/runs.csv --nominal $(OUT)/gap/nominal.toml --out $(OUT)/diagnosis --force
 	@echo "locosweep: the paper's figures and table, the paper's gait in gait/, and the map of the best segment count lie in $(CURDIR)/$(OUT); the diagnosis of the paper's own gap is $(CURDIR)/$(OUT)/diagnosis/report.html"
 
+build: $(VENV)/built
+
+# After an edit of Python: no compiler runs, and tests are those of single modules.
+check: style types
+	@$(BIN)/locosweep --version >/dev/null 2>&1 || { echo "make check: the unit tests need the compiled core, which is missing: \`make build\` compiles and installs it, once"; exit 1; }
+	@test -z "$$(find $(RUST_SOURCES) -newer $(VENV)/built)" || echo "make check: the compiled core is older than its sources: \`make build\` renews it"
+	$(PYTEST) -m "not slow and not whole" tests
+
+# What every change has to pass.
 test: $(VENV)/built lint
-	cargo test --release --locked
-	cargo test --release --locked -p locosweep-reality
-	$(BIN)/python -m pytest --doctest-modules python/locosweep tests
+	$(PYTEST) -m "not slow" --doctest-modules python/locosweep tests
+	cargo test $(CARGO_FLAGS)
+	cargo test $(CARGO_FLAGS) -p locosweep-reality
+
+# What is left out above for its time, too: whole diagnoses that take seconds each, and
+# benches as short as shows that they run.
+test-all: test
+	$(PYTEST) -m slow tests
 	cargo bench --locked --bench sweep -- --test
 	cargo bench --locked --bench dynamics -- --test
 	$(BIN)/python benches/border.py --quick
@@ -33,13 +52,18 @@ test: $(VENV)/built lint
 	$(BIN)/python benches/peers.py --quick
 	$(BIN)/python benches/dynamics_peers.py --quick
 
-lint: $(VENV)/built
-	cargo fmt --all --check
-	cargo clippy --release --locked --workspace --all-targets -- -D warnings
-	$(BIN)/ruff check .
-	$(BIN)/ruff format --check .
-	$(BIN)/mypy
+# Clippy generates no code; in the release profile it shares what a build has compiled.
+lint: $(VENV)/built style types
 	$(BIN)/python -m mypy.stubtest locosweep._core
+	cargo clippy $(CARGO_FLAGS) --workspace --all-targets -- -D warnings
+
+style: $(VENV)/installed
+	cargo fmt --all --check
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+
+types: $(VENV)/installed
+	$(BIN)/mypy
 
 bench: $(VENV)/built
 	$(BIN)/python -c 'import tomllib; print("\n".join(tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["peers"]))' > $(VENV)/peers.txt

@@ -286,6 +286,7 @@ def test_a_changed_truth_is_refused(folder: Path) -> None:
     assert hashlib.sha256(before).hexdigest() == casefiles.digest(path)
 
 
+@pytest.mark.slow
 def test_strength_meets_its_size() -> None:
     """A case with an effect has the size it says, by the nuisances' own projection."""
     for index in range(20):
@@ -327,6 +328,7 @@ def test_without_uncertain_values_a_size_is_that_of_the_difference() -> None:
     assert nuisances.size(drag) == pytest.approx(float(np.linalg.norm(left)), rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [1.1, 2.6])
 def test_waves_between_the_lengths_of_the_grid_are_found(share: float) -> None:
     nuisances, scale = free_case({})
@@ -340,6 +342,7 @@ def test_waves_between_the_lengths_of_the_grid_are_found(share: float) -> None:
     assert max(nearer.values()) <= ALIKE
 
 
+@pytest.mark.slow
 def test_a_small_check_from_end_to_end(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "check"
     given = ["blind-check", "--cases", "3", "--gap-free", "2", "--seed", "11", "--out", str(out)]
@@ -373,13 +376,13 @@ def test_nothing_to_draw_is_refused(tmp_path: Path, capsys: pytest.CaptureFixtur
 def test_a_failing_diagnosis_is_an_outcome(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import locosweep.diagnosis
+    from locosweep.diagnosis import pipeline
     from locosweep.validation import check
 
     def fails(*_: object, **__: object) -> None:
         raise ValueError("no\nsuch luck")
 
-    monkeypatch.setattr(locosweep.diagnosis, "diagnose", fails)
+    monkeypatch.setattr(pipeline, "diagnose", fails)
     outcome = check._diagnose(folder / "free_0000", tmp_path / "kept", 0, "code")
     assert outcome.error == "ValueError: no such luck"
     # The same files and code: the record is kept; other code: it is done again.
@@ -426,6 +429,7 @@ class TestNextRun:
             spans.append(float(np.ptp(longer.read([case.world], COARSE, 1)[0][-1]["x"])))
         assert spans[1] < spans[0]
 
+    @pytest.mark.slow
     def test_only_a_force_sensor_tells_back_emf_from_viscous_friction(self, case: Case) -> None:
         assert case.world.effects[0][0] == "viscous_friction"
         assert nextrun._nearest(case, "reverse", ["back_emf"]) < ALIKE
@@ -444,6 +448,7 @@ class TestNextRun:
         limit = ("drive_saturation", "law", {"F_max": 1.0})
         assert nextrun._loaded(limit, 0.3) == limit
 
+    @pytest.mark.slow
     def test_levels_at_the_known_one_change_no_run_with_a_payload(self) -> None:
         case = next(c for c in (draw_case(1, i) for i in range(20)) if _has_load(c))
         longer = nextrun._longer(case, "payload")
@@ -455,6 +460,7 @@ class TestNextRun:
         # Moved by the payload as the nominal head is.
         np.testing.assert_allclose(sided[-1]["x"], plain[-1]["x"], rtol=1e-6, atol=1e-9)
 
+    @pytest.mark.slow
     def test_nothing_to_tell_apart(self) -> None:
         told = {"next_experiment": {"suggestion": None}}
         assert nextrun.carried_out("c", 5, 39, report("explained", [VISCOUS], **told)) is None

@@ -14,6 +14,8 @@ import pytest
 import locosweep as ls
 from locosweep import cli, registry
 
+pytestmark = pytest.mark.whole
+
 ROOT = Path(__file__).parent.parent
 ROBOT = ROOT / "examples" / "locosnake.toml"
 COMMAND = (sys.executable, "-c", "import sys; from locosweep.cli import main; sys.exit(main())")
@@ -251,6 +253,7 @@ class TestPictures:
             pictures.append((tmp_path / "resistance.png").read_bytes())
         assert pictures[0] == pictures[1]
 
+    @pytest.mark.slow
     def test_plot(self, tmp_path):
         ls.sweep(
             "mean_velocity",

@@ -17,6 +17,8 @@ from locosweep.files.robot import Robot, load_robot
 from locosweep.files.runs import Run, load_runs
 from locosweep.simulation.replay import replay_runs
 
+pytestmark = pytest.mark.whole
+
 NOISE = 2e-5
 ROBOT = Robot(
     {"mass": 0.25, "gravity": 9.81, "mu_coulomb": 0.3, "segments": 4.0, "viscous": 0.05},
@@ -64,12 +66,13 @@ def test_no_gap() -> None:
     assert found.augmented.effects == {}
 
 
+@pytest.mark.slow
 def test_readings_that_freeze_are_told() -> None:
-    frame = measured({}, drives())
+    frame = measured({}, drives(samples=150))
     x = frame["x"].to_numpy().copy()
-    fast = int(np.argmax(np.diff(x[:300])))
+    fast = int(np.argmax(np.diff(x[:150])))
     x[fast + 1] = x[fast]
-    found = diagnose(frame.with_columns(x=x), ROBOT)
+    found = diagnose(frame.with_columns(x=x), ROBOT, max_effects=1)
     (said,) = [w for w in found.warnings if "frozen" in w]
     assert said.startswith(f"run 0: a reading of x at {frame['t'][fast + 1]:g} s lies more than 8")
     assert not any("frozen" in w for w in diagnose(frame, ROBOT).warnings)
@@ -100,6 +103,7 @@ def test_one_effect(name: str, values: dict[str, float]) -> None:
         assert abs(told["value"] - value) < 5.0 * told["std"] + 1e-3 * abs(value), key
 
 
+@pytest.mark.slow
 def test_two_effects() -> None:
     both = {"viscous_friction": {"c": 0.2}, "drive_deadzone": {"d": 0.05}}
     found = diagnose(measured(both, drives(), "force"), ROBOT)
@@ -109,6 +113,7 @@ def test_two_effects() -> None:
         assert any(name in names for names in found.equivalent), found.equivalent
 
 
+@pytest.mark.slow
 def test_anchor_slip_shows_in_the_rear() -> None:
     slip = {"anchor_slip": {"mu_static": 0.11, "mu_coulomb": 0.1}}
     found = diagnose(measured(slip, drives(), "x_rear"), ROBOT)
@@ -163,6 +168,7 @@ def tethered(runs: list[Run], stiffness: float, slack: float | None = None) -> p
     return pl.concat(frames)
 
 
+@pytest.mark.slow
 def test_a_cause_in_no_list_stays_unexplained() -> None:
     found = diagnose(tethered(drives(samples=120), 6.0), ROBOT)
     assert found.status == "unexplained", found
@@ -198,6 +204,7 @@ def test_runs_asked_for_are_kept() -> None:
         diagnose(frame, ROBOT, holdout=["7"])
 
 
+@pytest.mark.slow
 def test_same_report_for_any_number_of_threads_and_any_form_of_runs(tmp_path: Path) -> None:
     frame = measured({"sensor_scale": {"e": 0.03}}, drives(samples=150))
     one = diagnose(frame, ROBOT, threads=1)
@@ -227,9 +234,10 @@ def test_runs_that_carry_little_say_so() -> None:
     assert len(found.not_visible) > 10
 
 
+@pytest.mark.slow
 def test_millimetres_are_suspected() -> None:
-    frame = measured({}, drives()).with_columns(pl.col("x") * 1e3)
-    found = diagnose(frame, ROBOT)
+    frame = measured({}, drives(samples=100)).with_columns(pl.col("x") * 1e3)
+    found = diagnose(frame, ROBOT, max_effects=1)
     assert any("another unit" in warning for warning in found.warnings)
 
 
@@ -271,6 +279,7 @@ def test_practice(case: str) -> None:
         assert shrink > 0.5
 
 
+@pytest.mark.slow
 def test_valley_that_bends() -> None:
     """Fits to whole runs of stick-slip stop far from the truth; windows lead there."""
     t = np.linspace(0.0, 10.0, 2000)

@@ -205,11 +205,13 @@ class TestVerdict:
         assert known.mean() > 0.95
         assert np.abs(trace.augmented["x"] - trace.measured["x"])[known].max() < 0.1
 
+    @pytest.mark.slow
     def test_what_it_writes(self, fallen, tmp_path):
         fallen.save(tmp_path / "report")
         assert (tmp_path / "report" / "report.html").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 @needs_data
 def test_a_real_pendulum() -> None:
     """Its remainder is beyond the noise: nothing is named, but the report says what is near."""

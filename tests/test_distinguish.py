@@ -221,6 +221,7 @@ class TestCommand:
     PULSE = ("n.toml", "--drive", "pulse", "--set", "drive_amplitude=0.7,0.8", "--set",
              "duration=1.5", "--samples", "101")  # fmt: skip
 
+    @pytest.mark.slow
     def test_table_picture_and_matrix(self, call, tmp_path):
         code, out, err = call(*self.PULSE, "--out", "m.csv", "--plot", "m.png")
         assert (code, err) == (0, "")

@@ -41,6 +41,7 @@ class TestAgainstSciPy:
     the length of the run, work and heat to themselves.
     """
 
+    @pytest.mark.slow
     def test_dry_laws(self) -> None:
         rng = random.Random(5)
         laws = (*DRY, "directional", "bo_pavelescu", "modelica")
@@ -75,6 +76,7 @@ class TestAgainstSciPy:
         assert max(max(errors.values()) for errors in worst.values()) < 1e-9
         assert not miscounted
 
+    @pytest.mark.slow
     def test_smooth_laws(self) -> None:
         rng = random.Random(8)
         worst = dict.fromkeys(SMOOTH, 0.0)
@@ -95,6 +97,7 @@ class TestAgainstSciPy:
         for law, error in worst.items():
             assert error < (1e-7 if law in KINKED else 1e-9), law
 
+    @pytest.mark.slow
     def test_bristle_laws(self) -> None:
         rng = random.Random(9)
         tolerances = (1e-5, 1e-6, 1e-7)

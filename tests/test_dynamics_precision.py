@@ -71,6 +71,7 @@ def exact_errors(exact_runs: Runs) -> dict[str, list[Row]]:
 
 
 class TestExactPropagation:
+    @pytest.mark.slow
     @pytest.mark.parametrize("name", OUTPUTS)
     def test_against_fifty_digits(
         self,

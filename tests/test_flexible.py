@@ -51,6 +51,7 @@ def log_density(
     return -0.5 * float(square + np.linalg.slogdet(covariance)[1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("names", [(), ("coulomb_error",)])
 def test_worth_is_the_ratio_of_marginal_likelihoods(names: tuple[str, ...]) -> None:
     frame = measured({"quadratic_drag": {"c2": 0.05}}, drives(count=2, samples=80))
@@ -104,6 +105,7 @@ def test_what_others_foretell_is_their_mean_over_its_deviation_given_the_others(
         np.testing.assert_allclose(found, expected, atol=2e-3 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 def test_a_law_of_its_own_in_each_run_is_worth_the_ratio_of_marginal_likelihoods() -> None:
     frame = measured({"quadratic_drag": {"c2": 0.05}}, drives(count=3, samples=60))
     terms = terms_beside(frame, "coulomb_error")
@@ -239,6 +241,7 @@ def test_a_law_far_off_by_its_own_formula_is_found_behind_others() -> None:
     assert found[1].model.names == ("viscous_friction",)
 
 
+@pytest.mark.slow
 def test_an_effect_that_only_bends_another_ones_law_is_not_named() -> None:
     lag = {"drive_lag": {"T": 0.03}, "drive_delay": {"T": 5e-5}}
     found = diagnose(measured(lag, drives()), ROBOT)
@@ -249,6 +252,7 @@ def test_an_effect_that_only_bends_another_ones_law_is_not_named() -> None:
     assert len(diagnose(measured(both, drives()), ROBOT).effects) == 2
 
 
+@pytest.mark.slow
 def test_nothing_is_named_where_one_force_along_the_way_would_do() -> None:
     # A stiffer line is no other law of friction either: what it leaves is told instead.
     found = diagnose(tethered(drives(both=False, samples=150), 0.08, slack=0.2), ROBOT)

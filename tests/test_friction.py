@@ -166,6 +166,7 @@ class TestRecovery:
         static = next(one for one in fit.laws if one.law == "static_viscous")
         assert static.parameters["mu_static"].std is None
 
+    @pytest.mark.slow
     def test_intervals_cover(self):
         """95 % intervals hold the truth about so often, with noise that has a memory."""
         held = {"mu_coulomb": 0, "viscous": 0}

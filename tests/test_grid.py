@@ -109,7 +109,7 @@ def test_kinds_of_numbers(number):
         np.ma.masked_array([1.0, 2.0], [False, True]), np.datetime64("2020-01-01"),
         np.array(["2020-01-01"], "M8[D]"), np.array([(1.0,)], [("a", float)]),
     ],
-    ids=repr,
+    ids=lambda value: type(value).__name__,
 )  # fmt: skip
 def test_what_is_no_number_is_refused(value):
     with pytest.raises(ls.InputError, match="mass"):

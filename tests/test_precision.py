@@ -336,6 +336,7 @@ def random_design(rng: random.Random) -> dict[str, float]:
 SEARCHED = {"best_segments", "best_velocity", "slope_limit_deg"}
 
 
+@pytest.mark.slow
 def test_every_quantity(capsys: pytest.CaptureFixture[str]) -> None:
     rng = random.Random(1)
     closed = [q.name for q in ls.quantities() if not q.simulated]
@@ -381,6 +382,7 @@ def test_every_quantity(capsys: pytest.CaptureFixture[str]) -> None:
     assert min(w[3] for w in worst.values()) >= 300
 
 
+@pytest.mark.slow
 def test_slope_limit() -> None:
     rng = random.Random(2)
     worst, found = 0.0, 0
@@ -410,6 +412,7 @@ def first_best(velocities: list[mp.mpf], first: int) -> tuple[int | None, list[i
     return ties[0], ties
 
 
+@pytest.mark.slow
 def test_best_count_without_limits() -> None:
     rng = random.Random(3)
     listed, worst = [], 0.0
@@ -452,6 +455,7 @@ def test_best_count_without_limits() -> None:
     assert len(listed) >= 50
 
 
+@pytest.mark.slow
 def test_best_count_with_limits() -> None:
     rng = random.Random(4)
     found, worst = 0, 0.0

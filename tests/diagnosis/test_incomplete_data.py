@@ -15,6 +15,8 @@ from locosweep.files.robot import Robot, load_robot
 from locosweep.files.runs import Run, runs_from_frame
 from locosweep.simulation.replay import motor_of, replay_runs
 
+pytestmark = pytest.mark.whole
+
 NOISE = 1e-5
 ROBOT = Robot(
     {"mass": 0.2, "gravity": 9.81, "mu_coulomb": 0.3, "segments": 4.0},
@@ -103,6 +105,7 @@ def test_runs_too_short_for_windows_are_diagnosed() -> None:
 
 
 class TestUncertain:
+    @pytest.mark.slow
     @pytest.mark.parametrize(
         ("effects", "name"),
         [
@@ -146,6 +149,7 @@ def test_small_gaps_are_located_in_spite_of_the_noise() -> None:
     assert squares[inside].sum() > 0.8 * most
 
 
+@pytest.mark.slow
 def test_a_lag_far_shorter_than_a_sample_is_found_beside_a_weak_drive() -> None:
     quiet = Robot(dict(ROBOT.parameters), {"sensor.position_noise": 1e-6})
     true = {"drive_lag": {"T": 2e-4}, "drive_gain_error": {"e": -2e-3}}
@@ -160,6 +164,7 @@ def test_a_lag_far_shorter_than_a_sample_is_found_beside_a_weak_drive() -> None:
     assert {"drive_lag", "drive_gain_error"} <= {name for names in classes for name in names}
 
 
+@pytest.mark.slow
 def test_a_push_that_no_drive_knows_of_is_no_other_law_of_anything() -> None:
     runs = switched(4, 4.0, 100.0)
     pushed = [replace(r, drive=r.drive + 0.1 * np.sin(15.0 * r.t + k)) for k, r in enumerate(runs)]
@@ -239,6 +244,7 @@ def test_a_head_that_slides_to_rest_before_the_first_push_is_no_gap():
     assert measured(runs, {}).filter(pl.col("run") == "1")["x"].max() > 50 * NOISE
 
 
+@pytest.mark.slow
 def test_a_slow_start_under_a_drive_that_is_on_is_no_gap() -> None:
     # Cut from longer runs in mid-motion: too slow for a parabola through the first samples.
     t = np.arange(0.0, 4.0, 1.0 / 250.0)

@@ -22,6 +22,7 @@ class TestSave:
         assert {path.name for path in saved.iterdir()} == names
         assert {path.name for path in saved.parent.iterdir()} == {"report"}
 
+    @pytest.mark.slow
     def test_same_bytes_again(self, found, saved, tmp_path):
         found.save(tmp_path / "again")
         for path in saved.iterdir():
@@ -36,8 +37,10 @@ class TestSave:
             found.save(tmp_path)
         assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
 
-    def test_force_replaces_own_files_only(self, tmp_path):
+    def test_force_replaces_own_files_only(self, tmp_path, monkeypatch):
         none = made(tmp_path, effects={})
+        few = {name: FILES[name] for name in ("parameters.png", "horizons.png")}
+        monkeypatch.setattr("locosweep.diagnosis.report.figures.FILES", few)
         (tmp_path / "out").mkdir()
         for name in ("mine.txt", "parameters.png", "report.json"):
             (tmp_path / "out" / name).write_text("old")
@@ -45,6 +48,7 @@ class TestSave:
         # Without effects there are no parameters: the old picture must not stay.
         there = {path.name for path in (tmp_path / "out").iterdir()}
         assert "parameters.png" not in there
+        assert "horizons.png" in there
         assert (tmp_path / "out" / "mine.txt").read_text() == "old"
         assert json.loads((tmp_path / "out" / "report.json").read_text())
 
