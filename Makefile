@@ -8,9 +8,9 @@ OUT    := out
 
 RUST_SOURCES := $(shell find rust Cargo.toml Cargo.lock pyproject.toml -type f 2>/dev/null)
 
-# Processes that run the Python tests.
+# Processes that run the Python tests; those of one class or file share what they prepare.
 JOBS ?= 2
-PYTEST := $(BIN)/python -m pytest -n $(JOBS)
+PYTEST := $(BIN)/python -m pytest -n $(JOBS) --dist loadscope
 CARGO_FLAGS := --release --locked
 
 .PHONY: run build check test test-all lint style types bench wheel clean tools

@@ -17,6 +17,8 @@ from locosweep.cli.law_pages import markdown
 from locosweep.specs.simulation import Simulation, read_drive
 from locosweep.specs.sweep import Span, Spec
 
+pytestmark = pytest.mark.whole
+
 ROOT = Path(__file__).parent.parent
 MU = ("--set", "mu_static=0.4", "--set", "mu_coulomb=0.3")
 SINE = ("--drive", "sine", "--set", "drive_amplitude=2", "--set", "duration=0.5")

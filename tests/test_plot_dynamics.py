@@ -7,9 +7,8 @@ import pytest
 from matplotlib.figure import Figure
 
 import locosweep as ls
-from locosweep import registry
+from locosweep import plot, registry
 from locosweep.cli.law_pictures import _BESIDE, _lines, overview, page
-from locosweep.plot import heatmap as plot
 from locosweep.plot import style
 from locosweep.plot.laws import KIND_COLOURS, frame_of
 from locosweep.simulation.law_data import EXAMPLE, Behaviour, behaviour_of, characteristic_of

@@ -12,6 +12,9 @@ from pathlib import Path
 
 import pytest
 
+# Where no build is cached it compiles the core, and it installs into an empty environment.
+pytestmark = [pytest.mark.slow, pytest.mark.whole]
+
 ROOT = Path(__file__).parents[1]
 
 
