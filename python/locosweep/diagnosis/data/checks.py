@@ -1,4 +1,4 @@
-"""The data gate: what runs cannot carry, which are kept from fits, how they start."""
+"""Data checks before a diagnosis: runs without enough readings, and warnings about the others."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 __all__ = ["check_runs", "usable"]
 
 _VALUES, _FEWEST = 20, 8
-"""Values of x that one run has to have, and every run that takes part."""
+"""Fewest values of x in the best run, and in every run that takes part."""
 _FEW = 4
-"""Runs below which answers are wider."""
+"""Fewest runs that do not widen the intervals."""
 
 
 def usable(runs: Sequence[Run]) -> tuple[list[Run], list[str]]:
@@ -40,7 +40,7 @@ def usable(runs: Sequence[Run]) -> tuple[list[Run], list[str]]:
 
 
 def check_runs(runs: Sequence[Run], robot: Robot) -> list[str]:
-    """Return what is to be known about runs before their diagnosis is believed."""
+    """Return warnings about runs and robot that limit what a diagnosis can say."""
     nominal = nominal_of(robot)
     warnings = []
     if len(runs) == 1:
@@ -85,7 +85,7 @@ def check_runs(runs: Sequence[Run], robot: Robot) -> list[str]:
 
 
 def _free(run: Run, gain: float) -> float:
-    """How far a run's drive would move one kilogram from rest, always pushing one way."""
+    """Return the distance over which a run's drive would push 1 kg from rest, one way, in m."""
     steps = np.diff(run.t)
     speed = np.concatenate([[0.0], np.cumsum(np.abs(run.drive[:-1]) * gain * steps)])
     return float(np.sum(speed[:-1] * steps + 0.5 * np.diff(speed) * steps))

@@ -1,4 +1,4 @@
-"""Train and validation split: which runs, or which part of one, are kept from the fits."""
+"""Split of the runs into training and validation data."""
 
 from __future__ import annotations
 
@@ -16,15 +16,17 @@ if TYPE_CHECKING:
 __all__ = ["hold_out"]
 
 _TAIL = 0.7
-"""Share of a single run that fits see."""
+"""Training fraction of a single run; its rest validates."""
 
 
 def hold_out(
     runs: Sequence[Run], asked: Sequence[str] | None, gaps: Sequence[float]
 ) -> tuple[tuple[int, ...], float, bool]:
-    """Return the runs kept from fits, the share of a run that fits see, and who chose.
+    """Return the validation runs, the training fraction, and whether the user chose them.
 
-    `gaps` are the squared errors of the nominal model per sample, run by run.
+    `asked` names the validation runs; without it they are chosen here, a quarter of all.
+    One run is split in time instead: the training fraction is then below 1. `gaps` are the
+    squared errors of the nominal model per sample, run by run.
     """
     labels = [run.label for run in runs]
     if asked:

@@ -1,4 +1,4 @@
-"""What the sensors add: noise per channel, and how many samples at rest count."""
+"""Sensor noise of each channel, and runs of readings that one quantisation step holds."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Noise:
     sd : float
         Standard deviation of a sample, quantisation included.
     gaussian : float
-        That part of it which differs from sample to sample at rest.
+        Part of `sd` that differs from sample to sample at rest.
     step : float
         Quantisation step; 0 where none shows.
     stated : bool
@@ -50,7 +50,7 @@ class Noise:
 
     @property
     def stuck(self) -> float:
-        """Deviation that a sensor at rest keeps, however long it is read.
+        """Standard deviation of the error that averaging at rest does not remove.
 
         A quantiser with noise of deviation s and step q errs on average by
         q/(pi sqrt(2)) exp(-2 pi^2 s^2/q^2): little from s = q/2 on.
@@ -62,7 +62,7 @@ class Noise:
 
 
 def noise_of(channel: str, runs: Sequence[Run], sensor: Mapping[str, float]) -> Noise:
-    """Return a channel's noise: what the file states, or more where the data show more."""
+    """Return a channel's noise as the file states it, or as estimated from the readings."""
     kind = _SENSOR[channel]
     stated = sensor.get(f"{kind}_noise")
     step = sensor.get(f"{kind}_resolution", 0.0)
@@ -78,7 +78,7 @@ def noise_of(channel: str, runs: Sequence[Run], sensor: Mapping[str, float]) -> 
 
 
 def _seen(readings: list[NDArray[np.float64]]) -> tuple[float, float]:
-    """White noise by third differences, robustly, and the smallest step between readings."""
+    """Return the deviation of white noise, from third differences, and the smallest step."""
     thirds, grains = [], []
     for values in readings:
         known = values[np.isfinite(values)]

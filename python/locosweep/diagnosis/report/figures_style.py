@@ -1,4 +1,4 @@
-"""What the pictures of a diagnosis share: channels, units, labels of others, lines."""
+"""Channels, units, labels and line styles that the pictures of a diagnosis share."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What these runs could not have shown, however large."""
+"""Effects that are not identifiable from these runs."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 __all__ = ["not_visible"]
 
 _SHARE = 0.3
-"""An effect is not visible when even this share of a large one stays within noise."""
+"""Share of a large effect; one whose strength is less sure than that is not identifiable."""
 
 
 def not_visible(search: Search, left_out: Mapping[str, str]) -> list[dict[str, str]]:
-    """List the effects whose strength these runs leave open, and why."""
+    """Return the effects that these runs cannot identify, each with the reason."""
     rows = [{"effect": name, "why": why} for name, why in left_out.items()]
     ways = _ways(search.problem)
     for name in search.names:

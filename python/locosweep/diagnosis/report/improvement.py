@@ -1,4 +1,4 @@
-"""How far the gap shrinks on what fits have not seen, with its interval."""
+"""Validation error reduction (`shrink` in the report) with its interval."""
 
 from __future__ import annotations
 

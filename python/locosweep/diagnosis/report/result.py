@@ -1,4 +1,4 @@
-"""What a diagnosis returns: the report, the runs behind it, and both models."""
+"""Result of a diagnosis: the report, its runs, the nominal and the augmented model."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Trace:
 
 @dataclass(frozen=True, repr=False)
 class Diagnosis:
-    """Where the gap lies, which effect causes it, how far it shrinks.
+    """Where the gap lies, which effect causes it, how far the validation error falls.
 
     Everything in the report is an attribute too: `status`, `effects`,
     `probability`, `equivalent`, `alternatives`, `law_mismatch`, `summary`, `gap`,
@@ -96,17 +96,17 @@ class Diagnosis:
 
     @property
     def probability(self) -> float:
-        """How sure the verdict is."""
+        """Probability that the verdict is right."""
         return float(self.report["verdict"]["probability"])
 
     @property
     def equivalent(self) -> list[list[str]]:
-        """For each effect all that these runs cannot tell from it, itself included."""
+        """For each effect those that these runs cannot tell from it, itself included."""
         return [list(names) for names in self.report["verdict"]["equivalent"]]
 
     @property
     def alternatives(self) -> list[list[str]]:
-        """Other complete explanations."""
+        """Other sets of effects that explain the runs as well."""
         return [list(names) for names in self.report["verdict"]["alternatives"]]
 
     @property
@@ -131,12 +131,12 @@ class Diagnosis:
 
     @property
     def candidates(self) -> list[dict[str, Any]]:
-        """What was tried, with probability, shrink and parameters."""
+        """Sets of effects that were fitted: probability, error reduction, parameters."""
         return list(self.report["candidates"])
 
     @property
     def not_visible(self) -> list[dict[str, Any]]:
-        """Effects that these runs could not show, and why."""
+        """Effects that are not identifiable from these runs, and why."""
         return list(self.report["not_visible"])
 
     @property
@@ -146,7 +146,7 @@ class Diagnosis:
 
     @property
     def warnings(self) -> list[str]:
-        """What to bear in mind."""
+        """Limits of this diagnosis, one sentence each."""
         return list(self.report["warnings"])
 
     @property
@@ -220,7 +220,7 @@ def report_text(report: dict[str, Any]) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """Turn into what JSON can hold; numbers that it cannot become null."""
+    """Return a value in JSON's types; NaN and infinities become null."""
     if isinstance(value, dict):
         return {str(key): _plain(one) for key, one in value.items()}
     if isinstance(value, np.ndarray):

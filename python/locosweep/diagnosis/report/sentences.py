@@ -1,4 +1,4 @@
-"""The verdict as a sentence."""
+"""The verdict of a report in one sentence."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the report says of runs that were replayed in windows: gap, places, curves."""
+"""Gap, localization and curves of runs that were replayed in windows."""
 
 from __future__ import annotations
 
