@@ -45,8 +45,6 @@ PYTHON_ORDER = [
 LAZY = {
     ("result", "plot"),
     ("result", "files"),
-    ("diagnosis.data", "diagnosis.estimate"),
-    ("diagnosis.estimate", "diagnosis.select"),
 }
 # Front doors, which only gather names: of the package, of a room, and old paths of users.
 DOOR = {"__init__", "__main__", "diagnosis", "measured", "replay"}

@@ -225,7 +225,8 @@ def test_a_run_kept_from_the_fit_may_start_in_motion() -> None:
     search, (fit,) = fits_of(frame, "viscous_friction", held=(4,))
     found = []
     for starting in ((), (4,)):
-        search.problem.starting = starting
+        starts = replace(search.problem.starts, moving=starting)
+        search.problem = replace(search.problem, initial=starts)
         found.append(carries(search, fit) is not None)
     assert found == [False, True]
 

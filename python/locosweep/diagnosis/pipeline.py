@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from copy import copy
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,10 +17,10 @@ from locosweep.diagnosis.data.holdout import hold_out
 from locosweep.diagnosis.data.regimes import regimes_of
 from locosweep.diagnosis.design.next_experiment import next_experiment
 from locosweep.diagnosis.effects.starts import candidates, scale_of
-from locosweep.diagnosis.estimate.initial_state import moving_starts
+from locosweep.diagnosis.estimate.initial_state import initial_states
 from locosweep.diagnosis.estimate.least_squares import Nuisances, point_of
 from locosweep.diagnosis.estimate.nominal import gaps_of
-from locosweep.diagnosis.estimate.problem import Problem
+from locosweep.diagnosis.estimate.problem import Problem, ReplayMeter
 from locosweep.diagnosis.estimate.shooting import ShotProblem
 from locosweep.diagnosis.estimate.window_plan import (
     for_planning,
@@ -128,11 +129,11 @@ def diagnose(
     records, notices, digest = _read(runs, columns or {}, units or {})
     records, missing = usable(records)
     warnings = [*notices, *missing, *check_runs(records, robot)]
-    problem = Problem(robot, records, workers)
     scale = scale_of(robot, records)
+    problem = Problem(robot, records, workers, pace=scale.speed)
     gaps = gaps_of(problem, Nuisances((), _spread(robot), scale.speed))
     held, tail, by_user = hold_out(records, holdout, gaps)
-    uncut = problem = replace(problem, held=held, tail=tail)
+    uncut = problem = replace(problem, held=held, tail=tail, meter=ReplayMeter())
     shots = None
     if plan := plan_of(uncut):
         problem = problem_of(uncut, plan, warnings)
@@ -146,7 +147,7 @@ def diagnose(
     if (quiet or choice.refuted) and held and not by_user and shots is None:
         # What few runs leave open to an uncertain model, the others may refute; and what
         # shows in one run alone, that run has to show.
-        problem = replace(uncut, held=())
+        problem = replace(uncut, held=(), meter=ReplayMeter())
         every = _search_of(problem, spread, scale, names, say, judges=True)
         every.hints = search.fits
         found = choose(every, max_effects)
@@ -179,11 +180,10 @@ def _search_of(
 ) -> Search:
     """Return a search with the nuisances of its runs."""
     places = tuple(enumerate(problem.priors["x"].tolist())) if problem.placed else ()
-    problem.pace = scale.speed
     nuisances = Nuisances((), spread, scale.speed, places)
     if not isinstance(problem, ShotProblem):
-        problem.starting = moving_starts(problem, nuisances)
-        free = tuple(r for r in problem.starting if r not in problem.held)
+        problem = replace(problem, initial=initial_states(problem, nuisances))
+        free = tuple(r for r in problem.starts.moving if r not in problem.held)
         nuisances = replace(nuisances, moving=free)
     return Search(problem, nuisances, scale, tuple(names), say, judges=judges)
 
@@ -328,7 +328,7 @@ def _whole_runs(
     after = problem.replay([point], everything)
     channel = gap["channel"]
     squares = where.gap_squares(problem, channel, before, after if explained else None)
-    regimes = [regimes_of(problem, r) for r in everything]
+    regimes = [regimes_of(motion) for motion in problem.motions]
     places = {
         "channels": tables["channels"],
         "runs": tables["runs"],
@@ -419,8 +419,10 @@ def _next(search: Search, choice: Choice, whole: Problem) -> dict[str, Any]:
     fits = [choice.fit, *rivals]
     known = {frozenset(fit.model.names): weight for fit, weight in choice.ranked}
     weights = [known.get(frozenset(fit.model.names), 0.0) for fit in fits]
-    if whole is not search.problem:
-        search = for_planning(search, whole)
+    if isinstance(search.problem, ShotProblem):
+        planning = copy(search)
+        planning.problem = for_planning(whole)
+        search = planning
     return next_experiment(search, fits, weights)
 
 

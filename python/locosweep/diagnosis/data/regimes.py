@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,9 +11,10 @@ from scipy.signal import savgol_filter
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from locosweep.diagnosis.estimate.problem import Problem
+    from locosweep.diagnosis.data.noise import Noise
+    from locosweep.files.runs import Run
 
-__all__ = ["REGIMES", "measured_motion", "regimes_of"]
+__all__ = ["REGIMES", "MeasuredMotion", "measured_motion", "regimes_of"]
 
 REGIMES = ("at_rest", "breakaway", "sliding_forward", "sliding_backward", "reversal")
 """Kinds of motion that a sample belongs to."""
@@ -22,36 +24,43 @@ _AFTER = 5
 """Samples after a break-away, and around a reversal, that belong to it."""
 
 
-def measured_motion(
-    problem: Problem, run: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
-    """Smooth position and speed of a run, and the deviation of that speed."""
-    if run not in problem.motions:
-        problem.motions[run] = _motion(problem, run)
-    return problem.motions[run]
+@dataclass(frozen=True)
+class MeasuredMotion:
+    """Smoothed motion of a run at its samples, and the deviation of its speed."""
+
+    x: NDArray[np.float64]
+    v: NDArray[np.float64]
+    deviation: float
 
 
-def _motion(problem: Problem, run: int) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
-    record = problem.runs[run]
-    t, x = record.t, record.channels["x"]
+def measured_motion(run: Run, noise: Noise) -> MeasuredMotion:
+    """Smooth the measured position of a run as wide as its noise asks for.
+
+    Parameters
+    ----------
+    run : Run
+        A run with the channel x.
+    noise : Noise
+        Noise of x.
+    """
+    t, x = run.t, run.channels["x"]
     ok = np.isfinite(x)
     x = np.interp(t, t[ok], x[ok]) if ok.any() else np.zeros_like(t)
     step = float(np.median(np.diff(t)))
-    noise = problem.noise["x"].sd
-    # As wide as noise asks for: slopes to a hundredth of the run's largest.
+    # Slopes to a hundredth of the run's largest.
     fast = max(float(np.ptp(x)) / max(t[-1] - t[0], 1e-12), 1e-12)
-    width = int(np.ceil((3.5 * noise / (0.05 * fast * step)) ** (2.0 / 3.0)))
+    width = int(np.ceil((3.5 * noise.sd / (0.05 * fast * step)) ** (2.0 / 3.0)))
     width = int(np.clip(width | 1, 5, max(5, (t.size // 8) | 1)))
     even = np.linspace(t[0], t[-1], t.size)
     smooth = savgol_filter(np.interp(even, t, x), width, 2)
     speed = savgol_filter(np.interp(even, t, x), width, 2, deriv=1, delta=even[1] - even[0])
-    deviation = noise * np.sqrt(12.0 / width**3) / step
-    return np.interp(t, even, smooth), np.interp(t, even, speed), float(deviation)
+    deviation = noise.sd * np.sqrt(12.0 / width**3) / step
+    return MeasuredMotion(np.interp(t, even, smooth), np.interp(t, even, speed), float(deviation))
 
 
-def regimes_of(problem: Problem, run: int) -> NDArray[np.int64]:
-    """Say for every sample what kind of motion it belongs to (`REGIMES`)."""
-    _, v, deviation = measured_motion(problem, run)
+def regimes_of(motion: MeasuredMotion) -> NDArray[np.int64]:
+    """Say for every sample of a motion what kind it belongs to (`REGIMES`)."""
+    v, deviation = motion.v, motion.deviation
     limit = 3.0 * deviation + 0.01 * float(np.abs(v).max(initial=0.0))
     sign = np.where(np.abs(v) <= limit, 0, np.sign(v)).astype(int)
     kind = np.where(sign == 0, 0, np.where(sign > 0, 2, 3))

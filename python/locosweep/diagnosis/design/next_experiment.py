@@ -79,10 +79,8 @@ class _Planned:
                 for c, values in run.channels.items()
             }
             made.append(replace(run, channels=channels))
-        found = replace(blank, runs=made)
         # Where the head already moves before the drive changes, its readings begin elsewhere.
-        found.begin = blank.begin.copy()
-        return found
+        return replace(blank, runs=made, initial=blank.starts)
 
 
 def next_experiment(

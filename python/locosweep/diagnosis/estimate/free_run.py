@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.diagnosis.data.regimes import measured_motion
-
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -26,13 +24,13 @@ def _restarted(
     """
     if not cuts:
         return []
-    motion = {r: measured_motion(problem, r) for r in {cut[0] for cut in cuts}}
     starts = []
     for r, a, _ in cuts:
-        x, v, deviation = motion[r]
+        motion = problem.motions[r]
         # A head that rests starts at rest: noise of its speed would break it away.
-        still = abs(v[a]) < 4.0 * deviation + 0.01 * float(np.abs(v).max(initial=0.0))
-        starts.append((x[a], 0.0 if still else v[a]))
+        limit = 4.0 * motion.deviation + 0.01 * float(np.abs(motion.v).max(initial=0.0))
+        still = abs(motion.v[a]) < limit
+        starts.append((motion.x[a], 0.0 if still else motion.v[a]))
     columns = [(r, a, b, list(point.names)) for r, a, b in cuts]
     count = len(cuts)
     read = problem.job.run(

@@ -132,7 +132,7 @@ def _point(problem: Problem, fit: Fit, theta: NDArray[np.float64]) -> Point:
         base.shares[i] = u if i == 3 else 1.0 + u
     k += len(fit.nuisances.shares)
     for r, u in zip(fit.nuisances.moving, theta[k:], strict=False):
-        base.speeds[r] = problem.begin[r, 1] + u
+        base.speeds[r] = problem.starts.speed[r] + u
     k += len(fit.nuisances.moving)
     for (r, _), u in zip(fit.nuisances.places, theta[k:], strict=True):
         base.places[r] = u

@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from locosweep import _core
 from locosweep.diagnosis.data.noise import Noise, noise_of, stretches
+from locosweep.diagnosis.data.regimes import measured_motion
 from locosweep.simulation.replay import effect, motor_of, nominal_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
+    from locosweep.diagnosis.data.regimes import MeasuredMotion
     from locosweep.files.robot import Robot
     from locosweep.files.runs import Run
 
-__all__ = ["FITTED", "LOST", "Point", "Problem"]
+__all__ = ["FITTED", "LOST", "InitialStates", "Point", "Problem", "ReplayMeter"]
 
 _READ = ("x", "v", "x_rear", "force")
 """Channels that the engine gives, in its order."""
@@ -48,80 +51,149 @@ class Point:
     """Shift of each run's start position, where the motion depends on it."""
 
 
-@dataclass
+@dataclass(frozen=True)
+class InitialStates:
+    """State in which every run begins, and which runs begin in motion."""
+
+    position: NDArray[np.float64]
+    """Position of the head at the first sample of each run, m."""
+    speed: NDArray[np.float64]
+    """Its speed there, m/s."""
+    moving: tuple[int, ...] = ()
+    """Runs that begin in motion."""
+
+
+class ReplayMeter:
+    """Count of the samples replayed so far, from which searches know their effort."""
+
+    def __init__(self) -> None:
+        self.samples = 0
+
+    def add(self, samples: int) -> None:
+        """Count samples that were replayed."""
+        self.samples += samples
+
+
+@dataclass(frozen=True, eq=False)
 class Problem:
     """Runs, noise and weights; residuals of models in units of their noise.
 
+    A value: what is derived from its fields is computed when first asked for and stays.
     The start offset of each run (of `x`, and of `x_rear`) is projected out with the
     uncertainty of the samples before the drive first changes.
     """
 
     robot: Robot
-    runs: list[Run]
+    runs: Sequence[Run]
     threads: int
     held: tuple[int, ...] = ()
     """Runs that take no part in fits."""
     tail: float = 1.0
     """Share of every run that fits see; below 1 only where there is one run."""
-    known: dict[str, Noise] | None = None
+    known: Mapping[str, Noise] | None = None
     """Noise of channels, where it is not to be read off the runs."""
-    heavier: dict[int, float] = field(default_factory=dict)
+    heavier: Mapping[int, float] = field(default_factory=dict)
     """Factor on the known mass, of runs with a payload."""
     turned: frozenset[int] = frozenset()
     """Runs of a robot that was turned round: an error of the slope has the other sign."""
-    starting: tuple[int, ...] = ()
-    """Runs that begin in motion."""
+    initial: InitialStates | None = None
+    """Where runs begin, if not as they were measured."""
     pace: float = 1.0
     """A large speed of this rig, m/s."""
-    noise: dict[str, Noise] = field(init=False)
-    nominal: dict[str, float] = field(init=False)
-    motor: tuple[float, float] | None = field(init=False)
-    channels: tuple[str, ...] = field(init=False)
-    lengths: NDArray[np.intp] = field(init=False)
-    replayed: int = field(init=False, default=0)
-    """Samples of all replays so far."""
-    motions: dict[int, tuple[NDArray[np.float64], NDArray[np.float64], float]] = field(
-        init=False, default_factory=dict
-    )
-    """Smoothed motion of runs, once somebody has asked for it."""
+    meter: ReplayMeter = field(default_factory=ReplayMeter, repr=False)
+    """Where replays are counted; it takes part in no result."""
 
-    def __post_init__(self) -> None:
-        self.nominal = nominal_of(self.robot)
+    @cached_property
+    def nominal(self) -> dict[str, float]:
+        """Parameters of the nominal model."""
+        return nominal_of(self.robot)
+
+    @cached_property
+    def motor(self) -> tuple[float, float] | None:
+        """Resistance and force constant, where the model has a motor."""
+        return motor_of(self.robot)
+
+    @cached_property
+    def channels(self) -> tuple[str, ...]:
+        """Channels that are measured in some run and that a replay predicts."""
+        predicted = FITTED if self.motor else _READ
+        return tuple(c for c in predicted if any(c in run.channels for run in self.runs))
+
+    @cached_property
+    def noise(self) -> dict[str, Noise]:
+        """Noise of each channel."""
         sensor = {
             key.removeprefix("sensor."): float(value)
             for key, value in self.robot.other.items()
             if key.startswith("sensor.")
         }
-        self.lengths = np.array([run.t.size for run in self.runs])
-        self.starts_at = np.concatenate([[0], np.cumsum(self.lengths)])
-        self.motor = motor_of(self.robot)
-        predicted = FITTED if self.motor else _READ
-        self.channels = tuple(c for c in predicted if any(c in run.channels for run in self.runs))
-        self.noise = {
+        return {
             c: self.known[c] if self.known and c in self.known else noise_of(c, self.runs, sensor)
             for c in self.channels
         }
+
+    @cached_property
+    def lengths(self) -> NDArray[np.intp]:
+        """Samples of each run."""
+        return np.array([run.t.size for run in self.runs])
+
+    @cached_property
+    def starts_at(self) -> NDArray[np.intp]:
+        """First sample of each run among those of all, and one beyond the last."""
+        return np.concatenate([[0], np.cumsum(self.lengths)])
+
+    @cached_property
+    def job(self) -> _core.Replay:
+        """The engine with the drives of the runs."""
+        return self._engine(self.runs)
+
+    def _engine(self, runs: Sequence[Run]) -> _core.Replay:
+        slope = self.nominal["slope_deg"]
         data = [
-            (
-                run.since_start,
-                run.drive,
-                self.nominal["slope_deg"] if run.slope_deg is None else run.slope_deg,
-            )
-            for run in self.runs
+            (run.since_start, run.drive, slope if run.slope_deg is None else run.slope_deg)
+            for run in runs
         ]
-        self.job = _core.Replay({**self.nominal}, data)
-        self.begin = np.array([run.start for run in self.runs])
-        self.measured, self.weights = {}, {}
-        for c in self.channels:
-            y = np.concatenate(
+        return _core.Replay({**self.nominal}, data)
+
+    @cached_property
+    def starts(self) -> InitialStates:
+        """State in which every run begins."""
+        if self.initial is not None:
+            return self.initial
+        measured = np.array([run.start for run in self.runs])
+        return InitialStates(measured[:, 0], measured[:, 1])
+
+    @cached_property
+    def measured(self) -> dict[str, NDArray[np.float64]]:
+        """Readings of all runs, NaN where nothing was measured."""
+        return {
+            c: np.concatenate(
                 [run.channels.get(c, np.full(run.t.size, np.nan)) for run in self.runs]
             )
-            self.measured[c] = y
-            self.weights[c] = self._weights(c, y)
+            for c in self.channels
+        }
+
+    @cached_property
+    def motions(self) -> tuple[MeasuredMotion, ...]:
+        """Smoothed motion of each run."""
+        return tuple(measured_motion(run, self.noise["x"]) for run in self.runs)
+
+    @cached_property
+    def weights(self) -> dict[str, NDArray[np.float64]]:
+        """Inverse deviation of every sample, 0 where it does not count."""
+        return {c: self._weights(c, y) for c, y in self.measured.items()}
+
+    @cached_property
+    def seen(self) -> NDArray[np.bool_]:
+        """Samples that fits see, of runs that are not held out."""
         position = np.concatenate([np.arange(n) / n for n in self.lengths])
-        self.seen = position < self.tail
-        self.fitted = [r for r in range(len(self.runs)) if r not in self.held]
-        self._offsets()
+        seen: NDArray[np.bool_] = position < self.tail
+        return seen
+
+    @cached_property
+    def fitted(self) -> list[int]:
+        """Runs that take part in fits."""
+        return [r for r in range(len(self.runs)) if r not in self.held]
 
     def _weights(self, channel: str, y: NDArray[np.float64]) -> NDArray[np.float64]:
         noise = self.noise[channel]
@@ -136,30 +208,36 @@ class Problem:
                 weight[a:b] *= np.sqrt(np.minimum(1.0, worth / counts))
         return weight
 
-    def _offsets(self) -> None:
-        """Know how well each run's start is known."""
-        self.priors: dict[str, NDArray[np.float64]] = {}
-        self.rest: dict[str, NDArray[np.float64]] = {}
+    @cached_property
+    def priors(self) -> dict[str, NDArray[np.float64]]:
+        """Deviation of the start offset of each run, by channel that has offsets."""
+        return {c: self._offset_deviations(c) for c in _OFFSETS if c in self.channels}
+
+    @cached_property
+    def rest(self) -> dict[str, NDArray[np.float64]]:
+        """Reading of each run before its drive first changes, by channel that has offsets."""
+        found = {}
         for c in _OFFSETS:
-            if c not in self.channels:
-                continue
-            noise = self.noise[c]
-            prior, level = [], []
-            for run in self.runs:
-                y = run.channels.get(c, np.full(run.t.size, np.nan))
-                changes = np.flatnonzero(run.drive != run.drive[0])
-                still = int(changes[0]) + 1 if changes.size and run.drive[0] == 0.0 else 1
-                before = y[:still][np.isfinite(y[:still])]
-                known = y[np.isfinite(y)]
-                # That of one sample: a bristle may give way while the drive rests.
-                # Where nothing was measured before the drive changes, it is anywhere.
-                own = float(np.hypot(noise.sd, noise.stuck))
-                span = float(np.ptp(known)) if known.size else 0.0
-                prior.append(own if before.size else own + _ANYWHERE * span)
-                level.append(
-                    float(before.mean()) if before.size else float(known[0]) if known.size else 0.0
-                )
-            self.priors[c], self.rest[c] = np.array(prior), np.array(level)
+            if c in self.channels:
+                levels = []
+                for run in self.runs:
+                    before, known = _at_start(run, c)
+                    first = float(known[0]) if known.size else 0.0
+                    levels.append(float(before.mean()) if before.size else first)
+                found[c] = np.array(levels)
+        return found
+
+    def _offset_deviations(self, channel: str) -> NDArray[np.float64]:
+        noise = self.noise[channel]
+        # That of one sample: a bristle may give way while the drive rests.
+        own = float(np.hypot(noise.sd, noise.stuck))
+        deviations = []
+        for run in self.runs:
+            before, known = _at_start(run, channel)
+            # Where nothing was measured before the drive changes, it is anywhere.
+            span = float(np.ptp(known)) if known.size else 0.0
+            deviations.append(own if before.size else own + _ANYWHERE * span)
+        return np.array(deviations)
 
     @property
     def count(self) -> int:
@@ -172,7 +250,7 @@ class Problem:
             (),
             np.zeros(_core.effect_parameter_count()),
             np.array([1.0, 1.0, 1.0, 0.0]),
-            self.begin[:, 1].copy(),
+            self.starts.speed.copy(),
             np.zeros(len(self.runs)),
         )
 
@@ -194,14 +272,14 @@ class Problem:
         With `runs`, only those runs are replayed, one after another.
         """
         chosen = range(len(self.runs)) if runs is None else runs
-        self.replayed += len(points) * int(self.lengths[list(chosen)].sum())
+        self.meter.add(len(points) * int(self.lengths[list(chosen)].sum()))
         columns = [
             (r, 0, int(self.lengths[r]), list(point.names)) for point in points for r in chosen
         ]
         values = np.repeat([p.values for p in points], len(chosen), axis=0)
         shares = np.repeat([p.shares for p in points], len(chosen), axis=0)
         starts = np.array(
-            [(self.begin[r, 0] + p.places[r], p.speeds[r]) for p in points for r in chosen]
+            [(self.starts.position[r] + p.places[r], p.speeds[r]) for p in points for r in chosen]
         )
         if self.heavier or self.turned:
             number = np.tile(np.array(list(chosen)), len(points))
@@ -333,8 +411,8 @@ class Problem:
         kinds = []
         if self.placed:
             kinds.append(("places", self.priors["x"]))
-        if any(r in self.starting for r in self.held):
-            free = np.isin(np.arange(len(self.runs)), self.starting)
+        if any(r in self.starts.moving for r in self.held):
+            free = np.isin(np.arange(len(self.runs)), self.starts.moving)
             kinds.append(("speeds", np.where(free, 1e30, 1e-30)))
         return self._started(points, e, kinds) if kinds else e
 
@@ -365,3 +443,11 @@ class Problem:
         """Count the residuals that fits see."""
         seen = self.seen & ~np.isin(np.repeat(np.arange(len(self.runs)), self.lengths), self.held)
         return int(sum(((w > 0.0) & seen).sum() for w in self.weights.values()))
+
+
+def _at_start(run: Run, channel: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the readings of a channel before the drive first changes, and all of them."""
+    y = run.channels.get(channel, np.full(run.t.size, np.nan))
+    changes = np.flatnonzero(run.drive != run.drive[0])
+    still = int(changes[0]) + 1 if changes.size and run.drive[0] == 0.0 else 1
+    return y[:still][np.isfinite(y[:still])], y[np.isfinite(y)]

@@ -7,7 +7,8 @@ exceed the motion itself. Over a short window they stay in proportion to their c
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -77,7 +78,7 @@ class Shot(Run):
         return self.state[0], self.state[1]
 
 
-@dataclass
+@dataclass(frozen=True)
 class _Around:
     """Readings of a run from which the states at starts of windows are found."""
 
@@ -197,7 +198,7 @@ def cut(
     return shots
 
 
-@dataclass
+@dataclass(frozen=True, eq=False)
 class ShotProblem(Problem):
     """Windows of runs against a model; `runs` are shots.
 
@@ -205,45 +206,60 @@ class ShotProblem(Problem):
     that its shot gives: residuals end with the start's shifts in units of these.
     """
 
-    records: list[Run] = field(default_factory=list)
+    records: Sequence[Run] = ()
     """The runs that the windows lie in."""
-    _shift: dict[str, Floats] = field(init=False, repr=False)
-    """Whitened change of each channel under a start's shift: a row a kind of shift."""
-    _worth: Floats = field(init=False, repr=False)
-    """Inverse of each window's normal matrix of shifts."""
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self.shots: list[Shot] = [run for run in self.runs if isinstance(run, Shot)]
-        slope = self.nominal["slope_deg"]
-        self.job = _core.Replay(
-            {**self.nominal},
-            [
-                (run.since_start, run.drive, slope if run.slope_deg is None else run.slope_deg)
-                for run in self.records
-            ],
-        )
+    @cached_property
+    def shots(self) -> list[Shot]:
+        """The windows."""
+        return [run for run in self.runs if isinstance(run, Shot)]
+
+    @cached_property
+    def job(self) -> _core.Replay:
+        """The engine with the drives of the runs that the windows lie in."""
+        return self._engine(self.records)
+
+    @cached_property
+    def weights(self) -> dict[str, Floats]:
+        """Inverse deviation of every sample, 0 where it does not count."""
+        weights = {c: self._weights(c, y) for c, y in self.measured.items()}
         for a, shot in zip(self.starts_at, self.shots, strict=False):
-            for w in self.weights.values():
+            for w in weights.values():
                 w[a : a + shot.judged[0]] = 0.0
                 w[a + shot.judged[1] : a + shot.t.size] = 0.0
-        self.priors = {}
-        self._windows = [(shot.record, *shot.window) for shot in self.shots]
-        self._state = np.array([shot.state for shot in self.shots])
-        self._origin = np.array([(shot.since_start[0], shot.base) for shot in self.shots])
-        self._sensor = [
+        return weights
+
+    @cached_property
+    def priors(self) -> dict[str, Floats]:
+        """None: how windows start is projected out as states, not as offsets."""
+        return {}
+
+    @cached_property
+    def _state(self) -> Floats:
+        return np.array([shot.state for shot in self.shots])
+
+    @cached_property
+    def _origin(self) -> Floats:
+        return np.array([(shot.since_start[0], shot.base) for shot in self.shots])
+
+    @cached_property
+    def _sensor(self) -> list[int]:
+        return [
             self.place(*of)
             for of in (("sensor_scale", "e"), ("sensor_drift", "b"), ("sensor_delay", "T"))
         ]
-        self._find_shifts()
 
     @property
     def placed(self) -> bool:
         """False: where windows start is projected out, also for a pendulum."""
         return False
 
-    def _find_shifts(self) -> None:
-        """Differentiate the nominal readings by position and speed of each start."""
+    @cached_property
+    def _shift(self) -> dict[str, Floats]:
+        """Whitened change of each channel under a start's shift: a row a kind of shift.
+
+        Nominal readings are differentiated by position and speed of each start.
+        """
         plain = self.plain()
         spread = np.array([shot.spread for shot in self.shots])
         base = self.replay([plain])
@@ -263,14 +279,18 @@ class ShotProblem(Problem):
             for c in self.channels:
                 own = deviation if c == "x_rear" else 0.0
                 rows[c].append(np.full(self.count, own))
-        self._shift = {c: np.array(rows[c]) * self.weights[c] for c in self.channels}
-        kinds = len(rows["x"])
+        return {c: np.array(rows[c]) * self.weights[c] for c in self.channels}
+
+    @cached_property
+    def _worth(self) -> Floats:
+        """Inverse of each window's normal matrix of shifts."""
+        kinds = len(self._shift["x"])
         normal = np.tile(np.eye(kinds), (len(self.runs), 1, 1))
         for i in range(kinds):
             for j in range(kinds):
                 both = sum(s[i] * s[j] for s in self._shift.values())
                 normal[:, i, j] += np.add.reduceat(both, self.starts_at[:-1])
-        self._worth = np.asarray(np.linalg.inv(normal), dtype=np.float64)
+        return np.asarray(np.linalg.inv(normal), dtype=np.float64)
 
     def replay(
         self,
@@ -283,8 +303,9 @@ class ShotProblem(Problem):
         With `runs`, only those windows; `moved` shifts position and speed of each.
         """
         chosen = np.arange(len(self.runs)) if runs is None else np.array(runs, dtype=int)
-        self.replayed += len(points) * int(self.lengths[chosen].sum())
-        columns = [(*self._windows[r], list(point.names)) for point in points for r in chosen]
+        self.meter.add(len(points) * int(self.lengths[chosen].sum()))
+        windows = [(self.shots[r].record, *self.shots[r].window) for r in chosen]
+        columns = [(*window, list(point.names)) for point in points for window in windows]
         values = np.repeat([p.values for p in points], chosen.size, axis=0)
         shares = np.repeat([p.shares for p in points], chosen.size, axis=0)
         starts, scaled = [], []

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from copy import copy
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from locosweep.diagnosis.effects.starts import Scale
-    from locosweep.diagnosis.select.search import Search
     from locosweep.files.robot import Robot
 
     Floats = NDArray[np.float64]
@@ -290,10 +288,9 @@ def _problem(
     held: tuple[int, ...],
 ) -> ShotProblem:
     half = LEAD * plan.seconds
-    shots: list[Run] = list(cut(whole.runs if runs is whole.runs else runs, windows, leads,
-                                plan.noise, half))  # fmt: skip
+    shots = cut(runs, windows, leads, plan.noise, half)
     return ShotProblem(
-        whole.robot, shots, whole.threads, held=held, known=plan.noise, records=list(runs)
+        whole.robot, shots, whole.threads, held=held, known=plan.noise, records=tuple(runs)
     )
 
 
@@ -308,8 +305,8 @@ def scale_in_windows(scale: Scale, robot: Robot, problem: ShotProblem) -> Scale:
     )
 
 
-def for_planning(search: Search, whole: Problem) -> Search:
-    """Return a search whose runs are the first windows of whole runs.
+def for_planning(whole: Problem) -> Problem:
+    """Return a problem whose runs are the first windows of whole runs.
 
     A planned run starts at rest and is replayed as a whole: so are those that it is
     compared with.
@@ -320,9 +317,7 @@ def for_planning(search: Search, whole: Problem) -> Search:
         far = np.abs(run.channels["x"] - run.start[0]) > 0.1 * np.ptp(run.channels["x"][ok])
         begins = int(np.argmax(far & ok))
         runs.append(_first(run, begins))
-    moved = copy(search)
-    moved.problem = Problem(whole.robot, runs, whole.threads, known=whole.noise)
-    return moved
+    return Problem(whole.robot, runs, whole.threads, known=whole.noise)
 
 
 def _first(run: Run, begins: int) -> Run:

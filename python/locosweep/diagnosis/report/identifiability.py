@@ -33,12 +33,10 @@ def not_visible(search: Search, left_out: Mapping[str, str]) -> list[dict[str, s
 
 def _ways(problem: Problem) -> tuple[bool, bool]:
     """Whether the head moves forward and backward in the fitted runs."""
-    from locosweep.diagnosis.data.regimes import measured_motion
-
-    found = [measured_motion(problem, r)[1:] for r in problem.fitted]
-    limits = [3.0 * d + 0.01 * float(np.abs(v).max(initial=0.0)) for v, d in found]
-    forward = any((v > limit).any() for (v, _), limit in zip(found, limits, strict=True))
-    backward = any((v < -limit).any() for (v, _), limit in zip(found, limits, strict=True))
+    found = [problem.motions[r] for r in problem.fitted]
+    limits = [3.0 * m.deviation + 0.01 * float(np.abs(m.v).max(initial=0.0)) for m in found]
+    forward = any((m.v > limit).any() for m, limit in zip(found, limits, strict=True))
+    backward = any((m.v < -limit).any() for m, limit in zip(found, limits, strict=True))
     return forward, backward
 
 

@@ -39,7 +39,7 @@ def units_of(problem: Problem) -> dict[str, str]:
 def started(problem: Problem, point: Point) -> Point:
     """Return a model with start speeds fitted in the runs kept from its own fit."""
     speeds = point.speeds.copy()
-    for r in (r for r in problem.held if r in problem.starting):
+    for r in (r for r in problem.held if r in problem.starts.moving):
         step = 1e-4 * problem.pace
         for _ in range(_STEPS):
             tried = [speeds, speeds.copy()]

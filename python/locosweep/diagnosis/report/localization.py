@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from locosweep.diagnosis.data.regimes import REGIMES, measured_motion
+from locosweep.diagnosis.data.regimes import REGIMES
 from locosweep.diagnosis.estimate.free_run import _cuts, _restarted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from locosweep.diagnosis.data.regimes import MeasuredMotion
     from locosweep.diagnosis.estimate.problem import Point, Problem
 
 __all__ = ["force_view", "horizons", "origin", "shares", "windows"]
@@ -131,9 +132,10 @@ def regime_shares(
     return [{"regime": name, "share": share} for name, share in found if share > 0.0]
 
 
-def _swept(x: NDArray[np.float64], v: NDArray[np.float64], deviation: float) -> NDArray[np.float64]:
+def _swept(motion: MeasuredMotion) -> NDArray[np.float64]:
     """Return the distance swept forward since the head last rested or turned."""
-    forward = v > 3.0 * deviation + 0.01 * float(np.abs(v).max(initial=0.0))
+    x, v = motion.x, motion.v
+    forward = v > 3.0 * motion.deviation + 0.01 * float(np.abs(v).max(initial=0.0))
     starts = np.where(forward, np.nan, x)
     last = np.maximum.accumulate(np.where(forward, 0, np.arange(x.size)))
     base = np.where(np.isnan(starts[last]), x[0], starts[last])
@@ -149,12 +151,12 @@ def force_view(problem: Problem, point: Point, mass: float) -> dict[str, Any]:
     """
     count = int(np.clip(problem.count / (len(problem.runs) * 25), 10, 60))
     cuts = _cuts(problem, count)
-    swept = {r: _swept(*measured_motion(problem, r)) for r in range(len(problem.runs))}
+    swept = [_swept(motion) for motion in problem.motions]
     rows = []
     for (r, a, b), (t, e) in zip(cuts, _restarted(problem, point, cuts), strict=True):
-        x, v, deviation = measured_motion(problem, r)
+        x, v = problem.motions[r].x, problem.motions[r].v
         ok = np.isfinite(e)
-        if ok.sum() < 8 or np.abs(v[a:b]).min() < 3.0 * deviation:
+        if ok.sum() < 8 or np.abs(v[a:b]).min() < 3.0 * problem.motions[r].deviation:
             continue
         base = np.vander(t[ok] - t[0], 3)
         bend = np.linalg.lstsq(base, e[ok], rcond=None)[0][0]

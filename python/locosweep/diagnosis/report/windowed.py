@@ -151,7 +151,7 @@ class ShotReport:
         whole = sum(total for total, _ in rows)
         squares = [np.nan_to_num(s) for s in old[channel]]
         windows = where.windows(self.whole, squares)
-        regimes = [regimes_of(self.whole, r) for r in range(len(self.whole.runs))]
+        regimes = [regimes_of(motion) for motion in self.whole.motions]
         return {
             "channels": [{**row, "share": float(t / whole) if whole else 0.0} for t, row in rows],
             "runs": self._rows(old[channel], new[channel]),
@@ -184,7 +184,7 @@ class ShotReport:
                 dict(run.channels),
                 {c: rows[0][r] for c, rows in laid.items()},
                 {c: rows[1][r] for c, rows in laid.items()},
-                regimes_of(self.whole, r),
+                regimes_of(self.whole.motions[r]),
                 r in self.whole.held,
             )
             for r, run in enumerate(self.whole.runs)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from copy import copy
 from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING
@@ -11,6 +10,7 @@ import numpy as np
 
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all
 from locosweep.diagnosis.estimate.motion import VARIABLES
+from locosweep.diagnosis.estimate.problem import ReplayMeter
 from locosweep.diagnosis.select.nonparametric import Flexible
 from locosweep.diagnosis.select.score import GAIN
 from locosweep.diagnosis.select.whiteness import lack_of, noise_level
@@ -111,11 +111,10 @@ def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool
     Where none was kept, in all together. And one law for all runs has to be worth as much
     as one of its own in each: what no run confirms is no law.
     """
-    whole = copy(problem)
-    whole.held, whole.fitted = (), list(range(len(problem.runs)))
+    whole = replace(problem, held=(), initial=problem.starts, meter=ReplayMeter())
     # Runs kept from the fit may start in motion, too.
     moving = fit.nuisances.moving
-    late = tuple(r for r in problem.starting if r in problem.held and r not in moving)
+    late = tuple(r for r in problem.starts.moving if r in problem.held and r not in moving)
     at = len(fit.model.free) + len(fit.nuisances.shares) + len(moving)
     same = Fit(
         fit.model,

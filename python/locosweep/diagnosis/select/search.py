@@ -126,14 +126,14 @@ class Search:
     def singles(self) -> list[Fit]:
         """Fit every effect alone, from several starts; best first."""
         found = self.extend(None, self.names, keep=len(self.names))
-        self.spent = self.problem.replayed
+        self.spent = self.problem.meter.samples
         return found
 
     def leaped(self) -> list[Fit]:
         """Fit the effects alone again, from further places; best first."""
         found = sorted((self.fits[frozenset({name})] for name in self.names), key=chi2_of)
         self._leap([f for f in found if f.chi2 < _NEAR * found[0].chi2][:_CLOSE])
-        self.spent = self.problem.replayed
+        self.spent = self.problem.meter.samples
         return sorted(found, key=chi2_of)
 
     def extend(
@@ -446,7 +446,7 @@ class Search:
         """Add one effect to each of the best fits."""
         found: dict[frozenset[str], Fit] = {}
         for i, base in enumerate(list(fits)[:beam]):
-            if i and self.problem.replayed > _BUDGET * self.spent:
+            if i and self.problem.meter.samples > _BUDGET * self.spent:
                 break
             for fit in self.extend(base, self.names, beat=True):
                 found[frozenset(fit.model.names)] = fit

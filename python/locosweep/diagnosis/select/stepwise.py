@@ -97,7 +97,7 @@ def _swapped(search: Search, level: list[Fit]) -> list[Fit]:
         if not rest_of(search.problem, best):
             break
         for name in best.model.names:
-            if search.problem.replayed > _BUDGET * search.spent:
+            if search.problem.meter.samples > _BUDGET * search.spent:
                 break
             base = without(search, best, name)
             others = [n for n in search.names if n != name]
