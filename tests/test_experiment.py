@@ -13,7 +13,13 @@ from locosweep.diagnosis import diagnose
 from locosweep.diagnosis.design import next_experiment as experiment
 from locosweep.diagnosis.design.menu import MENU
 from locosweep.diagnosis.effects.starts import scale_of
-from locosweep.diagnosis.estimate.least_squares import Nuisances, fit_all, point_of, start_fits
+from locosweep.diagnosis.estimate.least_squares import (
+    Fit,
+    Nuisances,
+    fit_all,
+    point_of,
+    start_fits,
+)
 from locosweep.diagnosis.estimate.problem import Problem
 from locosweep.diagnosis.select.search import Search
 from locosweep.files.runs import runs_from_frame
@@ -35,25 +41,26 @@ def one_way(step: float = 0.0) -> pl.DataFrame:
 
 
 @pytest.fixture(scope="module")
-def search() -> Search:
-    """Mass and gain, each fitted to what a gain error makes."""
+def fitted() -> tuple[Search, list[Fit]]:
+    """Gain and mass, each fitted to what a gain error makes."""
     records = runs_from_frame(one_way())
     scale = scale_of(FRICTIONLESS, records)
     problem = Problem(FRICTIONLESS, records, 1, pace=scale.speed)
     nuisances = Nuisances((), (0.0, 0.0, 0.0, 0.0), scale.speed)
-    found = Search(problem, nuisances, scale, (), lambda _: None)
+    found = Search(problem, nuisances, scale, ())
+    starts = []
     for name in ("drive_gain_error", "payload_mass"):
-        fit = start_fits(nuisances, found.model((name,)), np.zeros((1, 1)))[0]
-        fit_all(problem, [fit], steps=20)
-        found.fits[frozenset({name})] = fit
-    return found
+        starts += start_fits(nuisances, found.model((name,)), np.zeros((1, 1)))
+    return found, fit_all(problem, starts, steps=20)
 
 
 @pytest.mark.parametrize("name", [name for name, _, _ in MENU])
-def test_a_distance_is_what_another_least_squares_leaves(search: Search, name: str) -> None:
+def test_a_distance_is_what_another_least_squares_leaves(
+    fitted: tuple[Search, list[Fit]], name: str
+) -> None:
+    search, fits = fitted
     change = next(change for known, change, _ in MENU if known == name)
     planned = experiment._planned(search, name, change)
-    fits = [search.fits[frozenset({n})] for n in ("drive_gain_error", "payload_mass")]
     problem = planned.seen_by(fits[0])
     place = problem.place("payload_mass", "dm")
 
@@ -120,9 +127,9 @@ def test_the_truth_leaves_nothing_of_what_it_predicts(name: str) -> None:
 
 
 def test_repeats_are_asked_for_where_one_run_says_too_little(
-    search: Search, monkeypatch: pytest.MonkeyPatch
+    fitted: tuple[Search, list[Fit]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    fits = [search.fits[frozenset({n})] for n in ("drive_gain_error", "payload_mass")]
+    search, fits = fitted
     for distance, said in ((1.7, "4 times"), (3.0, "2 times"), (9.0, "mass ("), (0.5, "no motion")):
         monkeypatch.setattr(experiment, "_refitted", lambda *_, d=distance: d)
         told = experiment.next_experiment(search, fits, [0.5, 0.5])

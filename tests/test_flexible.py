@@ -29,12 +29,12 @@ def terms_beside(frame: pl.DataFrame, *names: str) -> Flexible:
     scale = scale_of(ROBOT, records)
     problem = Problem(ROBOT, records, 1, pace=scale.speed)
     nuisances = Nuisances((), (0.0, 0.0, 0.0, 0.0), scale.speed)
-    search = Search(problem, nuisances, scale, names, lambda _: None)
+    search = Search(problem, nuisances, scale, names)
     fit = search.none
     if names:
         model = search.model(names)
-        fit = start_fits(nuisances, model, np.zeros((1, len(model.free))))[0]
-        fit_all(problem, [fit], steps=20)
+        starts = start_fits(nuisances, model, np.zeros((1, len(model.free))))
+        (fit,) = fit_all(problem, starts, steps=20)
     return Flexible(problem, fit)
 
 
@@ -171,13 +171,12 @@ def fits_of(frame: pl.DataFrame, *names: str, held: tuple[int, ...] = ()) -> tup
     scale = scale_of(ROBOT, records)
     problem = Problem(ROBOT, records, 1, held=held, pace=scale.speed)
     nuisances = Nuisances((), (0.0, 0.0, 0.0, 0.0), scale.speed)
-    search = Search(problem, nuisances, scale, names, lambda _: None)
-    fits = []
+    search = Search(problem, nuisances, scale, names)
+    starts = []
     for name in names:
         model = search.model((name,))
-        fits += start_fits(nuisances, model, np.zeros((1, len(model.free))))
-    fit_all(problem, fits, steps=20)
-    return search, fits
+        starts += start_fits(nuisances, model, np.zeros((1, len(model.free))))
+    return search, fit_all(problem, starts, steps=20)
 
 
 def test_another_law_has_to_hold_in_the_runs_kept_from_the_fit() -> None:
@@ -226,8 +225,8 @@ def test_a_run_kept_from_the_fit_may_start_in_motion() -> None:
     found = []
     for starting in ((), (4,)):
         starts = replace(search.problem.starts, moving=starting)
-        search.problem = replace(search.problem, initial=starts)
-        found.append(carries(search, fit) is not None)
+        moved = replace(search, problem=replace(search.problem, initial=starts))
+        found.append(carries(moved, fit) is not None)
     assert found == [False, True]
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-from copy import copy
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -149,7 +148,7 @@ def diagnose(
         # shows in one run alone, that run has to show.
         problem = replace(uncut, held=(), meter=ReplayMeter())
         every = _search_of(problem, spread, scale, names, say, judges=True)
-        every.hints = search.fits
+        every = replace(every, hints=choice.known.fits)
         found = choose(every, max_effects)
         if choice.refuted or found.status != "none":
             search, choice = every, found
@@ -232,7 +231,11 @@ def _report(
     chosen = fit.named() if named else {}
     augmented = calibrated(robot, point, chosen) if named else robot
     digest, seed = provenance
-    near = nearest(search) if shots is not None and choice.status == "unexplained" else None
+    near = (
+        nearest(search, choice.known)
+        if shots is not None and choice.status == "unexplained"
+        else None
+    )
     if shots is not None:
         gap = shots.gap(nominal_point, point, seed, warnings)
         places = shots.places(nominal_point, point, gap["channel"])
@@ -267,7 +270,7 @@ def _report(
         "gap": gap,
         "where": {**places, "site": site},
         "candidates": _candidates(search, choice, gap, seed, shots, near),
-        "not_visible": not_visible(search, left_out),
+        "not_visible": not_visible(search, choice.known, left_out),
         "next_experiment": _next(search, choice, whole),
         "warnings": warnings,
         "provenance": {
@@ -349,7 +352,7 @@ def _by_weight(search: Search, fit: Fit) -> list[str]:
         tail = list(range(len(fit.model.free), fit.theta.size))
         rest = search.model([n for n in fit.model.names if n != name])
         without = type(fit)(rest, fit.nuisances, fit.theta[keep + tail])
-        evaluate(search.problem, [without])
+        (without,) = evaluate(search.problem, [without])
         losses.append(without.chi2)
     order = np.argsort(-np.array(losses), kind="stable")
     return [fit.model.names[i] for i in order]
@@ -410,19 +413,18 @@ def _next(search: Search, choice: Choice, whole: Problem) -> dict[str, Any]:
     for place, name in enumerate(choice.fit.model.names):
         for other in choice.classes[place]:
             key = frozenset(other if n == name else n for n in choice.fit.model.names)
-            if other != name and key in search.fits:
-                rivals.append(search.fits[key])
-    rivals += [search.fits[frozenset(s)] for s in choice.sets if frozenset(s) in search.fits]
+            if other != name and key in choice.known.fits:
+                rivals.append(choice.known.fits[key])
+    keys = [frozenset(names) for names in choice.sets]
+    rivals += [choice.known.fits[key] for key in keys if key in choice.known.fits]
     if not rivals:
         return {"separates": [], "suggestion": None}
-    search.report("next experiment")
+    search.progress("next experiment")
     fits = [choice.fit, *rivals]
     known = {frozenset(fit.model.names): weight for fit, weight in choice.ranked}
     weights = [known.get(frozenset(fit.model.names), 0.0) for fit in fits]
     if isinstance(search.problem, ShotProblem):
-        planning = copy(search)
-        planning.problem = for_planning(whole)
-        search = planning
+        search = replace(search, problem=for_planning(whole))
     return next_experiment(search, fits, weights)
 
 

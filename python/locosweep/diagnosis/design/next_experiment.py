@@ -198,9 +198,9 @@ def _straight(planned: _Planned, fits: Sequence[Fit]) -> Floats:
 
     Row: the truth; column: what is refitted; infinite on the diagonal.
     """
-    others = [_bare(fit) for fit in fits]
-    problem = planned.seen_by(others[0])
-    evaluate(problem, others)
+    bare = [_bare(fit) for fit in fits]
+    problem = planned.seen_by(bare[0])
+    others = evaluate(problem, bare)
     count = len(fits)
     table = np.full((count, count), np.inf)
     for j, other in enumerate(others):
@@ -236,11 +236,9 @@ def _refitted(
         if len(rival.model.names) == 1 and new:
             more = start_fits(start.nuisances, rival.model, starts_of(new[0], search.scale))
             # What the runs so far say is in the rival's own start.
-            evaluate(problem, more, [planned.place])
-            for fit in more:
-                fit.residual = np.zeros(0)
-            trials.extend(sorted(more, key=lambda f: f.chi2)[:2])
-    fit_all(problem, trials, steps=8)
+            more = evaluate(problem, more, [planned.place])
+            trials += [f.without_residual() for f in sorted(more, key=lambda f: f.chi2)[:2]]
+    trials = fit_all(problem, trials, steps=8)
     return float(np.sqrt(max(min(trial.chi2 for trial in trials), 0.0)))
 
 

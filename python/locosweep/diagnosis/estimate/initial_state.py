@@ -90,8 +90,8 @@ def initial_states(problem: Problem, nuisances: Nuisances) -> InitialStates:
 def _tried_speeds(problem: Problem, nuisances: Nuisances) -> tuple[Floats, Floats]:
     """Return the fitted start speeds, and squared residuals at rest, with these, and as read."""
     every = list(range(len(problem.runs)))
-    with_speed = start_fits(nuisances, Model((), ()), np.zeros((1, 0)))[0]
-    fit_all(problem, [with_speed], runs=every)
+    starts = start_fits(nuisances, Model((), ()), np.zeros((1, 0)))
+    (with_speed,) = fit_all(problem, starts, runs=every)
     fitted = point_of(problem, with_speed)
     at_rest, read = fitted.speeds.copy(), fitted.speeds.copy()
     asked = list(nuisances.moving)

@@ -57,9 +57,12 @@ class Model:
     free: tuple[Free, ...]
 
 
-@dataclass
+@dataclass(frozen=True, eq=False)
 class Fit:
-    """A model with values: parameters first, then shares, then start speeds."""
+    """A model with values: parameters first, then shares, then start speeds.
+
+    A value: evaluating or improving it gives another one.
+    """
 
     model: Model
     nuisances: Nuisances
@@ -70,8 +73,6 @@ class Fit:
     damping: float = 1e-2
     limit: float = np.inf
     """Chi2 above which the fit is of no interest, once derivatives promise no better."""
-    done: bool = False
-    steps: int = 0
 
     @property
     def parameters(self) -> NDArray[np.float64]:
@@ -91,6 +92,19 @@ class Fit:
         spread = np.sqrt(np.maximum(np.diag(self.covariance)[:k], 0.0))
         logs = np.array([f.log for f in self.model.free], dtype=bool)
         return np.where(logs, spread * self.parameters, spread) if k else spread
+
+    @property
+    def nuisance(self) -> NDArray[np.float64]:
+        """What follows the parameters in theta: shares, start speeds and positions."""
+        return self.theta[len(self.model.free) :]
+
+    def unfitted(self, theta: NDArray[np.float64] | None = None) -> Fit:
+        """Return a fit of the same model that is still to be evaluated."""
+        return Fit(self.model, self.nuisances, self.theta if theta is None else theta)
+
+    def without_residual(self) -> Fit:
+        """Return the fit without its residual, which takes most of the memory."""
+        return replace(self, residual=np.zeros(0))
 
     def named(self) -> dict[str, dict[str, float]]:
         """Return the parameters by effect and name."""
@@ -153,27 +167,50 @@ def _prior(fit: Fit, theta: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.concatenate([theta[k : k + spread.size] / spread, theta[last:] / around])
 
 
-def start_fits(nuisances: Nuisances, model: Model, rows: NDArray[np.float64]) -> list[Fit]:
-    """Return unfitted fits of a model, one a row of parameter values."""
+def start_fits(
+    nuisances: Nuisances,
+    model: Model,
+    rows: NDArray[np.float64],
+    nuisance: NDArray[np.float64] | None = None,
+) -> list[Fit]:
+    """Return unfitted fits of a model, one a row of parameter values.
+
+    `nuisance` gives the values of what the model may shift beside, 0 without it.
+    """
+    if nuisance is None:
+        count = len(nuisances.shares) + len(nuisances.moving) + len(nuisances.places)
+        nuisance = np.zeros(count)
     fits = []
     for row in np.atleast_2d(rows):
         logs = np.array([f.log for f in model.free], dtype=bool)
         theta = np.where(logs, np.log(np.where(logs, np.maximum(row, 1e-300), 1.0)), row)
-        rest = np.zeros(len(nuisances.shares) + len(nuisances.moving) + len(nuisances.places))
-        fits.append(Fit(model, nuisances, np.concatenate([theta, rest])))
+        fits.append(Fit(model, nuisances, np.concatenate([theta, nuisance])))
     return fits
 
 
-def evaluate(problem: Problem, fits: Sequence[Fit], runs: Sequence[int] | None = None) -> None:
-    """Set chi2 and residual of fits at their values."""
+def evaluate(problem: Problem, fits: Sequence[Fit], runs: Sequence[int] | None = None) -> list[Fit]:
+    """Return fits with chi2 and residual at their values.
+
+    Parameters
+    ----------
+    problem : Problem
+        The runs.
+    fits : sequence of Fit
+        What is evaluated.
+    runs : sequence of int, optional
+        Runs that count; those that are fitted if not given.
+    """
     if not fits:
-        return
+        return []
     found = problem.residuals([_point(problem, fit, fit.theta) for fit in fits], runs)
-    for fit, e in zip(fits, found, strict=True):
-        fit.residual = np.concatenate([e, _prior(fit, fit.theta)])
-        fit.chi2 = float(fit.residual @ fit.residual)
-        if not np.isfinite(fit.chi2):
-            fit.chi2 = np.inf
+    return [_at(fit, fit.theta, e) for fit, e in zip(fits, found, strict=True)]
+
+
+def _at(fit: Fit, theta: NDArray[np.float64], e: NDArray[np.float64]) -> Fit:
+    """Return a fit at some values, of which the residuals are known."""
+    full = np.concatenate([e, _prior(fit, theta)])
+    chi2 = float(full @ full)
+    return replace(fit, theta=theta, residual=full, chi2=chi2 if np.isfinite(chi2) else np.inf)
 
 
 def fit_all(
@@ -183,51 +220,67 @@ def fit_all(
     runs: Sequence[int] | None = None,
     steps: int = 12,
     tolerance: float = 0.02,
-) -> None:
-    """Improve fits in place until their chi2 falls by less than `tolerance`.
+) -> list[Fit]:
+    """Return fits improved until their chi2 falls by less than `tolerance`.
 
     Of those far behind the best one, fewer digits are asked for; and none where `limit`
     is out of reach.
+
+    Parameters
+    ----------
+    problem : Problem
+        The runs.
+    fits : sequence of Fit
+        Where the improvement starts; those without a residual are evaluated first.
+    runs : sequence of int, optional
+        Runs that count; those that are fitted if not given.
+    steps : int
+        Steps of a fit, at most.
+    tolerance : float
+        Fall of chi2 below which a fit is done.
+
+    Returns
+    -------
+    list of Fit
+        In the order of `fits`.
     """
-    evaluate(problem, [fit for fit in fits if not fit.residual.size], runs)
-    for fit in fits:
-        fit.done = fit.theta.size == 0 or not np.isfinite(fit.chi2)
+    found = list(fits)
+    bare = [i for i, fit in enumerate(found) if not fit.residual.size]
+    for i, fit in zip(bare, evaluate(problem, [found[i] for i in bare], runs), strict=True):
+        found[i] = fit
+    todo = [i for i, fit in enumerate(found) if fit.theta.size and np.isfinite(fit.chi2)]
     for _ in range(steps):
-        todo = [fit for fit in fits if not fit.done]
         if not todo:
-            return
-        least = min(fit.chi2 for fit in fits)
-        jacobians = _jacobians(problem, todo, runs)
-        trials: list[tuple[Fit, float, NDArray[np.float64]]] = []
-        for fit, jacobian in zip(todo, jacobians, strict=True):
-            proposals, promise = _proposals(fit, jacobian)
-            fit.done = fit.chi2 - _DOUBT * promise > fit.limit
-            trials.extend([] if fit.done else proposals)
-        todo = [fit for fit in todo if not fit.done]
+            break
+        least = min(fit.chi2 for fit in found)
+        jacobians = _jacobians(problem, [found[i] for i in todo], runs)
+        trials: list[tuple[int, float, NDArray[np.float64]]] = []
+        for i, jacobian in zip(todo, jacobians, strict=True):
+            found[i], proposals, promise = _proposals(found[i], jacobian)
+            if not found[i].chi2 - _DOUBT * promise > found[i].limit:
+                trials += [(i, damping, theta) for damping, theta in proposals]
+        todo = list(dict.fromkeys(i for i, _, _ in trials))
         if not todo:
-            return
-        points = [_point(problem, fit, theta) for fit, _, theta in trials]
-        found = problem.residuals(points, runs)
-        best: dict[int, tuple[float, float, NDArray[np.float64], NDArray[np.float64]]] = {}
-        for (fit, damping, theta), e in zip(trials, found, strict=True):
-            full = np.concatenate([e, _prior(fit, theta)])
-            chi2 = float(full @ full)
-            if np.isfinite(chi2) and chi2 < best.get(id(fit), (np.inf,))[0]:
-                best[id(fit)] = (chi2, damping, theta, full)
-        for fit in todo:
-            fit.steps += 1
-            if id(fit) not in best:
-                fit.done = True
-                continue
-            chi2, damping, theta, full = best[id(fit)]
-            if chi2 < fit.chi2:
-                behind = _COARSE * max(chi2 - least - _NEAR, 0.0)
-                fit.done = fit.chi2 - chi2 < tolerance + 1e-7 * chi2 + behind
-                fit.chi2, fit.theta, fit.residual = chi2, theta, full
-                fit.damping = max(damping, 1e-9)
+            break
+        points = [_point(problem, found[i], theta) for i, _, theta in trials]
+        best: dict[int, Fit] = {}
+        for (i, damping, theta), e in zip(trials, problem.residuals(points, runs), strict=True):
+            tried = replace(_at(found[i], theta, e), damping=max(damping, 1e-9))
+            if np.isfinite(tried.chi2) and (i not in best or tried.chi2 < best[i].chi2):
+                best[i] = tried
+        todo = [i for i in todo if i in best]
+        for i in list(todo):
+            old, new = found[i], best[i]
+            if new.chi2 < old.chi2:
+                behind = _COARSE * max(new.chi2 - least - _NEAR, 0.0)
+                done = old.chi2 - new.chi2 < tolerance + 1e-7 * new.chi2 + behind
+                found[i] = new
             else:
-                fit.damping = fit.damping * 300.0
-                fit.done = fit.damping > 1e7
+                found[i] = replace(old, damping=old.damping * 300.0)
+                done = found[i].damping > 1e7
+            if done:
+                todo.remove(i)
+    return found
 
 
 def _steps(fit: Fit, size: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -283,8 +336,11 @@ def jacobian_of(
 
 def _proposals(
     fit: Fit, jacobian: NDArray[np.float64]
-) -> tuple[list[tuple[Fit, float, NDArray[np.float64]]], float]:
-    """Return steps to try, and by how much chi2 would fall were the residuals straight."""
+) -> tuple[Fit, list[tuple[float, NDArray[np.float64]]], float]:
+    """Return the fit with its covariance, and steps to try: each with its damping.
+
+    Last, by how much chi2 would fall were the residuals straight.
+    """
     low, high, size = _bounds(fit)
     jacobian = np.nan_to_num(jacobian, nan=0.0, posinf=0.0, neginf=0.0)
     normal = jacobian @ jacobian.T
@@ -294,7 +350,7 @@ def _proposals(
     floor = 1e-6 / size**2
     scale = np.maximum(scale, floor)
     held = ((fit.theta <= low) & (gradient > 0.0)) | ((fit.theta >= high) & (gradient < 0.0))
-    fit.covariance = _inverse(normal, floor)
+    fit = replace(fit, covariance=_inverse(normal, floor))
     found = []
     for factor in _TRIALS:
         damping = fit.damping * factor
@@ -305,9 +361,9 @@ def _proposals(
             move[free] = -np.linalg.lstsq(matrix[np.ix_(free, free)], gradient[free], rcond=None)[0]
         # No step beyond what counts as large, a few times over.
         reach = np.max(np.abs(move) / (3.0 * size), initial=1.0)
-        found.append((fit, damping, np.clip(fit.theta + move / reach, low, high)))
+        found.append((damping, np.clip(fit.theta + move / reach, low, high)))
     promise = float(gradient @ fit.covariance @ gradient)
-    return found, promise if np.isfinite(promise) else np.inf
+    return fit, found, promise if np.isfinite(promise) else np.inf
 
 
 def _inverse(normal: NDArray[np.float64], floor: NDArray[np.float64]) -> NDArray[np.float64]:

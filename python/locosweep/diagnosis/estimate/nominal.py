@@ -15,7 +15,6 @@ from locosweep.diagnosis.estimate.least_squares import (
     chi2_of,
     evaluate,
     fit_all,
-    start_fits,
 )
 
 if TYPE_CHECKING:
@@ -32,17 +31,14 @@ def fit_nominal(problem: Problem, nuisances: Nuisances) -> Fit:
     shares = nuisances.shares
     spread = np.array([nuisances.spread[i] for i in shares])
     corners = np.array(list(product((0.0, -1.2, 1.2), repeat=len(shares))))
-    fits = start_fits(nuisances, Model((), ()), np.zeros((len(corners), 0)))
-    for fit, corner in zip(fits, corners, strict=True):
-        fit.theta[: len(shares)] = corner * spread
-    evaluate(problem, fits)
-    fits = sorted(fits, key=chi2_of)[:_NOMINAL]
-    fit_all(problem, fits, steps=8)
-    fits = sorted(fits, key=chi2_of)[:2]
-    for fit in fits:
-        fit.done = False
-    fit_all(problem, fits, steps=40)
-    return min(fits, key=chi2_of)
+    other = np.zeros(len(nuisances.moving) + len(nuisances.places))
+    fits = [
+        Fit(Model((), ()), nuisances, np.concatenate([corner * spread, other]))
+        for corner in corners
+    ]
+    fits = sorted(evaluate(problem, fits), key=chi2_of)[:_NOMINAL]
+    fits = sorted(fit_all(problem, fits, steps=8), key=chi2_of)[:2]
+    return min(fit_all(problem, fits, steps=40), key=chi2_of)
 
 
 def gaps_of(problem: Problem, nuisances: Nuisances) -> list[float]:

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.estimate.problem import Problem
-    from locosweep.diagnosis.select.search import Search
+    from locosweep.diagnosis.select.search import Collection, Search
 
 __all__ = ["not_visible"]
 
@@ -19,12 +19,14 @@ _SHARE = 0.3
 """Share of a large effect; one whose strength is less sure than that is not identifiable."""
 
 
-def not_visible(search: Search, left_out: Mapping[str, str]) -> list[dict[str, str]]:
+def not_visible(
+    search: Search, known: Collection, left_out: Mapping[str, str]
+) -> list[dict[str, str]]:
     """Return the effects that these runs cannot identify, each with the reason."""
     rows = [{"effect": name, "why": why} for name, why in left_out.items()]
     ways = _ways(search.problem)
     for name in search.names:
-        fit = search.fits.get(frozenset({name}))
+        fit = known.single(name)
         why = _why(fit, *ways) if fit is not None else None
         if why:
             rows.append({"effect": name, "why": why})

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from locosweep.diagnosis.estimate.problem import Problem
-    from locosweep.diagnosis.select.search import Search
+    from locosweep.diagnosis.select.search import Collection, Search
 
 __all__ = ["UNLISTED", "bent_from", "carried_by", "carries", "elsewhere"]
 
@@ -121,10 +121,7 @@ def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool
         replace(fit.nuisances, moving=(*moving, *late)),
         np.insert(fit.theta, [at] * len(late), 0.0),
     )
-    if late:
-        fit_all(whole, [same], steps=8)
-    else:
-        evaluate(whole, [same])
+    (same,) = fit_all(whole, [same], steps=8) if late else evaluate(whole, [same])
     terms = Flexible(whole, same)
     if terms.worth(own, noise) < terms.worth_apart(own, noise) - _ONE_LAW:
         return False
@@ -148,7 +145,7 @@ def _together(
     return np.concatenate(rows)
 
 
-def elsewhere(search: Search, found: Fit, score: float) -> bool:
+def elsewhere(search: Search, known: Collection, found: Fit, score: float) -> bool:
     """Whether one force along the way would do as well as several effects or another law.
 
     It has to do better than one of them beside the others; as well as all of them is
@@ -157,7 +154,7 @@ def elsewhere(search: Search, found: Fit, score: float) -> bool:
     names = frozenset(found.model.names)
     sets = dict.fromkeys([frozenset[str](), *(names - {name} for name in names)])
     noise = noise_level(search.problem, found.residual)
-    for fit in (search.fits[key] for key in sets if key in search.fits):
+    for fit in (known.fits[key] for key in sets if key in known.fits):
         worth = Flexible(search.problem, fit).worth([UNLISTED], noise)
         margin = 0.0 if fit.model.names else GAIN
         if search.score(fit) - worth * noise < score + margin:
@@ -165,7 +162,9 @@ def elsewhere(search: Search, found: Fit, score: float) -> bool:
     return False
 
 
-def bent_from(search: Search, found: Fit, classes: Sequence[Sequence[str]]) -> Fit | None:
+def bent_from(
+    search: Search, known: Collection, found: Fit, classes: Sequence[Sequence[str]]
+) -> Fit | None:
     """Find the set without an effect that only bends the law of another one.
 
     Two effects through one variable, of which one adds next to nothing: that is one
@@ -174,7 +173,7 @@ def bent_from(search: Search, found: Fit, classes: Sequence[Sequence[str]]) -> F
     names = found.model.names
     for name, alike in zip(names, classes, strict=True):
         rest = frozenset(names) - {name}
-        fewer = search.fits.get(rest)
+        fewer = known.fits.get(rest)
         if not rest or fewer is None:
             continue
         through = {VARIABLES.get(n) for n in rest} - {None}

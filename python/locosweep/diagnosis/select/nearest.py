@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from locosweep.diagnosis.estimate.least_squares import point_of
+from locosweep.diagnosis.select.extension import extend
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from locosweep.diagnosis.estimate.least_squares import Fit
-    from locosweep.diagnosis.select.search import Search
+    from locosweep.diagnosis.select.search import Collection, Search
 
     Floats = NDArray[np.float64]
 
@@ -32,7 +33,7 @@ _LISTED = 6
 _COMPARED = 24
 
 
-@dataclass
+@dataclass(frozen=True)
 class Nearest:
     """The set, and the others of as many effects that do as well; all best first."""
 
@@ -55,42 +56,42 @@ class Nearest:
         return list(zip(fits, (weights / weights.sum()).tolist(), strict=True))
 
 
-def nearest(search: Search) -> Nearest | None:
+def nearest(search: Search, known: Collection) -> Nearest | None:
     """Find the smallest set that no larger one betters; None where none helps at all.
 
     Where a model lacks something, differences in chi2 count for less than noise would
     have it, and the square of a push in one window outweighs all others. So root mean
     squares of windows are compared one by one; their scatter says how sure a difference is.
     """
-    _swap(search)
     groups: dict[int, list[Fit]] = {}
-    for key, fit in search.fits.items():
+    for key, fit in _with_exchanges(search, known).fits.items():
         if np.isfinite(fit.chi2) and fit.residual.size:
             groups.setdefault(len(key), []).append(fit)
     best: Fit | None = None
     seen = len(search.problem.fitted)
-    none = known = _windows(search, [search.none])[0]
+    none = level = _windows(search, [search.none])[0]
     near: list[Fit] = []
     for size in sorted(set(groups) - {0}):
         fits = sorted(groups[size], key=lambda fit: fit.chi2)[:_COMPARED]
         rows = _windows(search, fits)
         order = sorted(range(len(fits)), key=lambda i: _size(rows[i], none, seen))
         first = order[0]
-        if not _better(known, rows[first], seen):
+        if not _better(level, rows[first], seen):
             # Two causes may each do nothing alone.
             continue
-        best, known = fits[first], rows[first]
-        close = [i for i in order if _deviations(rows[i] - known) < _TIED]
+        best, level = fits[first], rows[first]
+        close = [i for i in order if _deviations(rows[i] - level) < _TIED]
         near = [fits[i] for i in [first, *(i for i in close if i != first)]][:_LISTED]
     return Nearest(best, near) if best else None
 
 
-def _swap(search: Search) -> None:
+def _with_exchanges(search: Search, known: Collection) -> Collection:
     """Fit what may stand in place of each part of the best pair: nothing else looks for it."""
-    pairs = [fit for key, fit in search.fits.items() if len(key) == 2]
+    pairs = [fit for key, fit in known.fits.items() if len(key) == 2]
     for name in min(pairs, key=lambda fit: fit.chi2).model.names if pairs else ():
         if name in search.names:
-            search.extend(search.fits[frozenset({name})], search.names)
+            known = known.adding(extend(search, known, known.single(name), search.names))
+    return known
 
 
 def _windows(search: Search, fits: Sequence[Fit]) -> Floats:

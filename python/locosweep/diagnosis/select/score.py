@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from locosweep.diagnosis.estimate.least_squares import point_of
 from locosweep.diagnosis.select.nonparametric import Flexible
 from locosweep.diagnosis.select.whiteness import lack_of, noise_level
 
@@ -27,11 +26,7 @@ _OWN = 6.0
 
 def total(search: Search, fit: Fit) -> float:
     """Score of a fit, with its prediction of what it has not seen where that counts."""
-    key = id(fit)
-    if key not in search.unseen:
-        e = search.problem.unseen([point_of(search.problem, fit)])[0]
-        search.unseen[key] = (fit, float(e @ e) if search.judges else 0.0)
-    return search.score(fit) + search.unseen[key][1]
+    return search.score(fit) + search.unseen_chi2(fit)
 
 
 def gains(search: Search, old: Fit, new: Fit) -> bool:

@@ -1,34 +1,101 @@
-"""Sets of several effects: one more, one in place of another, one less."""
+"""Sets of several effects: forward, exchange and backward steps."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all
+from locosweep.diagnosis.select.extension import extend, extend_each, pairs
 from locosweep.diagnosis.select.score import gains, rest_of, total
 from locosweep.diagnosis.select.whiteness import noise_level
+from locosweep.diagnosis.select.window_search import best_in_windows
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from locosweep.diagnosis.estimate.problem import Problem
-    from locosweep.diagnosis.select.search import Search
-    from locosweep.diagnosis.select.window_search import WindowSearches
+    from locosweep.diagnosis.select.search import Collection, Found, Search
+    from locosweep.diagnosis.select.window_search import WindowSearch
 
-__all__ = ["deepened", "hopeless", "pruned", "without"]
+__all__ = ["backward", "forward", "is_stalled", "without"]
 
 _ALIKE = 12.0
 """Difference in chi2 below which seeds are taken for twins."""
+_SEEDS = 4
+"""Sets that a further effect is added to."""
 _FAR = 30.0
 """Single effects that leave this many times more than the best are no part of a pair."""
 _WIDE = 12
 """Single effects that are tried as part of a pair."""
 _PAIRS = 24
 """Pairs that are tried where neither effect need stand out alone."""
-_SWAPS = 2
+_EXCHANGES = 2
 """Times that effects of a set that leaves a rest are put in place of each other."""
 _BUDGET = 6.0
 """Replays beyond which they are not, in those of the singles."""
+
+
+def is_stalled(problem: Problem, before: Fit, after: Fit) -> bool:
+    """Whether the last effect has left more than half of a rest far above the noise.
+
+    One more would not bring it down to noise either.
+    """
+    noise = problem.degrees() * noise_level(problem, after.residual)
+    return after.chi2 - noise > max(0.5 * (before.chi2 - noise), noise)
+
+
+def forward(
+    search: Search,
+    known: Collection,
+    level: Sequence[Fit],
+    found: Fit,
+    *,
+    rest: bool,
+    wide: bool,
+    windows: Sequence[WindowSearch],
+) -> Found:
+    """Fit one effect more beside the best few if there is a rest, else beside the best.
+
+    Parameters
+    ----------
+    search : Search
+        What is searched.
+    known : Collection
+        What was found before.
+    level : sequence of Fit
+        Sets of as many effects as `found`, best first.
+    found : Fit
+        The best of them.
+    rest : bool
+        Whether it leaves more than noise. Then effects of a pair are put in place of each
+        other too; with more there are too many.
+    wide : bool
+        Whether many sets of the level are extended where the best few do not do.
+    windows : sequence of WindowSearch
+        Searches in windows that are extended as well.
+
+    Returns
+    -------
+    dict
+        The best fit of each set that was fitted.
+    """
+    problem = search.problem
+    seeds = _seeds(level, _SEEDS if rest else 1)
+    deeper = extend_each(search, known, seeds)
+    if not deeper:
+        return deeper
+    if windows and search.leaves_much(_best(search, deeper)):
+        deeper |= best_in_windows(search, known.adding(deeper), windows, seeds)
+    if rest and len(found.model.names) == 1:
+        deeper |= _exchanged(search, known, deeper)
+    if wide and rest_of(problem, _best(search, deeper)):
+        # The parts of a pair need not stand first when each is tried alone.
+        deeper |= pairs(search, known.adding(deeper), _PAIRS)
+        deeper |= _exchanged(search, known, deeper)
+    if wide and rest_of(problem, _best(search, deeper)):
+        more = [s for s in _seeds(level, _WIDE) if s not in seeds and s.chi2 < _FAR * found.chi2]
+        deeper |= extend_each(search, known.adding(deeper), more)
+    return deeper
 
 
 def _seeds(level: Sequence[Fit], count: int) -> list[Fit]:
@@ -43,87 +110,49 @@ def _seeds(level: Sequence[Fit], count: int) -> list[Fit]:
     return seeds
 
 
-def hopeless(problem: Problem, before: Fit, after: Fit) -> bool:
-    """Whether the last effect has left more than half of a rest far above the noise.
-
-    One more would not bring it down to noise either.
-    """
-    noise = problem.degrees() * noise_level(problem, after.residual)
-    return after.chi2 - noise > max(0.5 * (before.chi2 - noise), noise)
+def _best(search: Search, found: Mapping[frozenset[str], Fit]) -> Fit:
+    return min(found.values(), key=lambda fit: total(search, fit))
 
 
-def deepened(
-    search: Search,
-    level: Sequence[Fit],
-    found: Fit,
-    *,
-    rest: bool,
-    wide: bool,
-    windows: WindowSearches | None,
-) -> list[Fit]:
-    """Fit one effect more beside the best few if there is a rest, else beside the best.
-
-    Beside many where `wide` and those few do not do; also in `windows`, if given. Effects of
-    a pair are put in place of each other too; with more there are too many. Best first.
-    """
-    seeds = _seeds(level, 4 if rest else 1)
-    deeper = sorted(search.deepen(seeds, len(seeds)), key=lambda fit: total(search, fit))
-    if windows and deeper and search.leaves_much(deeper[0]):
-        deeper = _unique(search, [*deeper, *windows.deepened(seeds)])
-    if rest and deeper and len(found.model.names) == 1:
-        deeper = _swapped(search, deeper)
-    if wide and deeper and rest_of(search.problem, deeper[0]):
-        # The parts of a pair need not stand first when each is tried alone.
-        deeper = _swapped(search, _unique(search, [*deeper, *search.together(_PAIRS)]))
-    if wide and deeper and rest_of(search.problem, deeper[0]):
-        more = [s for s in _seeds(level, _WIDE) if s not in seeds and s.chi2 < _FAR * found.chi2]
-        deeper = _unique(search, [*deeper, *search.deepen(more, len(more))])
-    return deeper
-
-
-def _unique(search: Search, fits: Sequence[Fit]) -> list[Fit]:
-    """Return the best fit of each set; best first."""
-    sets = dict.fromkeys(frozenset(fit.model.names) for fit in fits)
-    return sorted((search.fits[key] for key in sets), key=lambda fit: total(search, fit))
-
-
-def _swapped(search: Search, level: list[Fit]) -> list[Fit]:
+def _exchanged(search: Search, known: Collection, level: Found) -> Found:
     """Put every other effect in place of each one of the best set, while that helps much.
 
     What stood first alone may have stood in for what is there.
     """
-    for _ in range(_SWAPS):
-        best = level[0]
+    level = dict(level)
+    for _ in range(_EXCHANGES):
+        best = _best(search, level)
         if not rest_of(search.problem, best):
             break
         for name in best.model.names:
-            if search.problem.meter.samples > _BUDGET * search.spent:
+            if not known.within(_BUDGET, search.problem):
                 break
             base = without(search, best, name)
             others = [n for n in search.names if n != name]
-            level += search.extend(base, others, beat=True)
-        level = _unique(search, level)
-        if level[0].chi2 > 0.5 * best.chi2:
+            level |= extend(search, known.adding(level), base, others, beat=True)
+        if _best(search, level).chi2 > 0.5 * best.chi2:
             break
     return level
 
 
-def pruned(search: Search, found: Fit) -> Fit:
-    """Leave out what a set, found one by one, does not need any more."""
+def backward(search: Search, known: Collection, found: Fit) -> tuple[Fit, Collection]:
+    """Leave out what a set, found one by one, does not need any more.
+
+    Returns the set that is left, and what is known with the smaller sets that were tried.
+    """
     for name in found.model.names if len(found.model.names) > 1 else ():
-        fewer = without(search, found, name)
-        evaluate(search.problem, [fewer])
-        fit_all(search.problem, [fewer], steps=30)
+        (fewer,) = evaluate(search.problem, [without(search, found, name)])
+        (fewer,) = fit_all(search.problem, [fewer], steps=30)
         key = frozenset(fewer.model.names)
-        if key not in search.fits or fewer.chi2 < search.fits[key].chi2:
-            search.fits[key] = fewer
-        if not gains(search, search.fits[key], found):
-            return pruned(search, search.fits[key])
-    return found
+        if key not in known.fits or fewer.chi2 < known.fits[key].chi2:
+            known = known.adding({key: fewer})
+        if not gains(search, known.fits[key], found):
+            return backward(search, known, known.fits[key])
+    return found, known
 
 
 def without(search: Search, found: Fit, name: str) -> Fit:
-    """Return a set with one effect less, at the values it has."""
+    """Return a set with one effect less, at the values it has, unfitted."""
     names = tuple(n for n in found.model.names if n != name)
     keep = [i for i, f in enumerate(found.model.free) if f.effect != name]
     tail = list(range(len(found.model.free), found.theta.size))

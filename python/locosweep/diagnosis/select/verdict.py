@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.diagnosis.estimate.least_squares import Fit, point_of
+from locosweep.diagnosis.estimate.least_squares import Fit, chi2_of, point_of
 from locosweep.diagnosis.estimate.motion import VARIABLES
+from locosweep.diagnosis.select.extension import extend, retried_singles, singles
 from locosweep.diagnosis.select.law_mismatch import (
     UNLISTED,
     bent_from,
@@ -18,15 +19,16 @@ from locosweep.diagnosis.select.law_mismatch import (
 )
 from locosweep.diagnosis.select.nonparametric import Flexible
 from locosweep.diagnosis.select.score import GAIN, gains, rest_of, total
-from locosweep.diagnosis.select.stepwise import deepened, hopeless, pruned, without
+from locosweep.diagnosis.select.stepwise import backward, forward, is_stalled, without
 from locosweep.diagnosis.select.whiteness import blocks_of, lack_of, noise_level
-from locosweep.diagnosis.select.window_search import WindowSearches
+from locosweep.diagnosis.select.window_search import search_windows, singles_in_windows
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from locosweep.diagnosis.select.search import Search
+    from locosweep.diagnosis.select.search import Collection, Found, Search
     from locosweep.diagnosis.select.whiteness import Lack
+    from locosweep.diagnosis.select.window_search import WindowSearch
 
 __all__ = ["Choice", "choose"]
 
@@ -53,7 +55,7 @@ TEMPER = 1.5
 """Differences in chi2 count for this much less than noise alone would have it."""
 
 
-@dataclass
+@dataclass(frozen=True)
 class Choice:
     """What the fits say.
 
@@ -63,6 +65,9 @@ class Choice:
 
     status: str
     fit: Fit
+    known: Collection
+    """The best fit of each set of effects that was tried."""
+
     lack: Lack
     classes: list[list[str]] = field(default_factory=list)
     sets: list[list[str]] = field(default_factory=list)
@@ -85,84 +90,127 @@ class Choice:
         return self.status != "unexplained" and (self.near >= GAIN or self.missed)
 
 
+@dataclass(frozen=True)
+class _Grown:
+    """The smallest set that the forward steps came to, and what they found on the way."""
+
+    known: Collection
+    level: list[Fit]
+    """Sets of as many effects as the last step tried; best first."""
+    found: Fit
+    near: float = 0.0
+    """What the best further effect would gain: not enough."""
+    mismatch_score: float | None = None
+    """Score of `found` with other laws of its effects, where only these do."""
+
+
 def choose(search: Search, most: int) -> Choice:
     """Search for the smallest set of effects that leaves only noise.
 
     Parameters
     ----------
     search : Search
-        Fits of one set of runs.
+        What is known of one set of runs.
     most : int
         Effects at once, at most.
     """
-    problem = search.problem
-    none = search.none
-    search.report("single effects")
-    singles = search.singles()
-    windows = None
-    if singles and search.leaves_much(singles[0]):
-        windows = WindowSearches(search)
-        windows.singles()
-        singles = search.leaped()
-    singles.sort(key=lambda fit: total(search, fit))
+    problem, none = search.problem, search.none
+    search.progress("single effects")
+    known, singles, windows = _single_effects(search)
     best = singles[0] if singles else none
     if not gains(search, none, best):
         rest = rest_of(problem, none)
-        status = "unexplained" if rest else "none"
-        lack, near = lack_of(problem, none.residual), total(search, none) - total(search, best)
-        choice = Choice(status, none, lack, shape=rest, near=near)
+        choice = Choice(
+            "unexplained" if rest else "none",
+            none,
+            known,
+            lack_of(problem, none.residual),
+            shape=rest,
+            near=total(search, none) - total(search, best),
+        )
         return _with_ranks(search, choice, [none, *singles])
-    level = singles
-    mismatch = False
-    before, found = none, best
-    near = score = 0.0
+    grown = _grown(search, known, singles, windows, most)
+    known, found, score = grown.known, grown.found, grown.mismatch_score
+    mismatch = score is not None
+    tried = [none, *singles, *grown.level]
+    lack = lack_of(problem, found.residual)
+    rest = [] if mismatch else rest_of(problem, found)
+    if rest:
+        choice = Choice("unexplained", found, known, lack, shape=rest)
+        return _with_ranks(search, choice, tried)
+    score = search.score(found) if score is None else score
+    if (mismatch or len(found.model.names) > 1) and elsewhere(search, known, found, score):
+        choice = Choice("unexplained", found, known, lack, unlisted=UNLISTED)
+        return _with_ranks(search, choice, tried)
+    search.progress("rivals")
+    rivals, known = _rivals(search, known, found)
+    classes, sets = _classes(search, known, found, rivals, mismatch)
+    near, bent = grown.near, bent_from(search, known, found, classes)
+    if bent:
+        found, mismatch, near = bent, True, 0.0
+        lack = lack_of(problem, found.residual)
+        rivals, known = _rivals(search, known, found)
+        classes, sets = _classes(search, known, found, rivals, mismatch)
+    tried += rivals
+    if mismatch and any(len({VARIABLES.get(n, n) for n in c}) > _MOST_ALIKE for c in classes):
+        choice = Choice("unexplained", found, known, lack, shape=rest_of(problem, found))
+        return _with_ranks(search, choice, tried)
+    status = "explained" if all(len(c) == 1 for c in classes) and not sets else "ambiguous"
+    missed = (not mismatch or bent is not None) and _misses(search, found)
+    choice = Choice(status, found, known, lack, classes, sets, mismatch, near=near, missed=missed)
+    return _with_ranks(search, choice, tried)
+
+
+def _single_effects(search: Search) -> tuple[Collection, list[Fit], list[WindowSearch]]:
+    """Fit the effects alone, best first; in windows too where much is left."""
+    known = singles(search)
+    found = [fit for names, fit in known.fits.items() if names]
+    windows: list[WindowSearch] = []
+    if found and search.leaves_much(min(found, key=chi2_of)):
+        windows = search_windows(search)
+        known = known.adding(singles_in_windows(search, known, windows))
+        known = retried_singles(search, known)
+        found = [known.fits[frozenset({name})] for name in search.names]
+    return known, sorted(found, key=lambda fit: total(search, fit)), windows
+
+
+def _grown(
+    search: Search,
+    known: Collection,
+    level: list[Fit],
+    windows: Sequence[WindowSearch],
+    most: int,
+) -> _Grown:
+    """Add effects to the best single one, one by one, while they gain enough."""
+    problem = search.problem
+    before, found = search.none, level[0]
+    near = 0.0
     for count in range(2, most + 2):
         rest = rest_of(problem, found)
         # Other laws of several effects at once could be bent to anything.
         carried = carried_by(search, level) if rest and count == 2 else None
         deeper: list[Fit] = []
-        if count <= most and not (count > 2 and hopeless(problem, before, found)):
-            search.report(f"{count} effects at once")
+        if count <= most and not (count > 2 and is_stalled(problem, before, found)):
+            search.progress(f"{count} effects at once")
             wide = bool(rest) and count == 2 and not carried
-            deeper = deepened(
-                search, level, found, rest=bool(rest), wide=wide, windows=windows if wide else None
-            )
-            near = total(search, found) - total(search, deeper[0]) if deeper else 0.0
-            deeper = [fit for fit in deeper if gains(search, found, fit)]
+            added = forward(
+                search, known, level, found,
+                rest=bool(rest), wide=wide, windows=windows if wide else (),
+            )  # fmt: skip
+            known = known.adding(added)
+            ordered = sorted(added.values(), key=lambda fit: total(search, fit))
+            near = total(search, found) - total(search, ordered[0]) if ordered else 0.0
+            deeper = [fit for fit in ordered if gains(search, found, fit)]
         if carried and not (deeper and search.score(deeper[0]) < carried[0] - _FEWER):
             # What further effects would gain is what the law does not fit.
-            (score, found), mismatch, near = carried, True, 0.0
-            break
+            return _Grown(known, level, carried[1], mismatch_score=carried[0])
         if not deeper:
             break
-        before, level, found, near = found, deeper, pruned(search, deeper[0]), 0.0
+        before, level, near = found, deeper, 0.0
+        found, known = backward(search, known, deeper[0])
         if len(found.model.names) < count and not rest_of(problem, found):
             break
-    rest = [] if mismatch else rest_of(problem, found)
-    lack = lack_of(problem, found.residual)
-    if rest:
-        choice = Choice("unexplained", found, lack, shape=rest)
-        return _with_ranks(search, choice, [none, *singles, *level])
-    score = score if mismatch else search.score(found)
-    if (mismatch or len(found.model.names) > 1) and elsewhere(search, found, score):
-        choice = Choice("unexplained", found, lack, unlisted=UNLISTED)
-        return _with_ranks(search, choice, [none, *singles, *level])
-    search.report("rivals")
-    rivals = _rivals(search, found)
-    classes, sets = _classes(search, found, rivals, mismatch)
-    bent = bent_from(search, found, classes)
-    if bent:
-        found, mismatch, near = bent, True, 0.0
-        lack = lack_of(problem, found.residual)
-        rivals = _rivals(search, found)
-        classes, sets = _classes(search, found, rivals, mismatch)
-    if mismatch and any(len({VARIABLES.get(n, n) for n in c}) > _MOST_ALIKE for c in classes):
-        choice = Choice("unexplained", found, lack, shape=rest_of(problem, found))
-        return _with_ranks(search, choice, [none, *singles, *level, *rivals])
-    status = "explained" if all(len(c) == 1 for c in classes) and not sets else "ambiguous"
-    missed = (not mismatch or bent is not None) and _misses(search, found)
-    choice = Choice(status, found, lack, classes, sets, mismatch, near=near, missed=missed)
-    return _with_ranks(search, choice, [none, *singles, *level, *rivals])
+    return _Grown(known, level, found, near)
 
 
 def _misses(search: Search, fit: Fit) -> bool:
@@ -184,24 +232,28 @@ def _misses(search: Search, fit: Fit) -> bool:
     return bool(before > floor and after - floor > _STAYS * (before - floor))
 
 
-def _rivals(search: Search, found: Fit) -> list[Fit]:
-    """Refit with every other effect in place of each one of the set."""
-    rivals: dict[frozenset[str], Fit] = {}
+def _rivals(search: Search, known: Collection, found: Fit) -> tuple[list[Fit], Collection]:
+    """Refit with every other effect in place of each one of the set.
+
+    Returns these fits, best first, and what is known with them.
+    """
+    rivals: Found = {}
     for name in found.model.names:
         if len(found.model.names) > 1:
             base = without(search, found, name)
-            swaps = search.extend(base, [n for n in search.names if n != name])
+            others = [n for n in search.names if n != name]
+            swaps = extend(search, known, base, others)
+            known = known.adding(swaps)
+            rivals |= swaps
         else:
-            swaps = [search.fits[frozenset({n})] for n in search.names]
-        for fit in swaps:
-            rivals[frozenset(fit.model.names)] = fit
+            rivals |= {frozenset({n}): known.fits[frozenset({n})] for n in search.names}
     # What was fitted on the way to the set counts as well.
     names = frozenset(found.model.names)
-    for key, fit in search.fits.items():
+    for key, fit in known.fits.items():
         if len(key) == len(names) and len(key & names) == len(names) - 1:
             rivals[key] = fit
     rivals.pop(names, None)
-    return sorted(rivals.values(), key=lambda fit: total(search, fit))
+    return sorted(rivals.values(), key=lambda fit: total(search, fit)), known
 
 
 def is_limit(fit: Fit, name: str) -> bool:
@@ -223,7 +275,7 @@ def is_limit(fit: Fit, name: str) -> bool:
 
 
 def _classes(
-    search: Search, found: Fit, rivals: Sequence[Fit], mismatch: bool
+    search: Search, known: Collection, found: Fit, rivals: Sequence[Fit], mismatch: bool
 ) -> tuple[list[list[str]], list[list[str]]]:
     names = found.model.names
     reference = total(search, found)
@@ -253,7 +305,7 @@ def _classes(
             continue
         if new[0] not in classes[place]:
             classes[place].append(new[0])
-    for key, fit in search.fits.items():
+    for key, fit in known.fits.items():
         if len(key) != len(names) or key == frozenset(names):
             continue
         if len(key & set(names)) >= len(names) - 1 and len(names) > 1:
@@ -286,9 +338,8 @@ def _with_ranks(search: Search, choice: Choice, fits: Sequence[Fit]) -> Choice:
     # Sets that leave more than noise are no explanations, however they rank.
     weights = np.exp(-0.5 * (scores - scores.min()) / TEMPER)
     weights /= weights.sum()
-    choice.ranked = list(zip(ranked, weights.tolist(), strict=True))
-    choice.probability = _probability(search, choice)
-    return choice
+    choice = replace(choice, ranked=list(zip(ranked, weights.tolist(), strict=True)))
+    return replace(choice, probability=_probability(search, choice))
 
 
 def _probability(search: Search, choice: Choice) -> float:
