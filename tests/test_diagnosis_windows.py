@@ -81,7 +81,7 @@ def whole(robot: Robot, frame: pl.DataFrame, **changes: object) -> Problem:
 
 def in_windows(problem: Problem) -> ShotProblem:
     plan = Plan(SECONDS[id(problem.robot)], "asked for", problem.noise)
-    return problem_of(problem, plan, [])
+    return problem_of(problem, plan)[0]
 
 
 class TestWhen:
@@ -113,15 +113,14 @@ class TestWhen:
     def test_many_samples_are_cut_whatever_the_gap(self):
         frame = measured(SLED, {}, drives(SLED, 2, 8.0, 1.0 / 8000.0))
         problem = whole(SLED, frame)
-        said: list[str] = []
         plan = plan_of(problem)
         assert plan is not None
-        shots = problem_of(replace(problem, held=(1,)), plan, said)
+        shots, said = problem_of(replace(problem, held=(1,)), plan)
         fitted = sum(int(shots.lengths[r]) for r in shots.fitted)
         assert 0 < fitted <= FITTED_SAMPLES
         assert 0 < shots.count - fitted <= HELD_SAMPLES
-        assert "128000 samples" in said[0]
-        assert "one sample in" in said[0]
+        assert "128000 samples" in said
+        assert "one sample in" in said
 
 
 class TestWindows:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,51 +13,40 @@ import polars as pl
 from locosweep import _core
 from locosweep.diagnosis.data.checks import check_runs, usable
 from locosweep.diagnosis.data.holdout import hold_out
-from locosweep.diagnosis.data.regimes import regimes_of
 from locosweep.diagnosis.design.next_experiment import next_experiment
 from locosweep.diagnosis.effects.starts import candidates, scale_of
 from locosweep.diagnosis.estimate.initial_state import initial_states
-from locosweep.diagnosis.estimate.least_squares import Nuisances, point_of
+from locosweep.diagnosis.estimate.least_squares import Nuisances
 from locosweep.diagnosis.estimate.nominal import gaps_of
 from locosweep.diagnosis.estimate.problem import Problem, ReplayMeter
-from locosweep.diagnosis.estimate.shooting import ShotProblem
 from locosweep.diagnosis.estimate.window_plan import (
+    Plan,
     for_planning,
     plan_of,
     problem_of,
     scale_in_windows,
 )
-from locosweep.diagnosis.report import localization as where
-from locosweep.diagnosis.report import sentences
-from locosweep.diagnosis.report.identifiability import not_visible
-from locosweep.diagnosis.report.improvement import gap_of, started
-from locosweep.diagnosis.report.model_file import calibrated
-from locosweep.diagnosis.report.result import Diagnosis, Trace
-from locosweep.diagnosis.report.windowed import ShotReport
+from locosweep.diagnosis.report.assemble import Findings, Source, assemble
 from locosweep.diagnosis.select.nearest import nearest
 from locosweep.diagnosis.select.search import Search
-from locosweep.diagnosis.select.verdict import choose
+from locosweep.diagnosis.select.verdict import Choice, choose
 from locosweep.diagnosis.select.whiteness import stray_readings
 from locosweep.engine import whole
 from locosweep.errors import InputError
 from locosweep.files.robot import Robot, load_robot
 from locosweep.files.runs import Run, load_runs, runs_from_frame
-from locosweep.simulation.replay import effect
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Callable, Mapping, Sequence
 
     from locosweep.diagnosis.effects.starts import Scale
-    from locosweep.diagnosis.estimate.least_squares import Fit
-    from locosweep.diagnosis.estimate.problem import Point
-    from locosweep.diagnosis.select.nearest import Nearest
-    from locosweep.diagnosis.select.verdict import Choice
+    from locosweep.diagnosis.report.result import Diagnosis
 
 __all__ = ["diagnose"]
 
-_CANDIDATES = 8
-"""Candidates that the report shows."""
+_SURE = (0.5, 0.95)
+"""Least and largest probability of `unexplained` where the kept runs refute a cause."""
 
 
 def diagnose(
@@ -120,71 +109,156 @@ def diagnose(
         raise InputError(f"max_effects is {max_effects}: allowed is 1 to 3")
     say = progress or (lambda _: None)
     workers = _core.threads_to_use(whole("threads", threads))
+    robot = _nominal_model(nominal)
+    say("reading")
+    records, notices, digest = _read(runs, columns or {}, units or {})
+    data = _data_checks(robot, records, holdout, workers)
+    names, left_out = candidates(robot, data.whole.runs, data.scale)
+    task = _Task(tuple(names), max_effects, say)
+    selected = _select(data, task)
+    near = None
+    if data.plan and selected.choice.status == "unexplained":
+        near = nearest(selected.search, selected.choice.known)
+    say("where the gap lies")
+    found = Findings(
+        selected.search,
+        selected.choice,
+        whole=data.whole if data.plan else selected.search.problem,
+        plan=data.plan,
+        nearest=near,
+        next_experiment=_next_experiment(selected, data),
+        left_out=left_out,
+        warnings=(*notices, *data.warnings, *selected.warnings),
+    )
+    return assemble(found, Source(robot, nominal, digest, seed))
+
+
+@dataclass(frozen=True)
+class _Data:
+    """Runs that passed the checks, and how fits see them."""
+
+    whole: Problem
+    """The runs as they were measured, with those kept from fits."""
+    problem: Problem
+    """What fits see of them: themselves, or windows of them."""
+    scale: Scale
+    plan: Plan | None
+    """How long windows are, if runs are cut."""
+    held_by_user: bool
+    warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class _Task:
+    """Candidate effects, how many at once, and who is told what is being done."""
+
+    names: tuple[str, ...]
+    max_effects: int
+    say: Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class _Selected:
+    """The search that the verdict rests on."""
+
+    search: Search
+    choice: Choice
+    warnings: tuple[str, ...] = ()
+
+
+def _nominal_model(nominal: str | os.PathLike[str] | Robot) -> Robot:
     robot = nominal if isinstance(nominal, Robot) else load_robot(nominal)
     if robot.effects:
         given = ", ".join(robot.effects)
         raise InputError(f"the nominal model has effects ({given}): allowed is a model without")
-    say("reading")
-    records, notices, digest = _read(runs, columns or {}, units or {})
-    records, missing = usable(records)
-    warnings = [*notices, *missing, *check_runs(records, robot)]
-    scale = scale_of(robot, records)
-    problem = Problem(robot, records, workers, pace=scale.speed)
+    return robot
+
+
+def _data_checks(
+    robot: Robot, records: Sequence[Run], holdout: Sequence[str] | None, workers: int
+) -> _Data:
+    """Check the runs, choose those that are kept from fits, and cut them where they are long."""
+    usable_runs, missing = usable(records)
+    warnings = [*missing, *check_runs(usable_runs, robot)]
+    scale = scale_of(robot, usable_runs)
+    problem = Problem(robot, usable_runs, workers, pace=scale.speed)
     gaps = gaps_of(problem, Nuisances((), _spread(robot), scale.speed))
-    held, tail, by_user = hold_out(records, holdout, gaps)
-    uncut = problem = replace(problem, held=held, tail=tail, meter=ReplayMeter())
-    shots = None
-    if plan := plan_of(uncut):
-        problem = problem_of(uncut, plan, warnings)
-        scale = scale_in_windows(scale, robot, problem)
-        shots = ShotReport(uncut, plan)
-    names, left_out = candidates(robot, records, scale)
-    spread = _spread(robot)
-    search = _search_of(problem, spread, scale, names, say, judges=not by_user)
-    choice = choose(search, max_effects)
-    quiet = choice.status == "none"
-    if (quiet or choice.refuted) and held and not by_user and shots is None:
-        # What few runs leave open to an uncertain model, the others may refute; and what
-        # shows in one run alone, that run has to show.
-        problem = replace(uncut, held=(), meter=ReplayMeter())
-        every = _search_of(problem, spread, scale, names, say, judges=True)
-        every = replace(every, hints=choice.known.fits)
-        found = choose(every, max_effects)
-        if choice.refuted or found.status != "none":
-            search, choice = every, found
-            said = "show a gap that the others do not"
-            said = said if quiet else "refute what the others allow"
-            warnings.append(
-                f"the runs kept from the fit {said}: all are fitted, "
-                "and how far the gap shrinks on unseen ones is not known"
-            )
+    held, tail, by_user = hold_out(usable_runs, holdout, gaps)
+    kept = replace(problem, held=held, tail=tail, meter=ReplayMeter())
+    plan = plan_of(kept)
+    if plan is None:
+        return _Data(kept, kept, scale, None, by_user, tuple(warnings))
+    windows, said = problem_of(kept, plan)
+    scale = scale_in_windows(scale, robot, windows)
+    return _Data(kept, windows, scale, plan, by_user, (*warnings, said))
+
+
+def _select(data: _Data, task: _Task) -> _Selected:
+    """Choose the effects that the gap needs, on all runs where those kept disagree."""
+    search = _search_of(data.problem, data.scale, task, judges=not data.held_by_user)
+    choice = choose(search, task.max_effects)
+    selected = _Selected(search, choice)
+    asks = choice.status == "none" or choice.refuted
+    if asks and data.whole.held and not data.held_by_user and data.plan is None:
+        selected = _fitted_to_all(data, task, selected)
     elif choice.refuted and choice.fit.model.names:
-        warnings.append("the runs kept from the fit refute what the others allow")
-        sure = float(np.clip(1.0 - choice.probability, 0.5, 0.95))
-        choice = replace(choice, status="unexplained", probability=sure)
-    if shots is None and choice.status != "unexplained":
-        warnings += stray_readings(search.problem, choice.fit.residual)
-    say("where the gap lies")
-    return _report(search, choice, (robot, nominal), (digest, seed), warnings, left_out, shots)
+        sure = float(np.clip(1.0 - choice.probability, *_SURE))
+        refuted = replace(choice, status="unexplained", probability=sure)
+        said = "the runs kept from the fit refute what the others allow"
+        selected = _Selected(search, refuted, (said,))
+    if data.plan is None and selected.choice.status != "unexplained":
+        stray = stray_readings(selected.search.problem, selected.choice.fit.residual)
+        selected = replace(selected, warnings=(*selected.warnings, *stray))
+    return selected
 
 
-def _search_of(
-    problem: Problem,
-    spread: tuple[float, float, float, float],
-    scale: Scale,
-    names: Sequence[str],
-    say: Callable[[str], None],
-    *,
-    judges: bool,
-) -> Search:
+def _fitted_to_all(data: _Data, task: _Task, first: _Selected) -> _Selected:
+    """Choose again with no run kept from fits.
+
+    What few runs leave open to an uncertain model, the others may refute; and what
+    shows in one run alone, that run has to show.
+    """
+    problem = replace(data.whole, held=(), meter=ReplayMeter())
+    search = _search_of(problem, data.scale, task, judges=True)
+    search = replace(search, hints=first.choice.known.fits)
+    choice = choose(search, task.max_effects)
+    if not first.choice.refuted and choice.status == "none":
+        return first
+    said = "refute what the others allow"
+    if first.choice.status == "none":
+        said = "show a gap that the others do not"
+    return _Selected(
+        search,
+        choice,
+        (
+            f"the runs kept from the fit {said}: all are fitted, "
+            "and how far the gap shrinks on unseen ones is not known",
+        ),
+    )
+
+
+def _search_of(problem: Problem, scale: Scale, task: _Task, *, judges: bool) -> Search:
     """Return a search with the nuisances of its runs."""
     places = tuple(enumerate(problem.priors["x"].tolist())) if problem.placed else ()
-    nuisances = Nuisances((), spread, scale.speed, places)
-    if not isinstance(problem, ShotProblem):
+    nuisances = Nuisances((), _spread(problem.robot), scale.speed, places)
+    if problem.starts_vary:
         problem = replace(problem, initial=initial_states(problem, nuisances))
         free = tuple(r for r in problem.starts.moving if r not in problem.held)
         nuisances = replace(nuisances, moving=free)
-    return Search(problem, nuisances, scale, tuple(names), say, judges=judges)
+    return Search(problem, nuisances, scale, task.names, task.say, judges=judges)
+
+
+def _next_experiment(selected: _Selected, data: _Data) -> dict[str, Any]:
+    """Say which further run would separate what ties."""
+    search, choice = selected.search, selected.choice
+    fits = choice.tied
+    if len(fits) < 2:
+        return {"separates": [], "suggestion": None}
+    search.progress("next experiment")
+    weights = [choice.weight(fit) for fit in fits]
+    if data.plan:
+        search = replace(search, problem=for_planning(data.whole))
+    return next_experiment(search, fits, weights)
 
 
 def _read(
@@ -211,246 +285,3 @@ def _spread(robot: Robot) -> tuple[float, float, float, float]:
     keys = ("mass", "mu_coulomb", "gain", "clock")
     found = [float(robot.other.get(f"uncertainty.{key}", 0.0)) for key in keys]
     return found[0], found[1], found[2], found[3]
-
-
-def _report(
-    search: Search,
-    choice: Choice,
-    model: tuple[Robot, Any],
-    provenance: tuple[str, int],
-    warnings: list[str],
-    left_out: Mapping[str, str],
-    shots: ShotReport | None,
-) -> Diagnosis:
-    problem = search.problem
-    robot, given = model
-    named = choice.status in ("explained", "ambiguous")
-    fit = choice.fit if named else search.none
-    nominal_point = _as_given(search, choice)
-    point = point_of(problem, fit) if named else nominal_point
-    chosen = fit.named() if named else {}
-    augmented = calibrated(robot, point, chosen) if named else robot
-    digest, seed = provenance
-    near = (
-        nearest(search, choice.known)
-        if shots is not None and choice.status == "unexplained"
-        else None
-    )
-    if shots is not None:
-        gap = shots.gap(nominal_point, point, seed, warnings)
-        places = shots.places(nominal_point, point, gap["channel"])
-        nearer = point_of(problem, near.fit) if near else point
-        rows = shots.runs(nominal_point, nearer, gap["channel"])
-        warnings += shots.said_of_runs(rows, gap["channel"])
-        warnings += shots.said_of_windows(nearer, gap["channel"])
-        traces, whole = shots.traces(nominal_point, point), shots.whole
-    else:
-        explained = named and not choice.law_mismatch
-        gap, places, traces = _whole_runs(
-            problem, (nominal_point, point), seed, warnings, explained=explained
-        )
-        whole = problem
-    effects_of = list(fit.model.names) if named else []
-    effects_of = _by_weight(search, fit) if len(effects_of) > 1 else effects_of
-    order = [choice.fit.model.names.index(name) for name in effects_of]
-    site = effect(effects_of[0]).site if effects_of else None
-    classes = [choice.classes[i] for i in order] if named else []
-    verdict: dict[str, Any] = {
-        "status": choice.status,
-        "effects": effects_of,
-        "probability": choice.probability,
-        "equivalent": classes,
-        "alternatives": choice.sets,
-        "law_mismatch": choice.law_mismatch,
-        "summary": "",
-    }
-    report: dict[str, Any] = {
-        "schema": "locosweep.diagnosis/1",
-        "verdict": verdict,
-        "gap": gap,
-        "where": {**places, "site": site},
-        "candidates": _candidates(search, choice, gap, seed, shots, near),
-        "not_visible": not_visible(search, choice.known, left_out),
-        "next_experiment": _next(search, choice, whole),
-        "warnings": warnings,
-        "provenance": {
-            "locosweep": _core.version(),
-            "runs_sha256": digest,
-            "nominal_sha256": _digest_of(given, robot),
-            "seed": seed,
-            "largest_rest": {
-                "channel": choice.lack.channel,
-                "samples": choice.lack.block,
-                "deviations": choice.lack.deviations,
-            },
-            "start_speed_free": [problem.runs[r].label for r in search.nuisances.moving],
-        },
-    }
-    if choice.unlisted:
-        verdict["unlisted"] = {"variable": choice.unlisted, "effects": list(choice.fit.model.names)}
-    if near:
-        part = shots.without_worst(nominal_point, nearer, gap["channel"]) if shots else None
-        verdict["nearest"] = {**near.told(), "shrink_without_worst": part, "runs": rows}
-    elif shots is not None and choice.status == "unexplained":
-        verdict["nearest"] = None
-    if choice.shape:
-        report["gap"]["left"] = [{"variable": v, "share": s} for v, s in choice.shape[:5]]
-    verdict["summary"] = sentences.summary(report)
-    details: dict[str, Any] = {
-        "noise": {c: n.sd for c, n in problem.noise.items()},
-        "force_view": where.force_view(whole, nominal_point, problem.nominal["mass"]),
-    }
-    if not isinstance(given, Robot):
-        details["nominal_text"] = Path(given).read_text(encoding="utf-8")
-    return Diagnosis(report, traces, robot, augmented, details)
-
-
-def _as_given(search: Search, choice: Choice) -> Point:
-    """Return the nominal model as handed in; refitted where that accounts for the runs."""
-    found = point_of(search.problem, search.none)
-    return (
-        found if choice.status == "none" else replace(found, shares=search.problem.plain().shares)
-    )
-
-
-def _whole_runs(
-    problem: Problem,
-    points: tuple[Point, Point],
-    seed: int,
-    warnings: list[str],
-    *,
-    explained: bool,
-) -> tuple[dict[str, Any], dict[str, Any], tuple[Trace, ...]]:
-    """Return gap, places and curves of runs that are replayed from end to end."""
-    nominal, point = (started(problem, one) for one in points)
-    if nominal.names != point.names:
-        nominal = replace(nominal, speeds=point.speeds, places=point.places)
-    gap, tables = gap_of(problem, nominal, point, seed, warnings)
-    everything = list(range(len(problem.runs)))
-    before = problem.replay([nominal], everything)
-    after = problem.replay([point], everything)
-    channel = gap["channel"]
-    squares = where.gap_squares(problem, channel, before, after if explained else None)
-    regimes = [regimes_of(motion) for motion in problem.motions]
-    places = {
-        "channels": tables["channels"],
-        "runs": tables["runs"],
-        "windows": where.windows(problem, squares),
-        "origin": where.origin(problem, nominal),
-        "regimes": where.regime_shares(squares, regimes),
-    }
-    return gap, places, _traces(problem, before, after, regimes)
-
-
-def _by_weight(search: Search, fit: Fit) -> list[str]:
-    """Effects of a set by what the fit loses without each, first what it loses most."""
-    from locosweep.diagnosis.estimate.least_squares import evaluate
-
-    losses = []
-    for name in fit.model.names:
-        keep = [i for i, f in enumerate(fit.model.free) if f.effect != name]
-        tail = list(range(len(fit.model.free), fit.theta.size))
-        rest = search.model([n for n in fit.model.names if n != name])
-        without = type(fit)(rest, fit.nuisances, fit.theta[keep + tail])
-        (without,) = evaluate(search.problem, [without])
-        losses.append(without.chi2)
-    order = np.argsort(-np.array(losses), kind="stable")
-    return [fit.model.names[i] for i in order]
-
-
-def _candidates(
-    search: Search,
-    choice: Choice,
-    gap: dict[str, Any],
-    seed: int,
-    shots: ShotReport | None,
-    near: Nearest | None,
-) -> list[dict[str, Any]]:
-    rows = []
-    shown = list(choice.ranked[:_CANDIDATES])
-    if near:
-        shown = near.weighed([f for f, _ in shown], len(search.problem.fitted))[:_CANDIDATES]
-    chosen = frozenset(choice.fit.model.names)
-    if not any(frozenset(f.model.names) == chosen for f, _ in shown):
-        shown += [pair for pair in choice.ranked if frozenset(pair[0].model.names) == chosen]
-    points = [point_of(search.problem, f) for f, _ in shown]
-    nominal = _as_given(search, choice)
-    if shots is None:
-        nominal = started(search.problem, nominal)
-    for (fit, weight), point in zip(shown, points, strict=True):
-        if shots is None:
-            problem = search.problem
-            own, _ = gap_of(
-                problem, nominal, started(problem, point), seed, [], channel=gap["channel"]
-            )
-        else:
-            own = shots.gap(nominal, point, seed, [], channel=gap["channel"])
-        parameters: dict[str, dict[str, Any]] = {name: {} for name in fit.model.names}
-        for f, value, std in zip(fit.model.free, fit.parameters, fit.stds, strict=True):
-            size = np.inf if f.log else f.size
-            parameters[f.effect][f.name] = {
-                "value": float(value),
-                "std": float(std) if std < 1e3 * max(size, abs(value)) else None,
-                "unit": f.unit,
-            }
-        rows.append(
-            {
-                "effects": list(fit.model.names),
-                "probability": float(weight),
-                "gap_after": own["after"],
-                "shrink": own["shrink"],
-                "shrink_ci": own["shrink_ci"],
-                "parameters": parameters,
-            }
-        )
-    return rows
-
-
-def _next(search: Search, choice: Choice, whole: Problem) -> dict[str, Any]:
-    if choice.status != "ambiguous":
-        return {"separates": [], "suggestion": None}
-    rivals = []
-    for place, name in enumerate(choice.fit.model.names):
-        for other in choice.classes[place]:
-            key = frozenset(other if n == name else n for n in choice.fit.model.names)
-            if other != name and key in choice.known.fits:
-                rivals.append(choice.known.fits[key])
-    keys = [frozenset(names) for names in choice.sets]
-    rivals += [choice.known.fits[key] for key in keys if key in choice.known.fits]
-    if not rivals:
-        return {"separates": [], "suggestion": None}
-    search.progress("next experiment")
-    fits = [choice.fit, *rivals]
-    known = {frozenset(fit.model.names): weight for fit, weight in choice.ranked}
-    weights = [known.get(frozenset(fit.model.names), 0.0) for fit in fits]
-    if isinstance(search.problem, ShotProblem):
-        search = replace(search, problem=for_planning(whole))
-    return next_experiment(search, fits, weights)
-
-
-def _traces(
-    problem: Problem, before: dict[str, Any], after: dict[str, Any], regimes: list[Any]
-) -> tuple[Trace, ...]:
-    traces = []
-    for r, run in enumerate(problem.runs):
-        a, b = problem.starts_at[r], problem.starts_at[r + 1]
-        traces.append(
-            Trace(
-                run.label,
-                run.t,
-                run.drive,
-                problem.nominal["slope_deg"] if run.slope_deg is None else run.slope_deg,
-                dict(run.channels),
-                {c: read[0, a:b] for c, read in before.items()},
-                {c: read[0, a:b] for c, read in after.items()},
-                regimes[r],
-                r in problem.held,
-            )
-        )
-    return tuple(traces)
-
-
-def _digest_of(given: Any, robot: Robot) -> str:
-    if isinstance(given, Robot):
-        return hashlib.sha256(repr(robot).encode()).hexdigest()
-    return hashlib.sha256(Path(given).read_bytes()).hexdigest()

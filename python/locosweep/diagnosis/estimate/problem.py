@@ -259,6 +259,11 @@ class Problem:
         """Whether the motion itself depends on where a run starts: that of a pendulum."""
         return "gravity_torque" in self.nominal
 
+    @property
+    def starts_vary(self) -> bool:
+        """Whether runs may begin in motion, so that start speeds are found first."""
+        return True
+
     def place(self, name: str, parameter: str) -> int:
         """Return the place of a parameter among those of all effects."""
         record = effect(name)

@@ -250,6 +250,11 @@ class ShotProblem(Problem):
         ]
 
     @property
+    def starts_vary(self) -> bool:
+        """False: windows begin in the state that was measured there."""
+        return False
+
+    @property
     def placed(self) -> bool:
         """False: where windows start is projected out, also for a pendulum."""
         return False

@@ -234,7 +234,7 @@ def tiles_of(whole: Problem, plan: Plan, runs: Sequence[int] | None = None) -> S
     return _problem(whole, whole.runs, windows, leads, plan, ())
 
 
-def problem_of(whole: Problem, plan: Plan, warnings: list[str]) -> ShotProblem:
+def problem_of(whole: Problem, plan: Plan) -> tuple[ShotProblem, str]:
     """Choose the windows that take part in the search, and those that check it.
 
     Parameters
@@ -243,8 +243,13 @@ def problem_of(whole: Problem, plan: Plan, warnings: list[str]) -> ShotProblem:
         The runs as they were measured, with those that are kept from fits.
     plan : Plan
         How long windows are.
-    warnings : list of str
-        Is told what is left out.
+
+    Returns
+    -------
+    ShotProblem
+        The chosen windows.
+    str
+        How runs were cut, and what is left out, in a sentence.
     """
     interval = _interval(whole, plan)
     runs = [thinned(run, interval) for run in whole.runs]
@@ -273,10 +278,9 @@ def problem_of(whole: Problem, plan: Plan, warnings: list[str]) -> ShotProblem:
         )
     if max(dense) > 1:
         said += f"; one sample in {max(dense)} of the densest run"
-    warnings.append(said)
     windows = [*chosen, *checked]
     places = tuple(range(len(chosen), len(windows)))
-    return _problem(whole, runs, windows, leads, plan, places)
+    return _problem(whole, runs, windows, leads, plan, places), said
 
 
 def _problem(

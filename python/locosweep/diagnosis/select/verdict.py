@@ -89,6 +89,26 @@ class Choice:
         """Whether the runs kept from the fit ask for more than the others do."""
         return self.status != "unexplained" and (self.near >= GAIN or self.missed)
 
+    @property
+    def tied(self) -> list[Fit]:
+        """The chosen fit, and those that the data cannot tell from it where there are any."""
+        if self.status != "ambiguous":
+            return [self.fit]
+        names = self.fit.model.names
+        keys = [
+            frozenset(other if n == name else n for n in names)
+            for name, alike in zip(names, self.classes, strict=True)
+            for other in alike
+            if other != name
+        ]
+        keys += [frozenset(others) for others in self.sets]
+        return [self.fit, *(self.known.fits[key] for key in keys if key in self.known.fits)]
+
+    def weight(self, fit: Fit) -> float:
+        """Return the weight of a fit's set of effects among those that are ranked."""
+        names = frozenset(fit.model.names)
+        return next((w for one, w in self.ranked if frozenset(one.model.names) == names), 0.0)
+
 
 @dataclass(frozen=True)
 class _Grown:

@@ -55,7 +55,7 @@ def search_windows(whole: Search) -> list[WindowSearch]:
     for share in _LENGTHS:
         plan = Plan(share * scale.duration, "", dict(problem.noise))
         try:
-            windows = problem_of(problem, plan, [])
+            windows, _ = problem_of(problem, plan)
         except DataFileError:
             # Too little is measured for windows this short.
             continue
