@@ -14,15 +14,15 @@ import pytest
 
 from locosweep.diagnosis import Diagnosis, diagnose
 from locosweep.diagnosis.estimate.problem import Problem
-from locosweep.diagnosis.estimate.shooting import ShotProblem
+from locosweep.diagnosis.estimate.shooting import WindowProblem
 from locosweep.diagnosis.estimate.window_plan import (
     FITTED_SAMPLES,
     HELD_SAMPLES,
     Plan,
+    adjoining_windows,
+    decimated,
     plan_of,
     problem_of,
-    thinned,
-    tiles_of,
 )
 from locosweep.files.robot import Robot
 from locosweep.files.runs import Run, runs_from_frame
@@ -79,7 +79,7 @@ def whole(robot: Robot, frame: pl.DataFrame, **changes: object) -> Problem:
     return Problem(robot, runs_from_frame(frame), 1, **changes)  # type: ignore[arg-type]
 
 
-def in_windows(problem: Problem) -> ShotProblem:
+def in_windows(problem: Problem) -> WindowProblem:
     plan = Plan(SECONDS[id(problem.robot)], "asked for", problem.noise)
     return problem_of(problem, plan)[0]
 
@@ -115,10 +115,10 @@ class TestWhen:
         problem = whole(SLED, frame)
         plan = plan_of(problem)
         assert plan is not None
-        shots, said = problem_of(replace(problem, held=(1,)), plan)
-        fitted = sum(int(shots.lengths[r]) for r in shots.fitted)
+        windows, said = problem_of(replace(problem, held=(1,)), plan)
+        fitted = sum(int(windows.lengths[r]) for r in windows.fitted)
         assert 0 < fitted <= FITTED_SAMPLES
-        assert 0 < shots.count - fitted <= HELD_SAMPLES
+        assert 0 < windows.count - fitted <= HELD_SAMPLES
         assert "128000 samples" in said
         assert "one sample in" in said
 
@@ -137,38 +137,38 @@ class TestWindows:
         ],
     )
     def test_the_truth_leaves_noise(self, robot, name, values):
-        shots = in_windows(whole(robot, measured(robot, {name: values}, drives(robot))))
-        plain = shots.plain()
+        windows = in_windows(whole(robot, measured(robot, {name: values}, drives(robot))))
+        plain = windows.plain()
         true = replace(plain, names=(name,), values=plain.values.copy())
         for key, value in values.items():
-            true.values[shots.place(name, key)] = value
-        nominal, left = (shots.residuals([plain, true]) ** 2).sum(axis=1) / shots.degrees()
+            true.values[windows.parameter_index(name, key)] = value
+        nominal, left = (windows.residuals([plain, true]) ** 2).sum(axis=1) / windows.degrees()
         assert nominal > 2.0
         assert 0.9 < left < 1.25
 
     def test_tiles_follow_each_other(self):
         problem = whole(SLED, measured(SLED, {}, drives(SLED)))
-        shots = tiles_of(problem, Plan(0.4, "asked for", problem.noise)).shots
-        for before, after in pairwise(shots):
+        windows = adjoining_windows(problem, Plan(0.4, "asked for", problem.noise)).windows
+        for before, after in pairwise(windows):
             if before.record == after.record:
-                end = before.window[0] + before.judged[1]
-                assert end == after.window[0] + after.judged[0]
-        assert {shot.record for shot in shots} == {0, 1, 2}
+                end = before.span[0] + before.counted[1]
+                assert end == after.span[0] + after.counted[0]
+        assert {window.record for window in windows} == {0, 1, 2}
 
     def test_a_gap_in_the_data_is_in_no_window(self):
         frame = measured(SLED, {}, drives(SLED, 1))
         frame = frame.filter((pl.col("t") < 3.0) | (pl.col("t") > 3.5))
         problem = whole(SLED, frame)
-        shots = tiles_of(problem, Plan(0.4, "asked for", problem.noise)).shots
-        assert len(shots) > 5
-        assert all(np.diff(shot.t).max() < 0.4 for shot in shots)
+        windows = adjoining_windows(problem, Plan(0.4, "asked for", problem.noise)).windows
+        assert len(windows) > 5
+        assert all(np.diff(window.t).max() < 0.4 for window in windows)
 
     def test_thinning_keeps_the_impulse(self):
         run = drives(SLED, 1, 4.0, 1e-3)[0]
-        few = thinned(run, 0.005)
+        few = decimated(run, 0.005)
         assert few.t.size == run.t.size / 5
         assert np.sum(few.drive * 5e-3) == pytest.approx(np.sum(run.drive * 1e-3), abs=1e-12)
-        assert thinned(run, 0.0015) is run
+        assert decimated(run, 0.0015) is run
 
 
 @pytest.fixture(scope="module")

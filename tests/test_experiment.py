@@ -45,7 +45,7 @@ def fitted() -> tuple[Search, list[Fit]]:
     """Gain and mass, each fitted to what a gain error makes."""
     records = runs_from_frame(one_way())
     scale = scale_of(FRICTIONLESS, records)
-    problem = Problem(FRICTIONLESS, records, 1, pace=scale.speed)
+    problem = Problem(FRICTIONLESS, records, 1, speed_scale=scale.speed)
     nuisances = Nuisances((), (0.0, 0.0, 0.0, 0.0), scale.speed)
     found = Search(problem, nuisances, scale, ())
     starts = []
@@ -62,7 +62,7 @@ def test_a_distance_is_what_another_least_squares_leaves(
     change = next(change for known, change, _ in MENU if known == name)
     planned = experiment._planned(search, name, change)
     problem = planned.seen_by(fits[0])
-    place = problem.place("payload_mass", "dm")
+    place = problem.parameter_index("payload_mass", "dm")
 
     def left(dm: np.ndarray) -> np.ndarray:
         point = point_of(problem, fits[1])
@@ -112,7 +112,7 @@ def test_the_truth_leaves_nothing_of_what_it_predicts(name: str) -> None:
     for one in (frame, holes):
         records = runs_from_frame(one)
         scale = scale_of(slippery, records)
-        problem = Problem(slippery, records, 1, pace=scale.speed)
+        problem = Problem(slippery, records, 1, speed_scale=scale.speed)
         nuisances = Nuisances((), (0.0, 0.0, 0.0, 0.0), scale.speed)
         found = Search(problem, nuisances, scale, (), lambda _: None)
         change = next(change for known, change, _ in MENU if known == name)

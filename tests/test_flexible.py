@@ -1,4 +1,4 @@
-"""Flexible terms: another law of an effect, and variables that no effect acts through."""
+"""Nonparametric corrections: another law of an effect, and out-of-library disturbances."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from locosweep.diagnosis import diagnose
 from locosweep.diagnosis.effects.starts import scale_of
 from locosweep.diagnosis.estimate.least_squares import Nuisances, fit_all, start_fits
 from locosweep.diagnosis.estimate.problem import Problem
-from locosweep.diagnosis.select.law_mismatch import carried_by, carries
-from locosweep.diagnosis.select.nonparametric import Flexible
+from locosweep.diagnosis.select.law_mismatch import best_with_other_law, score_with_other_law
+from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.search import Search
 from locosweep.diagnosis.select.verdict import is_limit
 from locosweep.files.runs import runs_from_frame
@@ -23,11 +23,11 @@ FLAT = 1e4
 """Deviation of a fitted parameter's size: it may be anything."""
 
 
-def terms_beside(frame: pl.DataFrame, *names: str) -> Flexible:
+def terms_beside(frame: pl.DataFrame, *names: str) -> NonparametricCorrection:
     """Terms beside the fit of some effects to measured runs."""
     records = runs_from_frame(frame)
     scale = scale_of(ROBOT, records)
-    problem = Problem(ROBOT, records, 1, pace=scale.speed)
+    problem = Problem(ROBOT, records, 1, speed_scale=scale.speed)
     nuisances = Nuisances((), (0.0, 0.0, 0.0, 0.0), scale.speed)
     search = Search(problem, nuisances, scale, names)
     fit = search.none
@@ -35,15 +35,15 @@ def terms_beside(frame: pl.DataFrame, *names: str) -> Flexible:
         model = search.model(names)
         starts = start_fits(nuisances, model, np.zeros((1, len(model.free))))
         (fit,) = fit_all(problem, starts, steps=20)
-    return Flexible(problem, fit)
+    return NonparametricCorrection(problem, fit)
 
 
 def log_density(
-    terms: Flexible, variables: list[str], spread: float, places: np.ndarray | slice
+    terms: NonparametricCorrection, variables: list[str], spread: float, places: np.ndarray | slice
 ) -> float:
     """Of residuals at some places, the sizes of terms and of fitted values integrated out."""
     own = np.isin(terms.names, variables)
-    sizes = spread**2 * terms.alike * (own[:, None] & own)
+    sizes = spread**2 * terms.covariance * (own[:, None] & own)
     sizes += FLAT**2 * np.diag(terms.names == "fit")
     basis, residual = terms.basis[:, places], terms.residual[places]
     covariance = np.eye(residual.size) + basis.T @ sizes @ basis
@@ -63,7 +63,7 @@ def test_worth_is_the_ratio_of_marginal_likelihoods(names: tuple[str, ...]) -> N
             log_density(terms, [variable], spread, slice(None))
             for spread in np.geomspace(1e-6, 1.0, 61)
         ]
-        assert terms.worth([variable], 1.0) == pytest.approx(
+        assert terms.log_bayes_factor([variable], 1.0) == pytest.approx(
             2.0 * (max(tried) - without), rel=0.02, abs=0.3
         )
 
@@ -71,28 +71,28 @@ def test_worth_is_the_ratio_of_marginal_likelihoods(names: tuple[str, ...]) -> N
 def test_runs_are_foretold_by_the_density_given_the_others() -> None:
     frame = measured({"quadratic_drag": {"c2": 0.05}}, drives(count=3, samples=60))
     terms = terms_beside(frame)
-    rows, root = terms._root(["speed"], 1.0)
-    deviation = float(root[0, 0] / np.sqrt(terms.alike[rows[0], rows[0]]))
+    rows, root = terms._covariance_root(["speed"], 1.0)
+    deviation = float(root[0, 0] / np.sqrt(terms.covariance[rows[0], rows[0]]))
     gain = 0.0
-    for place in terms._places:
+    for place in terms._samples:
         others = np.setdiff1d(np.arange(terms.residual.size), place)
         for sign, variables in ((1.0, ["speed"]), (-1.0, [])):
             whole = log_density(terms, variables, deviation, slice(None))
             gain += sign * 2.0 * (whole - log_density(terms, variables, deviation, others))
-    assert terms.foreseen(["speed"], 1.0) == pytest.approx(gain, rel=1e-3)
+    assert terms.predictive_gain(["speed"], 1.0) == pytest.approx(gain, rel=1e-3)
 
 
 def test_what_others_foretell_is_their_mean_over_its_deviation_given_the_others() -> None:
     frame = measured({"quadratic_drag": {"c2": 0.05}}, drives(count=3, samples=60))
     terms = terms_beside(frame, "coulomb_error")
-    rows, root = terms._root(["speed"], 1.0)
-    deviation = float(root[0, 0] / np.sqrt(terms.alike[rows[0], rows[0]]))
+    rows, root = terms._covariance_root(["speed"], 1.0)
+    deviation = float(root[0, 0] / np.sqrt(terms.covariance[rows[0], rows[0]]))
     own = np.isin(terms.names, ["speed"])
-    sizes = deviation**2 * terms.alike * (own[:, None] & own)
+    sizes = deviation**2 * terms.covariance * (own[:, None] & own)
     sizes += FLAT**2 * np.diag(terms.names == "fit")
     covariance = np.eye(terms.residual.size) + terms.basis.T @ sizes @ terms.basis
-    left = terms.foretold(["speed"], 1.0)
-    for place, found in zip(terms._places, left, strict=True):
+    left = terms.prediction_errors(["speed"], 1.0)
+    for place, found in zip(terms._samples, left, strict=True):
         others = np.setdiff1d(np.arange(terms.residual.size), place)
         known = np.linalg.solve(covariance[np.ix_(others, others)], terms.residual[others])
         missed = terms.residual[place] - covariance[np.ix_(place, others)] @ known
@@ -111,9 +111,9 @@ def test_a_law_of_its_own_in_each_run_is_worth_the_ratio_of_marginal_likelihoods
     terms = terms_beside(frame, "coulomb_error")
     own, fitted = terms.names == "speed", terms.names == "fit"
     run = np.zeros(terms.residual.size)
-    for i, place in enumerate(terms._places):
+    for i, place in enumerate(terms._samples):
         run[place] = i
-    for_all = terms.basis.T @ (terms.alike * (own[:, None] & own)) @ terms.basis
+    for_all = terms.basis.T @ (terms.covariance * (own[:, None] & own)) @ terms.basis
     around = np.eye(run.size) + FLAT**2 * terms.basis[fitted].T @ terms.basis[fitted]
 
     def density(covariance: np.ndarray) -> float:
@@ -124,11 +124,11 @@ def test_a_law_of_its_own_in_each_run_is_worth_the_ratio_of_marginal_likelihoods
         density(around + spread**2 * for_all * (run[:, None] == run))
         for spread in np.geomspace(1e-6, 1.0, 61)
     ]
-    assert terms.worth_apart(["speed"], 1.0) == pytest.approx(
+    assert terms.log_bayes_factor_by_run(["speed"], 1.0) == pytest.approx(
         max(tried) - density(around), rel=0.02, abs=0.3
     )
     # The runs follow one law, and say so.
-    assert terms.worth(["speed"], 1.0) > terms.worth_apart(["speed"], 1.0)
+    assert terms.log_bayes_factor(["speed"], 1.0) > terms.log_bayes_factor_by_run(["speed"], 1.0)
 
 
 def test_what_no_run_confirms_is_no_law() -> None:
@@ -139,14 +139,17 @@ def test_what_no_run_confirms_is_no_law() -> None:
         for i, run in enumerate(runs)
     ]
     terms = terms_beside(pl.concat(frames))
-    assert terms.worth(["place"], 1.0) > 20.0
-    assert terms.worth(["place"], 1.0) < terms.worth_apart(["place"], 1.0) - 12.0
+    assert terms.log_bayes_factor(["place"], 1.0) > 20.0
+    assert (
+        terms.log_bayes_factor(["place"], 1.0)
+        < terms.log_bayes_factor_by_run(["place"], 1.0) - 12.0
+    )
 
 
 def test_one_run_is_foretold_by_none() -> None:
     terms = terms_beside(measured({"quadratic_drag": {"c2": 0.3}}, drives(count=1)))
-    assert terms.worth(["speed"], 1.0) > 100.0
-    assert terms.foreseen(["speed"], 1.0) == 0.0
+    assert terms.log_bayes_factor(["speed"], 1.0) > 100.0
+    assert terms.predictive_gain(["speed"], 1.0) == 0.0
 
 
 def test_what_does_not_come_again_is_not_foreseen() -> None:
@@ -161,15 +164,15 @@ def test_what_does_not_come_again_is_not_foreseen() -> None:
     )
     once = terms_beside(frame)
     again = terms_beside(measured({"friction_drift": {"a": 0.05, "T": 1.0}}, runs))
-    assert once.worth(["time"], 1.0) > 100.0
-    assert once.foreseen(["time"], 1.0) < 0.0 < again.foreseen(["time"], 1.0)
+    assert once.log_bayes_factor(["time"], 1.0) > 100.0
+    assert once.predictive_gain(["time"], 1.0) < 0.0 < again.predictive_gain(["time"], 1.0)
 
 
 def fits_of(frame: pl.DataFrame, *names: str, held: tuple[int, ...] = ()) -> tuple[Search, list]:
     """Fits of single effects to measured runs, in the order of their names."""
     records = runs_from_frame(frame)
     scale = scale_of(ROBOT, records)
-    problem = Problem(ROBOT, records, 1, held=held, pace=scale.speed)
+    problem = Problem(ROBOT, records, 1, held=held, speed_scale=scale.speed)
     nuisances = Nuisances((), (0.0, 0.0, 0.0, 0.0), scale.speed)
     search = Search(problem, nuisances, scale, names)
     starts = []
@@ -192,7 +195,7 @@ def test_another_law_has_to_hold_in_the_runs_kept_from_the_fit() -> None:
     found = []
     for one in (frame, strange):
         search, (fit,) = fits_of(one, "viscous_friction", held=(2,))
-        found.append(carries(search, fit) is not None)
+        found.append(score_with_other_law(search, fit) is not None)
     assert found == [True, False]
 
 
@@ -202,7 +205,7 @@ def test_what_the_other_runs_cannot_tell_is_no_contradiction() -> None:
     runs.append(replace(runs[0], label="fast", drive=1.3 * runs[0].drive))
     frame = measured({"quadratic_drag": {"c2": 0.02}}, runs)
     search, (fit,) = fits_of(frame, "viscous_friction", held=(4,))
-    assert carries(search, fit) is not None
+    assert score_with_other_law(search, fit) is not None
 
 
 def test_only_a_shape_has_a_limit_that_is_another_effect() -> None:
@@ -226,7 +229,7 @@ def test_a_run_kept_from_the_fit_may_start_in_motion() -> None:
     for starting in ((), (4,)):
         starts = replace(search.problem.starts, moving=starting)
         moved = replace(search, problem=replace(search.problem, initial=starts))
-        found.append(carries(moved, fit) is not None)
+        found.append(score_with_other_law(moved, fit) is not None)
     assert found == [False, True]
 
 
@@ -236,7 +239,7 @@ def test_a_law_far_off_by_its_own_formula_is_found_behind_others() -> None:
     search, level = fits_of(
         frame, *others, "supply_sag", "position_dependent_friction", "viscous_friction"
     )
-    found = carried_by(search, level)
+    found = best_with_other_law(search, level)
     assert found is not None
     assert found[1].model.names == ("viscous_friction",)
 

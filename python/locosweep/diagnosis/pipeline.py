@@ -181,10 +181,10 @@ def _data_checks(
     usable_runs, missing = usable(records)
     warnings = [*missing, *check_runs(usable_runs, robot)]
     scale = scale_of(robot, usable_runs)
-    problem = Problem(robot, usable_runs, workers, pace=scale.speed)
+    problem = Problem(robot, usable_runs, workers, speed_scale=scale.speed)
     gaps = gaps_of(problem, Nuisances((), _spread(robot), scale.speed))
-    held, tail, by_user = hold_out(usable_runs, holdout, gaps)
-    kept = replace(problem, held=held, tail=tail, meter=ReplayMeter())
+    held, fraction, by_user = hold_out(usable_runs, holdout, gaps)
+    kept = replace(problem, held=held, train_fraction=fraction, meter=ReplayMeter())
     plan = plan_of(kept)
     if plan is None:
         return _Data(kept, kept, scale, None, by_user, tuple(warnings))
@@ -239,7 +239,7 @@ def _fitted_to_all(data: _Data, task: _Task, first: _Selected) -> _Selected:
 
 def _search_of(problem: Problem, scale: Scale, task: _Task, *, judges: bool) -> Search:
     """Return a search with the nuisances of its runs."""
-    places = tuple(enumerate(problem.priors["x"].tolist())) if problem.placed else ()
+    places = tuple(enumerate(problem.priors["x"].tolist())) if problem.position_matters else ()
     nuisances = Nuisances((), _spread(problem.robot), scale.speed, places)
     if problem.starts_vary:
         problem = replace(problem, initial=initial_states(problem, nuisances))

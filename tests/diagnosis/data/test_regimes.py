@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from diagnosis_small import NOISE, ROBOT, problem
-from locosweep.diagnosis.data.regimes import REGIMES, measured_motion, regimes_of
+from diagnosis_small import NOISE, problem
+from locosweep.diagnosis.data.regimes import REGIMES, MeasuredMotion, measured_motion, regimes_of
 from locosweep.files.runs import Run
 
 RATE = 100.0
@@ -22,7 +22,11 @@ def known(noise: float = 0.0) -> Run:
 
 
 def kinds(run: Run) -> list[str]:
-    return [REGIMES[k] for k in regimes_of(problem([run]), 0)]
+    return [REGIMES[k] for k in regimes_of(motion(run))]
+
+
+def motion(run: Run) -> MeasuredMotion:
+    return measured_motion(run, problem([run]).noise["x"])
 
 
 @pytest.mark.parametrize("noise", [0.0, NOISE])
@@ -51,20 +55,20 @@ def test_a_head_at_rest_is_at_rest_whatever_the_noise() -> None:
 
 
 def test_the_motion_is_smoothed_to_its_speed() -> None:
-    x, v, deviation = measured_motion(problem([known(NOISE)]), 0)
+    found = motion(known(NOISE))
     true = known().channels["x"]
     inside = slice(REST + 30, REST + FORWARD - 30)
-    assert np.sqrt(np.mean((x - true)[inside] ** 2)) < NOISE
-    assert np.abs(v[inside] - 0.05).max() < 5.0 * deviation
+    assert np.sqrt(np.mean((found.x - true)[inside] ** 2)) < NOISE
+    assert np.abs(found.v[inside] - 0.05).max() < 5.0 * found.deviation
     # Smoothing is as wide as brings the speed to a few hundredths.
-    assert 0.0 < deviation < 0.05 * 0.05
+    assert 0.0 < found.deviation < 0.05 * 0.05
 
 
 def test_missing_readings_are_bridged() -> None:
     run = known(NOISE)
     run.channels["x"][REST + 50 : REST + 60] = np.nan
     assert "sliding_forward" in kinds(run)
-    assert np.isfinite(measured_motion(problem([run], ROBOT), 0)[1]).all()
+    assert np.isfinite(motion(run).v).all()
 
 
 def test_nothing_measured_is_at_rest() -> None:

@@ -150,7 +150,7 @@ def _has_meaning(search: Search, name: str) -> bool:
     """Whether a run of the menu is another one on this rig."""
     if name == "force sensor":
         return "force" not in search.problem.channels
-    return name not in ("turn round", "incline") or not search.problem.placed
+    return name not in ("turn round", "incline") or not search.problem.position_matters
 
 
 def _planned(
@@ -180,16 +180,16 @@ def _planned(
         runs,
         problem.threads,
         known=noise,
-        heavier={place: PAYLOAD} if name == "payload" else {},
-        turned=frozenset({place}) if name == "turn round" else frozenset(),
+        payload_factors={place: PAYLOAD} if name == "payload" else {},
+        reversed_runs=frozenset({place}) if name == "turn round" else frozenset(),
     )
     return _Planned(blank, place)
 
 
 def _bare(fit: Fit) -> Fit:
     """Return a fit whose runs all start at rest, where they start."""
-    nuisances = replace(fit.nuisances, moving=(), places=())
-    own = len(fit.model.free) + len(nuisances.shares)
+    nuisances = replace(fit.nuisances, moving=(), start_offsets=())
+    own = len(fit.model.free) + len(nuisances.uncertain)
     return Fit(fit.model, nuisances, fit.theta[:own].copy())
 
 

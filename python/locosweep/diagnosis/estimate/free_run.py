@@ -36,7 +36,7 @@ def _restarted(
     read = problem.job.run(
         columns,
         np.tile(point.values, (count, 1)),
-        np.tile(point.shares, (count, 1)),
+        np.tile(point.factors, (count, 1)),
         np.array(starts),
         problem.threads,
     )[0]

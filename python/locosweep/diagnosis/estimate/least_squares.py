@@ -40,11 +40,11 @@ class Nuisances:
     spread: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     speed: float = 1.0
     """What counts as a large start speed, m/s."""
-    places: tuple[tuple[int, float], ...] = ()
+    start_offsets: tuple[tuple[int, float], ...] = ()
     """Runs whose start position is shifted, with its deviation."""
 
     @property
-    def shares(self) -> tuple[int, ...]:
+    def uncertain(self) -> tuple[int, ...]:
         """Places of the values that are uncertain."""
         return tuple(i for i, s in enumerate(self.spread) if s > 0.0)
 
@@ -121,7 +121,7 @@ def _bounds(fit: Fit) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray
         low.append(np.log(f.low) if f.log else f.low)
         high.append(np.log(f.high) if f.log else f.high)
         size.append(f.size)
-    for i in fit.nuisances.shares:
+    for i in fit.nuisances.uncertain:
         s = fit.nuisances.spread[i]
         low.append(-8 * s)
         high.append(8 * s)
@@ -130,7 +130,7 @@ def _bounds(fit: Fit) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray
         low.append(-np.inf)
         high.append(np.inf)
         size.append(fit.nuisances.speed)
-    for _, s in fit.nuisances.places:
+    for _, s in fit.nuisances.start_offsets:
         low.append(-8 * s)
         high.append(8 * s)
         size.append(s)
@@ -141,15 +141,15 @@ def _point(problem: Problem, fit: Fit, theta: NDArray[np.float64]) -> Point:
     base = problem.plain()
     k = len(fit.model.free)
     for f, u in zip(fit.model.free, theta[:k], strict=True):
-        base.values[problem.place(f.effect, f.name)] = np.exp(u) if f.log else u
-    for i, u in zip(fit.nuisances.shares, theta[k:], strict=False):
-        base.shares[i] = u if i == 3 else 1.0 + u
-    k += len(fit.nuisances.shares)
+        base.values[problem.parameter_index(f.effect, f.name)] = np.exp(u) if f.log else u
+    for i, u in zip(fit.nuisances.uncertain, theta[k:], strict=False):
+        base.factors[i] = u if i == 3 else 1.0 + u
+    k += len(fit.nuisances.uncertain)
     for r, u in zip(fit.nuisances.moving, theta[k:], strict=False):
         base.speeds[r] = problem.starts.speed[r] + u
     k += len(fit.nuisances.moving)
-    for (r, _), u in zip(fit.nuisances.places, theta[k:], strict=True):
-        base.places[r] = u
+    for (r, _), u in zip(fit.nuisances.start_offsets, theta[k:], strict=True):
+        base.start_offsets[r] = u
     return replace(base, names=fit.model.names)
 
 
@@ -161,8 +161,8 @@ def point_of(problem: Problem, fit: Fit) -> Point:
 def _prior(fit: Fit, theta: NDArray[np.float64]) -> NDArray[np.float64]:
     """Residuals of the uncertain shares and start positions."""
     k = len(fit.model.free)
-    spread = np.array([fit.nuisances.spread[i] for i in fit.nuisances.shares])
-    around = np.array([s for _, s in fit.nuisances.places])
+    spread = np.array([fit.nuisances.spread[i] for i in fit.nuisances.uncertain])
+    around = np.array([s for _, s in fit.nuisances.start_offsets])
     last = theta.size - around.size
     return np.concatenate([theta[k : k + spread.size] / spread, theta[last:] / around])
 
@@ -178,7 +178,7 @@ def start_fits(
     `nuisance` gives the values of what the model may shift beside, 0 without it.
     """
     if nuisance is None:
-        count = len(nuisances.shares) + len(nuisances.moving) + len(nuisances.places)
+        count = len(nuisances.uncertain) + len(nuisances.moving) + len(nuisances.start_offsets)
         nuisance = np.zeros(count)
     fits = []
     for row in np.atleast_2d(rows):
@@ -293,8 +293,8 @@ def _steps(fit: Fit, size: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _local(fit: Fit) -> list[int | None]:
     """Say which run each entry of theta is about, None for all."""
-    everywhere: list[int | None] = [None] * (len(fit.model.free) + len(fit.nuisances.shares))
-    return [*everywhere, *fit.nuisances.moving, *(r for r, _ in fit.nuisances.places)]
+    everywhere: list[int | None] = [None] * (len(fit.model.free) + len(fit.nuisances.uncertain))
+    return [*everywhere, *fit.nuisances.moving, *(r for r, _ in fit.nuisances.start_offsets)]
 
 
 def _jacobians(

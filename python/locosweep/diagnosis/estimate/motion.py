@@ -84,12 +84,12 @@ def motion_of(problem: Problem, fit: Fit) -> Motion:
         step = x[i] - x[i - 1]
         swept[i] = swept[i - 1] + step if v[i] > 0.0 else 0.0
         turned[i] = turned[i - 1] + step if v[i] * v[i - 1] > 0.0 else 0.0
-    dm = point.values[problem.place("payload_mass", "dm")]
+    dm = point.values[problem.parameter_index("payload_mass", "dm")]
     dm = dm if "payload_mass" in point.names else 0.0
     c = problem.nominal["viscous"]
     for name, key in (("viscous_friction", "c"), ("back_emf", "k_e")):
         if name in point.names:
-            c += point.values[problem.place(name, key)]
+            c += point.values[problem.parameter_index(name, key)]
     return Motion(
         t=np.concatenate([run.since_start for run in runs]),
         x=x,
@@ -99,7 +99,7 @@ def motion_of(problem: Problem, fit: Fit) -> Motion:
         run=number,
         swept=swept,
         turned=turned,
-        mass=problem.nominal["mass"] * point.shares[0] + dm,
+        mass=problem.nominal["mass"] * point.factors[0] + dm,
         damping=max(c, 0.0),
     )
 

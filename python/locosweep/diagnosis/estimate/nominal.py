@@ -28,10 +28,10 @@ _NOMINAL = 9
 
 def fit_nominal(problem: Problem, nuisances: Nuisances) -> Fit:
     """Fit the nominal model: its uncertain values from several starts."""
-    shares = nuisances.shares
+    shares = nuisances.uncertain
     spread = np.array([nuisances.spread[i] for i in shares])
     corners = np.array(list(product((0.0, -1.2, 1.2), repeat=len(shares))))
-    other = np.zeros(len(nuisances.moving) + len(nuisances.places))
+    other = np.zeros(len(nuisances.moving) + len(nuisances.start_offsets))
     fits = [
         Fit(Model((), ()), nuisances, np.concatenate([corner * spread, other]))
         for corner in corners
@@ -47,8 +47,8 @@ def gaps_of(problem: Problem, nuisances: Nuisances) -> list[float]:
     Its uncertain values are fitted to all runs: what they explain is no gap.
     """
     every = list(range(len(problem.runs)))
-    if nuisances.shares:
-        e = fit_nominal(problem, replace(nuisances, places=())).residual
+    if nuisances.uncertain:
+        e = fit_nominal(problem, replace(nuisances, start_offsets=())).residual
     else:
         e = problem.residuals([problem.plain()], every)[0]
     return [float(np.mean(e[problem.of_run(r, every)] ** 2)) for r in every]

@@ -43,11 +43,11 @@ class Point:
 
     names: tuple[str, ...]
     values: NDArray[np.float64]
-    shares: NDArray[np.float64]
+    factors: NDArray[np.float64]
     """Factors on mass, Coulomb level and gain, and the clock offset in s."""
     speeds: NDArray[np.float64]
     """Start speed of each run."""
-    places: NDArray[np.float64]
+    start_offsets: NDArray[np.float64]
     """Shift of each run's start position, where the motion depends on it."""
 
 
@@ -88,17 +88,17 @@ class Problem:
     threads: int
     held: tuple[int, ...] = ()
     """Runs that take no part in fits."""
-    tail: float = 1.0
+    train_fraction: float = 1.0
     """Share of every run that fits see; below 1 only where there is one run."""
     known: Mapping[str, Noise] | None = None
     """Noise of channels, where it is not to be read off the runs."""
-    heavier: Mapping[int, float] = field(default_factory=dict)
+    payload_factors: Mapping[int, float] = field(default_factory=dict)
     """Factor on the known mass, of runs with a payload."""
-    turned: frozenset[int] = frozenset()
+    reversed_runs: frozenset[int] = frozenset()
     """Runs of a robot that was turned round: an error of the slope has the other sign."""
     initial: InitialStates | None = None
     """Where runs begin, if not as they were measured."""
-    pace: float = 1.0
+    speed_scale: float = 1.0
     """A large speed of this rig, m/s."""
     meter: ReplayMeter = field(default_factory=ReplayMeter, repr=False)
     """Where replays are counted; it takes part in no result."""
@@ -187,7 +187,7 @@ class Problem:
     def seen(self) -> NDArray[np.bool_]:
         """Samples that fits see, of runs that are not held out."""
         position = np.concatenate([np.arange(n) / n for n in self.lengths])
-        seen: NDArray[np.bool_] = position < self.tail
+        seen: NDArray[np.bool_] = position < self.train_fraction
         return seen
 
     @cached_property
@@ -214,7 +214,7 @@ class Problem:
         return {c: self._offset_deviations(c) for c in _OFFSETS if c in self.channels}
 
     @cached_property
-    def rest(self) -> dict[str, NDArray[np.float64]]:
+    def rest_levels(self) -> dict[str, NDArray[np.float64]]:
         """Reading of each run before its drive first changes, by channel that has offsets."""
         found = {}
         for c in _OFFSETS:
@@ -255,7 +255,7 @@ class Problem:
         )
 
     @property
-    def placed(self) -> bool:
+    def position_matters(self) -> bool:
         """Whether the motion itself depends on where a run starts: that of a pendulum."""
         return "gravity_torque" in self.nominal
 
@@ -264,7 +264,7 @@ class Problem:
         """Whether runs may begin in motion, so that start speeds are found first."""
         return True
 
-    def place(self, name: str, parameter: str) -> int:
+    def parameter_index(self, name: str, parameter: str) -> int:
         """Return the place of a parameter among those of all effects."""
         record = effect(name)
         return record.first + [p.name for p in record.parameters].index(parameter)
@@ -282,16 +282,20 @@ class Problem:
             (r, 0, int(self.lengths[r]), list(point.names)) for point in points for r in chosen
         ]
         values = np.repeat([p.values for p in points], len(chosen), axis=0)
-        shares = np.repeat([p.shares for p in points], len(chosen), axis=0)
+        shares = np.repeat([p.factors for p in points], len(chosen), axis=0)
         starts = np.array(
-            [(self.starts.position[r] + p.places[r], p.speeds[r]) for p in points for r in chosen]
+            [
+                (self.starts.position[r] + p.start_offsets[r], p.speeds[r])
+                for p in points
+                for r in chosen
+            ]
         )
-        if self.heavier or self.turned:
+        if self.payload_factors or self.reversed_runs:
             number = np.tile(np.array(list(chosen)), len(points))
-            for r, factor in self.heavier.items():
+            for r, factor in self.payload_factors.items():
                 shares[number == r, 0] *= factor
-            slope = self.place("slope_error", "d_alpha_deg")
-            values[np.isin(number, list(self.turned)), slope] *= -1.0
+            slope = self.parameter_index("slope_error", "d_alpha_deg")
+            values[np.isin(number, list(self.reversed_runs)), slope] *= -1.0
         read = self.job.run(columns, values, shares, starts, self.threads)
         return self.readings(read, len(points))
 
@@ -316,7 +320,7 @@ class Problem:
         """Return whitened residuals of the runs that are fitted, or of `runs`.
 
         A row a point: channel by channel, run by run, and last the start offsets in
-        units of their uncertainty. Samples behind `tail` are 0.
+        units of their uncertainty. Samples behind `train_fraction` are 0.
         """
         chosen = self.fitted if runs is None else list(runs)
         samples = int(self.lengths[chosen].sum())
@@ -337,9 +341,9 @@ class Problem:
         for c in self.channels:
             y, w = self.measured[c][picked], self.weights[c][picked] * self.seen[picked]
             e = np.where(w > 0.0, y, 0.0) - found[c]
-            if c in self.priors and not (c == "x" and self.placed):
+            if c in self.priors and not (c == "x" and self.position_matters):
                 if c == "x_rear":
-                    e -= np.repeat(self.rest[c][chosen], self.lengths[chosen])
+                    e -= np.repeat(self.rest_levels[c][chosen], self.lengths[chosen])
                 e *= w
                 prior = 1.0 / self.priors[c][chosen]
                 top = np.add.reduceat(e * w, edges, axis=1)
@@ -364,7 +368,7 @@ class Problem:
         for c in self.channels:
             w = self.weights[c][picked] * self.seen[picked]
             change = {"x": dx, "v": dv}.get(c, np.zeros_like(dx)) * w
-            if c in self.priors and not (c == "x" and self.placed):
+            if c in self.priors and not (c == "x" and self.position_matters):
                 prior = 1.0 / self.priors[c][self.fitted]
                 bottom = np.add.reduceat(w * w, edges) + prior**2
                 offset = np.add.reduceat(change * w, edges, axis=1) / bottom
@@ -383,7 +387,11 @@ class Problem:
         count = int(self.lengths[run])
         own = [np.arange(c * samples + first, c * samples + first + count)
                for c in range(len(self.channels))]  # fmt: skip
-        offsets = [c for c in self.channels if c in self.priors and not (c == "x" and self.placed)]
+        offsets = [
+            c
+            for c in self.channels
+            if c in self.priors and not (c == "x" and self.position_matters)
+        ]
         base = len(self.channels) * samples
         own += [np.array([base + k * len(chosen) + place]) for k in range(len(offsets))]
         return np.concatenate(own)
@@ -391,19 +399,19 @@ class Problem:
     def unseen(self, points: Sequence[Point]) -> NDArray[np.float64]:
         """Return whitened residuals of what fits do not see, in the form of `residuals`.
 
-        Start offsets of runs of their own are refitted; behind `tail` they stay
+        Start offsets of runs of their own are refitted; behind `train_fraction` they stay
         those of the fit.
         """
-        if self.tail < 1.0:
+        if self.train_fraction < 1.0:
             found = self.replay(points, range(len(self.runs)))
             edges = self.starts_at[:-1]
             rows = []
             for c in self.channels:
                 w = self.weights[c]
                 e = (np.where(w > 0.0, self.measured[c], 0.0) - found[c]) * w
-                if c in self.priors and not (c == "x" and self.placed):
+                if c in self.priors and not (c == "x" and self.position_matters):
                     if c == "x_rear":
-                        e -= np.repeat(self.rest[c], self.lengths) * w
+                        e -= np.repeat(self.rest_levels[c], self.lengths) * w
                     wf = w * self.seen
                     bottom = np.add.reduceat(wf * wf, edges) + self.priors[c] ** -2.0
                     offset = np.add.reduceat(e * wf, edges, axis=1) / bottom
@@ -414,8 +422,8 @@ class Problem:
             return np.zeros((len(points), 0))
         e = self.residuals(points, self.held)
         kinds = []
-        if self.placed:
-            kinds.append(("places", self.priors["x"]))
+        if self.position_matters:
+            kinds.append(("start_offsets", self.priors["x"]))
         if any(r in self.starts.moving for r in self.held):
             free = np.isin(np.arange(len(self.runs)), self.starts.moving)
             kinds.append(("speeds", np.where(free, 1e30, 1e-30)))
@@ -430,7 +438,7 @@ class Problem:
         """Fit how runs start, to first order, and take that out of their residuals."""
         columns = []
         for kind, spread in kinds:
-            step = np.where(spread < 1e20, 0.1 * spread, 1e-4 * self.pace)
+            step = np.where(spread < 1e20, 0.1 * spread, 1e-4 * self.speed_scale)
             step = np.maximum(step, 1e-12)
             moved = [replace(p, **{kind: getattr(p, kind) + step}) for p in points]
             columns.append((self.residuals(moved, self.held) - e, step, spread))

@@ -1,4 +1,4 @@
-"""Windows of long runs (shots): each is replayed freely from the state measured at its start.
+"""Multiple shooting: windows of runs, each replayed freely from the state measured at its start.
 
 Errors of a model grow along a free run, and where the plant is unstable they soon
 exceed the motion itself. Over a short window they stay in proportion to their cause
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Shot", "ShotProblem", "cut", "knows_start"]
+__all__ = ["Window", "WindowProblem", "cut", "knows_start"]
 
 _WIDER = 2.0
 """A start may lie this much further off than noise alone says: the cubic through
@@ -44,18 +44,18 @@ _STILL = 3.0
 
 
 @dataclass(frozen=True)
-class Shot(Run):
+class Window(Run):
     """A window of a run, with the state that was measured at its start.
 
-    Times are those of the run. The samples before `judged[0]` and from `judged[1]` on
+    Times are those of the run. The samples before `counted[0]` and from `counted[1]` on
     are replayed but do not count: a sensor that reads late has nothing to read there.
     """
 
     record: int = 0
     """Number of the run."""
-    window: tuple[int, int] = (0, 0)
+    span: tuple[int, int] = (0, 0)
     """First sample within the run, and one beyond the last."""
-    judged: tuple[int, int] = (0, 0)
+    counted: tuple[int, int] = (0, 0)
     """First sample within the window that counts, and one beyond the last."""
     origin: float = 0.0
     """Time of the run's first sample, s."""
@@ -154,7 +154,7 @@ def cut(
     lead: Sequence[int],
     noise: Mapping[str, Noise],
     half: float,
-) -> list[Shot]:
+) -> list[Window]:
     """Cut windows out of runs and find the states at their starts.
 
     Parameters
@@ -170,7 +170,7 @@ def cut(
     half : float
         Readings within this time of a start say what its state is, s.
     """
-    shots = []
+    found = []
     around: dict[int, _Around] = {}
     for r, a, b in windows:
         run = runs[r]
@@ -179,40 +179,40 @@ def cut(
             around[r] = _Around(run.t, x, run.channels.get("v"), noise, half)
         state, spread = around[r].state(float(run.t[a]))
         known = run.channels["x"][np.isfinite(run.channels["x"])]
-        shots.append(
-            Shot(
+        found.append(
+            Window(
                 run.label,
                 run.t[a:b],
                 run.drive[a:b],
                 {name: values[a:b] for name, values in run.channels.items()},
                 run.slope_deg,
                 record=r,
-                window=(a, b),
-                judged=(lead[r], b - a - lead[r]),
+                span=(a, b),
+                counted=(lead[r], b - a - lead[r]),
                 origin=float(run.t[0]),
                 base=float(known[0]),
                 state=state,
                 spread=spread,
             )
         )
-    return shots
+    return found
 
 
 @dataclass(frozen=True, eq=False)
-class ShotProblem(Problem):
-    """Windows of runs against a model; `runs` are shots.
+class WindowProblem(Problem):
+    """Windows of runs against a model; `runs` are windows.
 
     How each window starts is projected out to first order, within the deviations
-    that its shot gives: residuals end with the start's shifts in units of these.
+    that its window gives: residuals end with the start's shifts in units of these.
     """
 
     records: Sequence[Run] = ()
     """The runs that the windows lie in."""
 
     @cached_property
-    def shots(self) -> list[Shot]:
+    def windows(self) -> list[Window]:
         """The windows."""
-        return [run for run in self.runs if isinstance(run, Shot)]
+        return [run for run in self.runs if isinstance(run, Window)]
 
     @cached_property
     def job(self) -> _core.Replay:
@@ -223,10 +223,10 @@ class ShotProblem(Problem):
     def weights(self) -> dict[str, Floats]:
         """Inverse deviation of every sample, 0 where it does not count."""
         weights = {c: self._weights(c, y) for c, y in self.measured.items()}
-        for a, shot in zip(self.starts_at, self.shots, strict=False):
+        for a, window in zip(self.starts_at, self.windows, strict=False):
             for w in weights.values():
-                w[a : a + shot.judged[0]] = 0.0
-                w[a + shot.judged[1] : a + shot.t.size] = 0.0
+                w[a : a + window.counted[0]] = 0.0
+                w[a + window.counted[1] : a + window.t.size] = 0.0
         return weights
 
     @cached_property
@@ -236,16 +236,16 @@ class ShotProblem(Problem):
 
     @cached_property
     def _state(self) -> Floats:
-        return np.array([shot.state for shot in self.shots])
+        return np.array([window.state for window in self.windows])
 
     @cached_property
     def _origin(self) -> Floats:
-        return np.array([(shot.since_start[0], shot.base) for shot in self.shots])
+        return np.array([(window.since_start[0], window.base) for window in self.windows])
 
     @cached_property
     def _sensor(self) -> list[int]:
         return [
-            self.place(*of)
+            self.parameter_index(*of)
             for of in (("sensor_scale", "e"), ("sensor_drift", "b"), ("sensor_delay", "T"))
         ]
 
@@ -255,7 +255,7 @@ class ShotProblem(Problem):
         return False
 
     @property
-    def placed(self) -> bool:
+    def position_matters(self) -> bool:
         """False: where windows start is projected out, also for a pendulum."""
         return False
 
@@ -266,7 +266,7 @@ class ShotProblem(Problem):
         Nominal readings are differentiated by position and speed of each start.
         """
         plain = self.plain()
-        spread = np.array([shot.spread for shot in self.shots])
+        spread = np.array([window.spread for window in self.windows])
         base = self.replay([plain])
         rows: dict[str, list[Floats]] = {c: [] for c in self.channels}
         for k in range(2):
@@ -309,10 +309,10 @@ class ShotProblem(Problem):
         """
         chosen = np.arange(len(self.runs)) if runs is None else np.array(runs, dtype=int)
         self.meter.add(len(points) * int(self.lengths[chosen].sum()))
-        windows = [(self.shots[r].record, *self.shots[r].window) for r in chosen]
+        windows = [(self.windows[r].record, *self.windows[r].span) for r in chosen]
         columns = [(*window, list(point.names)) for point in points for window in windows]
         values = np.repeat([p.values for p in points], chosen.size, axis=0)
-        shares = np.repeat([p.shares for p in points], chosen.size, axis=0)
+        shares = np.repeat([p.factors for p in points], chosen.size, axis=0)
         starts, scaled = [], []
         for point in points:
             start, offset = self._starts(point, chosen)
@@ -353,7 +353,7 @@ class ShotProblem(Problem):
             y, w = self.measured[c][picked], self.weights[c][picked]
             e = np.where(w > 0.0, y, 0.0) - found[c]
             if c == "x_rear":
-                e -= np.repeat(self.rest[c][chosen], self.lengths[chosen])
+                e -= np.repeat(self.rest_levels[c][chosen], self.lengths[chosen])
             rows[c] = e * w
         return self._project(rows, chosen, most)
 

@@ -11,15 +11,15 @@ from locosweep.diagnosis.data.noise import Noise
 from locosweep.diagnosis.effects.starts import scale_of
 from locosweep.diagnosis.estimate.free_run import free_errors
 from locosweep.diagnosis.estimate.problem import Problem
-from locosweep.diagnosis.estimate.shooting import ShotProblem, cut
+from locosweep.diagnosis.estimate.shooting import WindowProblem, cut
 from locosweep.diagnosis.estimate.windows import (
     LEAD,
     LEAST,
     TURNS,
-    chosen_of,
+    chosen_windows,
     growth_rates,
     spread,
-    tiles,
+    windows_along,
 )
 from locosweep.errors import DataFileError
 from locosweep.files.runs import Run
@@ -36,12 +36,12 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Plan",
+    "adjoining_windows",
+    "decimated",
     "for_planning",
     "plan_of",
     "problem_of",
     "scale_in_windows",
-    "thinned",
-    "tiles_of",
 ]
 
 GROWTH = 2.5
@@ -55,7 +55,7 @@ LONG_ROWS = 15_000
 REACH = 0.1
 """Error of a free run over the motion in it, up to which fits follow it."""
 _SAMPLES = 64
-"""Samples of a window that are enough: denser ones are thinned."""
+"""Samples of a window that are enough: denser runs are decimated."""
 _UNSEEN = 0.05
 """Part of the noise by which thinning may shift the motion."""
 FITTED_SAMPLES, HELD_SAMPLES = 2_000, 2_000
@@ -194,7 +194,7 @@ def _interval(whole: Problem, plan: Plan) -> float:
     return min(plan.seconds / _SAMPLES, exact)
 
 
-def thinned(run: Run, interval: float) -> Run:
+def decimated(run: Run, interval: float) -> Run:
     """Take every k-th sample of a run that is denser than windows need.
 
     The drive, and the force that follows it, are means over what is left out: that
@@ -223,18 +223,20 @@ def _leads(runs: Sequence[Run], seconds: float) -> list[int]:
     return [max(2, round(LEAD * seconds / step)) for step in steps]
 
 
-def tiles_of(whole: Problem, plan: Plan, runs: Sequence[int] | None = None) -> ShotProblem:
+def adjoining_windows(
+    whole: Problem, plan: Plan, runs: Sequence[int] | None = None
+) -> WindowProblem:
     """Cut runs into windows from end to end, as they were measured, for the report."""
     leads = _leads(whole.runs, plan.seconds)
     windows = [
         (r, a, b)
         for r in (range(len(whole.runs)) if runs is None else runs)
-        for a, b in tiles(whole.runs[r], leads[r], plan.seconds, whole.nominal)
+        for a, b in windows_along(whole.runs[r], leads[r], plan.seconds, whole.nominal)
     ]
     return _problem(whole, whole.runs, windows, leads, plan, ())
 
 
-def problem_of(whole: Problem, plan: Plan) -> tuple[ShotProblem, str]:
+def problem_of(whole: Problem, plan: Plan) -> tuple[WindowProblem, str]:
     """Choose the windows that take part in the search, and those that check it.
 
     Parameters
@@ -246,27 +248,29 @@ def problem_of(whole: Problem, plan: Plan) -> tuple[ShotProblem, str]:
 
     Returns
     -------
-    ShotProblem
+    WindowProblem
         The chosen windows.
     str
         How runs were cut, and what is left out, in a sentence.
     """
     interval = _interval(whole, plan)
-    runs = [thinned(run, interval) for run in whole.runs]
+    runs = [decimated(run, interval) for run in whole.runs]
     leads = _leads(runs, plan.seconds)
     fitted: dict[int, list[tuple[int, int, int]]] = {}
     held: dict[int, list[tuple[int, int, int]]] = {}
     for r, run in enumerate(runs):
-        for a, b in tiles(run, leads[r], plan.seconds, whole.nominal):
-            kept = r in whole.held or (whole.tail < 1.0 and b > whole.tail * run.t.size)
+        for a, b in windows_along(run, leads[r], plan.seconds, whole.nominal):
+            kept = r in whole.held or (
+                whole.train_fraction < 1.0 and b > whole.train_fraction * run.t.size
+            )
             (held if kept else fitted).setdefault(r, []).append((r, a, b))
     if not fitted:
         raise DataFileError(
             f"runs: no window of {plan.seconds:.3g} s has enough values of x, from its start on"
         )
     noise = plan.noise["x"].sd
-    chosen = chosen_of(runs, fitted, FITTED_SAMPLES, noise)
-    checked = chosen_of(runs, held, HELD_SAMPLES, noise)
+    chosen = chosen_windows(runs, fitted, FITTED_SAMPLES, noise)
+    checked = chosen_windows(runs, held, HELD_SAMPLES, noise)
     total = sum(len(w) for part in (fitted, held) for w in part.values())
     dense = [old.t.size // new.t.size for old, new in zip(whole.runs, runs, strict=True)]
     said = (
@@ -290,15 +294,19 @@ def _problem(
     leads: Sequence[int],
     plan: Plan,
     held: tuple[int, ...],
-) -> ShotProblem:
+) -> WindowProblem:
     half = LEAD * plan.seconds
-    shots = cut(runs, windows, leads, plan.noise, half)
-    return ShotProblem(
-        whole.robot, shots, whole.threads, held=held, known=plan.noise, records=tuple(runs)
+    return WindowProblem(
+        whole.robot,
+        cut(runs, windows, leads, plan.noise, half),
+        whole.threads,
+        held=held,
+        known=plan.noise,
+        records=tuple(runs),
     )
 
 
-def scale_in_windows(scale: Scale, robot: Robot, problem: ShotProblem) -> Scale:
+def scale_in_windows(scale: Scale, robot: Robot, problem: WindowProblem) -> Scale:
     """Return a rig's scale where its runs are replayed in windows."""
     own = scale_of(robot, problem.runs)
     return replace(

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["LEAD", "LEAST", "TURNS", "chosen_of", "growth_rates", "spread", "tiles"]
+__all__ = ["LEAD", "LEAST", "TURNS", "chosen_windows", "growth_rates", "spread", "windows_along"]
 
 TURNS = 2.0
 """Longest window over the shortest time in which an error grows by e; within a window
@@ -39,7 +39,9 @@ def growth_rates(run: Run, nominal: dict[str, float]) -> Floats:
     return rates
 
 
-def tiles(run: Run, lead: int, seconds: float, nominal: dict[str, float]) -> list[tuple[int, int]]:
+def windows_along(
+    run: Run, lead: int, seconds: float, nominal: dict[str, float]
+) -> list[tuple[int, int]]:
     """Windows whose counting parts follow each other."""
     since = run.since_start
     width = np.diff(since, prepend=0.0)
@@ -67,7 +69,7 @@ def tiles(run: Run, lead: int, seconds: float, nominal: dict[str, float]) -> lis
     return found
 
 
-def chosen_of(
+def chosen_windows(
     runs: Sequence[Run],
     windows: dict[int, list[tuple[int, int, int]]],
     most: int,

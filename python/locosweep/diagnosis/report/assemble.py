@@ -84,7 +84,7 @@ class Findings:
         found = point_of(self.search.problem, self.search.none)
         if self.choice.status == "none":
             return found
-        return replace(found, shares=self.search.problem.plain().shares)
+        return replace(found, factors=self.search.problem.plain().factors)
 
     @property
     def augmented(self) -> Point:
@@ -175,7 +175,7 @@ def _in_whole_runs(found: Findings, source: Source) -> _Located:
     problem, warnings = found.search.problem, list[str]()
     nominal, point = started(problem, found.nominal), started(problem, found.augmented)
     if nominal.names != point.names:
-        nominal = replace(nominal, speeds=point.speeds, places=point.places)
+        nominal = replace(nominal, speeds=point.speeds, start_offsets=point.start_offsets)
     gap, tables = gap_of(problem, nominal, point, source.seed, warnings)
     before, after = (problem.replay([one], range(len(problem.runs))) for one in (nominal, point))
     explained = found.named and not found.choice.law_mismatch
@@ -271,16 +271,16 @@ def _parameters(fit: Fit) -> dict[str, dict[str, Any]]:
 
 
 def _provenance(found: Findings, source: Source) -> dict[str, Any]:
-    lack, runs = found.choice.lack, found.search.problem.runs
+    whiteness, runs = found.choice.whiteness, found.search.problem.runs
     return {
         "locosweep": _core.version(),
         "runs_sha256": source.runs_sha256,
         "nominal_sha256": source.nominal_sha256,
         "seed": source.seed,
         "largest_rest": {
-            "channel": lack.channel,
-            "samples": lack.block,
-            "deviations": lack.deviations,
+            "channel": whiteness.channel,
+            "samples": whiteness.block,
+            "deviations": whiteness.deviations,
         },
         "start_speed_free": [runs[r].label for r in found.search.nuisances.moving],
     }

@@ -40,7 +40,7 @@ def started(problem: Problem, point: Point) -> Point:
     """Return a model with start speeds fitted in the runs kept from its own fit."""
     speeds = point.speeds.copy()
     for r in (r for r in problem.held if r in problem.starts.moving):
-        step = 1e-4 * problem.pace
+        step = 1e-4 * problem.speed_scale
         for _ in range(_STEPS):
             tried = [speeds, speeds.copy()]
             tried[1][r] += step
@@ -69,11 +69,11 @@ def _errors(
     found = problem.replay([point], range(len(problem.runs)))[channel][0]
     e = problem.measured[channel] - found
     if channel == "x_rear":
-        e = e - np.repeat(problem.rest[channel], problem.lengths)
+        e = e - np.repeat(problem.rest_levels[channel], problem.lengths)
     parts = np.split(e, problem.starts_at[1:-1])
     if offsets is None:
         offsets = [0.0] * len(parts)
-        if channel in problem.priors and not (channel == "x" and problem.placed):
+        if channel in problem.priors and not (channel == "x" and problem.position_matters):
             noise = problem.noise[channel].sd
             for r, part in enumerate(parts):
                 worth = np.isfinite(part).sum() / noise**2
@@ -108,11 +108,11 @@ def gap_of(
     first would hide part of the gap.
     """
     units = units_of(problem)
-    one = problem.tail < 1.0
+    one = problem.train_fraction < 1.0
     held = list(problem.held) or list(range(len(problem.runs)))
     same = before.names == after.names
     if not same:
-        before = replace(before, speeds=after.speeds, places=after.places)
+        before = replace(before, speeds=after.speeds, start_offsets=after.start_offsets)
     errors = {}
     for c in problem.channels:
         new, offsets = _errors(problem, after, c)

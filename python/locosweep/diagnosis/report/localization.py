@@ -49,7 +49,7 @@ def gap_squares(
         return np.split(change**2, problem.starts_at[1:-1])
     e = problem.measured[channel] - nominal[channel][0]
     if channel == "x_rear":
-        e = e - np.repeat(problem.rest[channel], problem.lengths)
+        e = e - np.repeat(problem.rest_levels[channel], problem.lengths)
     found = []
     for part in np.split(e, problem.starts_at[1:-1]):
         known = np.isfinite(part)

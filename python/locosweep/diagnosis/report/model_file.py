@@ -32,7 +32,7 @@ def calibrated(robot: Robot, point: Point, effects: dict[str, dict[str, float]])
     effects : dict of str to dict of str to float
         Parameters of its effects, beside the nominal Coulomb level.
     """
-    mass, level, gain, clock = (float(share) for share in point.shares)
+    mass, level, gain, clock = (float(share) for share in point.factors)
     if (mass, level, gain, clock) == (1.0, 1.0, 1.0, 0.0):
         return replace(robot, effects=effects)
     before = nominal_of(robot)

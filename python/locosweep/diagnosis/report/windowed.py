@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from locosweep.diagnosis.data.regimes import regimes_of
-from locosweep.diagnosis.estimate.window_plan import tiles_of
+from locosweep.diagnosis.estimate.window_plan import adjoining_windows
 from locosweep.diagnosis.report import localization as where
 from locosweep.diagnosis.report.improvement import HORIZONS, RESAMPLES, units_of
 from locosweep.diagnosis.report.result import Trace
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from locosweep.diagnosis.estimate.problem import Point, Problem
-    from locosweep.diagnosis.estimate.shooting import ShotProblem
+    from locosweep.diagnosis.estimate.shooting import WindowProblem
     from locosweep.diagnosis.estimate.window_plan import Plan
 
     Floats = NDArray[np.float64]
@@ -41,12 +41,12 @@ class ShotReport:
 
     def __init__(self, whole: Problem, plan: Plan) -> None:
         self.whole, self.plan = whole, plan
-        self.tiles: ShotProblem = tiles_of(whole, plan)
-        self.record = np.array([shot.record for shot in self.tiles.shots], dtype=int)
+        self.tiles: WindowProblem = adjoining_windows(whole, plan)
+        self.record = np.array([window.record for window in self.tiles.windows], dtype=int)
         self.units = units_of(whole)
-        ends = np.array([shot.window[1] for shot in self.tiles.shots])
-        if whole.tail < 1.0:
-            kept = ends > whole.tail * whole.lengths[self.record]
+        ends = np.array([window.span[1] for window in self.tiles.windows])
+        if whole.train_fraction < 1.0:
+            kept = ends > whole.train_fraction * whole.lengths[self.record]
         else:
             kept = np.isin(self.record, whole.held)
         tiles = np.flatnonzero(kept)
@@ -64,15 +64,15 @@ class ShotReport:
         """Lay windows' values over the samples of the runs; the parts that count win."""
         found = [np.full(int(n), missing) for n in self.whole.lengths]
         for counting in (False, True):
-            for i, shot in enumerate(self.tiles.shots):
+            for i, window in enumerate(self.tiles.windows):
                 own = values[self.tiles.starts_at[i] : self.tiles.starts_at[i + 1]]
-                a, (first, last) = shot.window[0], shot.judged
+                a, (first, last) = window.span[0], window.counted
                 if not counting:
                     first, last = 0, own.size
-                    fresh = found[shot.record][a : a + last]
-                    found[shot.record][a : a + last] = np.where(np.isnan(fresh), own, fresh)
+                    fresh = found[window.record][a : a + last]
+                    found[window.record][a : a + last] = np.where(np.isnan(fresh), own, fresh)
                 else:
-                    found[shot.record][a + first : a + last] = own[first:last]
+                    found[window.record][a + first : a + last] = own[first:last]
         return found
 
     def gap(
@@ -114,7 +114,7 @@ class ShotReport:
             "unit": self.units[channel],
             "metric": f"rmse, free-running simulation over {self.plan.seconds:.3g} s from the "
             "measured state, "
-            + ("last part of the run" if self.whole.tail < 1.0 else "held-out runs"),
+            + ("last part of the run" if self.whole.train_fraction < 1.0 else "held-out runs"),
             "before": old if channel in known else None,
             "after": new if channel in known else None,
             "noise_floor": floor,
@@ -214,7 +214,7 @@ class ShotReport:
                 said.append(
                     f"run {row['run']}: no effect makes its error smaller than "
                     f"{row['after']:.2g} {self.units[channel]}, {row['after'] / usual:.2g} times "
-                    "the usual one: something acts there that the other runs lack, which may "
+                    "the usual one: something acts there that the other runs whiteness, which may "
                     "be clearer without it"
                 )
         return said

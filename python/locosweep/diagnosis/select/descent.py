@@ -10,7 +10,7 @@ import numpy as np
 
 from locosweep.diagnosis.estimate.least_squares import chi2_of, evaluate, fit_all
 from locosweep.diagnosis.select.screen import informative_runs, near_best, scan
-from locosweep.diagnosis.select.search import PENALTY
+from locosweep.diagnosis.select.thresholds import PENALTY
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -177,7 +177,7 @@ def _jumps_of(fit: Fit) -> list[Fit]:
             theta = fit.theta.copy()
             theta[i] = np.clip(theta[i] + change * unit, low, high)
             trials.append(fit.unfitted(theta))
-    for i in range(len(fit.model.free) + len(fit.nuisances.shares), fit.theta.size):
+    for i in range(len(fit.model.free) + len(fit.nuisances.uncertain), fit.theta.size):
         # A run's start that another model's fit has bent may lie in a valley of its own.
         theta = fit.theta.copy()
         theta[i] = 0.0

@@ -149,7 +149,7 @@ def _starts_beside(search: Search, name: str, base: Fit | None, beside: Fit) -> 
     model = search.model((*beside.model.names, name))
     rows = np.vstack([*search.hinted(model), rows])
     starts = start_fits(search.nuisances, model, rows, beside.nuisance)
-    if base is None and search.nuisances.shares:
+    if base is None and search.nuisances.uncertain:
         # The nominal model's shares may be bent to hide the gap.
         return [*start_fits(search.nuisances, model, rows), *starts]
     return starts
@@ -242,7 +242,7 @@ def refit_from(search: Search, known: Collection, others: Sequence[Fit]) -> Foun
     starts = []
     for other in others:
         nuisance = np.zeros(search.none.nuisance.size)
-        count = len(nuisances.shares)
+        count = len(nuisances.uncertain)
         nuisance[:count] = other.nuisance[:count]
         model: Model = search.model(other.model.names)
         starts += start_fits(nuisances, model, other.parameters[None, :], nuisance)

@@ -1,4 +1,4 @@
-"""Another law of the same cause, and causes that are in no list."""
+"""Structural mismatch: another law of a listed cause, and out-of-library disturbances."""
 
 from __future__ import annotations
 
@@ -11,9 +11,16 @@ import numpy as np
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all
 from locosweep.diagnosis.estimate.motion import VARIABLES
 from locosweep.diagnosis.estimate.problem import ReplayMeter
-from locosweep.diagnosis.select.nonparametric import Flexible
-from locosweep.diagnosis.select.score import GAIN
-from locosweep.diagnosis.select.whiteness import lack_of, noise_level
+from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
+from locosweep.diagnosis.select.thresholds import (
+    AS_WELL,
+    BENDING_SHARE,
+    LEAST_GAIN,
+    ONE_LAW,
+    PREDICTION_LIMIT,
+    STRANGE_RUNS,
+)
+from locosweep.diagnosis.select.whiteness import noise_level, whiteness_test
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,7 +30,13 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.problem import Problem
     from locosweep.diagnosis.select.search import Collection, Search
 
-__all__ = ["UNLISTED", "bent_from", "carried_by", "carries", "elsewhere"]
+__all__ = [
+    "OUT_OF_LIBRARY",
+    "best_with_other_law",
+    "out_of_library",
+    "score_with_other_law",
+    "without_bending_effect",
+]
 
 _CARRIED = 6
 """Fits whose own variables are tried on what they leave."""
@@ -31,22 +44,11 @@ _MOST_CARRIED = 10
 """Such fits at most, with those by other variables."""
 _MOST_WORTH = 3
 """Variables beside a fit whose effects are tried next."""
-_AS_WELL = 12.0
-"""How much less than another variable the own one may be worth."""
-_ONE_LAW = 25.0
-"""How much less than a law of its own in each run one for all may be worth: each of those bends
-to what the formula's refit leaves in its run."""
-UNLISTED = "terrain"
-"""A force by the place alone, whichever way the head goes: a tether, a magnet, a bump."""
-_STRANGE = 3
-"""Fewer than one run in so many may go another way than the others foretell."""
-_BEYOND = 4.0
-"""Deviations by which what the other runs foretell may miss, all in all."""
-_BENT = 0.02
-"""Share of a gap below which an effect through another one's variable is no cause of its own."""
+OUT_OF_LIBRARY = "terrain"
+"""Variable of a force by the position alone, in either direction: a tether, a magnet, a bump."""
 
 
-def carried_by(search: Search, level: Sequence[Fit]) -> tuple[float, Fit] | None:
+def best_with_other_law(search: Search, level: Sequence[Fit]) -> tuple[float, Fit] | None:
     """Find the fit that its own effects' variables bring down to noise, and furthest.
 
     Tried are the best fits, and what acts through the variables that would carry most beside
@@ -57,7 +59,7 @@ def carried_by(search: Search, level: Sequence[Fit]) -> tuple[float, Fit] | None
     tried = list(level[:_CARRIED])
     found = []
     for i, fit in enumerate(tried):
-        score, others = _carried(search, fit)
+        score, others = _score_with_other_law(search, fit)
         if score is not None:
             found.append((score, i))
         # No effect acts through some: a force by the place alone, an acceleration.
@@ -71,40 +73,40 @@ def carried_by(search: Search, level: Sequence[Fit]) -> tuple[float, Fit] | None
     return score, tried[i]
 
 
-def carries(search: Search, fit: Fit) -> float | None:
+def score_with_other_law(search: Search, fit: Fit) -> float | None:
     """Score of a fit with other laws of its effects; none where those do not do.
 
     They have to carry what is left as well as any other variable would: what is small
     enough to fit into everything says nothing about its cause.
     """
-    return _carried(search, fit)[0] if _variables(fit) else None
+    return _score_with_other_law(search, fit)[0] if _variables(fit) else None
 
 
 def _variables(fit: Fit) -> list[str]:
     return list(dict.fromkeys(VARIABLES[n] for n in fit.model.names if n in VARIABLES))
 
 
-def _carried(search: Search, fit: Fit) -> tuple[float | None, list[str]]:
+def _score_with_other_law(search: Search, fit: Fit) -> tuple[float | None, list[str]]:
     """Score of a fit with other laws, and what carries something beside it, the most first."""
     own = _variables(fit)
     problem = search.problem
-    terms = Flexible(problem, fit)
-    left = terms.left(own)
+    terms = NonparametricCorrection(problem, fit)
+    left = terms.corrected_residual(own)
     noise = noise_level(problem, left)
-    worth = terms.worth(own, noise)
-    others = {v: terms.worth([v], noise) for v in terms.variables if v not in own}
+    worth = terms.log_bayes_factor(own, noise)
+    others = {v: terms.log_bayes_factor([v], noise) for v in terms.variables if v not in own}
     most = sorted((v for v in others if others[v] > 0.0), key=lambda v: -others[v])
-    if not own or worth < max(others.values(), default=0.0) - _AS_WELL:
+    if not own or worth < max(others.values(), default=0.0) - AS_WELL:
         return None, most
-    if lack_of(problem, left).is_there or terms.found(own, noise):
+    if whiteness_test(problem, left).rejected or terms.significant(own, noise):
         return None, most
-    if terms.foreseen(own, noise) <= 0.0 or not _holds(problem, fit, own, noise):
+    if terms.predictive_gain(own, noise) <= 0.0 or not _holds(problem, fit, own, noise):
         return None, most
     return search.score(fit) - worth * noise, most
 
 
 def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool:
-    """Whether another law, known from the other runs, leaves but noise in a run.
+    """Whether another law, predicted from the other runs, leaves but noise in each.
 
     Noise, and what those runs cannot tell of it. It has to in those that were kept from the
     fit, taken together, and in most of the others: none of the rest may go where one went.
@@ -115,22 +117,22 @@ def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool
     # Runs kept from the fit may start in motion, too.
     moving = fit.nuisances.moving
     late = tuple(r for r in problem.starts.moving if r in problem.held and r not in moving)
-    at = len(fit.model.free) + len(fit.nuisances.shares) + len(moving)
+    at = len(fit.model.free) + len(fit.nuisances.uncertain) + len(moving)
     same = Fit(
         fit.model,
         replace(fit.nuisances, moving=(*moving, *late)),
         np.insert(fit.theta, [at] * len(late), 0.0),
     )
     (same,) = fit_all(whole, [same], steps=8) if late else evaluate(whole, [same])
-    terms = Flexible(whole, same)
-    if terms.worth(own, noise) < terms.worth_apart(own, noise) - _ONE_LAW:
+    terms = NonparametricCorrection(whole, same)
+    if terms.log_bayes_factor(own, noise) < terms.log_bayes_factor_by_run(own, noise) - ONE_LAW:
         return False
-    left = terms.foretold(own, noise)
-    strange = sum(lack_of(whole, e, [r]).is_there for r, e in enumerate(left))
+    left = terms.prediction_errors(own, noise)
+    strange = sum(whiteness_test(whole, e, [r]).rejected for r, e in enumerate(left))
     kept = list(problem.held) or whole.fitted
     together = _together(whole, [left[r] for r in kept], kept)
-    beyond = lack_of(whole, together, kept).deviations
-    return _STRANGE * strange < len(left) and beyond < _BEYOND
+    beyond = whiteness_test(whole, together, kept).deviations
+    return STRANGE_RUNS * strange < len(left) and beyond < PREDICTION_LIMIT
 
 
 def _together(
@@ -145,8 +147,8 @@ def _together(
     return np.concatenate(rows)
 
 
-def elsewhere(search: Search, known: Collection, found: Fit, score: float) -> bool:
-    """Whether one force along the way would do as well as several effects or another law.
+def out_of_library(search: Search, known: Collection, found: Fit, score: float) -> bool:
+    """Whether a disturbance outside the library does as well as several effects or another law.
 
     It has to do better than one of them beside the others; as well as all of them is
     enough, being one cause in place of several.
@@ -155,14 +157,16 @@ def elsewhere(search: Search, known: Collection, found: Fit, score: float) -> bo
     sets = dict.fromkeys([frozenset[str](), *(names - {name} for name in names)])
     noise = noise_level(search.problem, found.residual)
     for fit in (known.fits[key] for key in sets if key in known.fits):
-        worth = Flexible(search.problem, fit).worth([UNLISTED], noise)
-        margin = 0.0 if fit.model.names else GAIN
+        worth = NonparametricCorrection(search.problem, fit).log_bayes_factor(
+            [OUT_OF_LIBRARY], noise
+        )
+        margin = 0.0 if fit.model.names else LEAST_GAIN
         if search.score(fit) - worth * noise < score + margin:
             return True
     return False
 
 
-def bent_from(
+def without_bending_effect(
     search: Search, known: Collection, found: Fit, classes: Sequence[Sequence[str]]
 ) -> Fit | None:
     """Find the set without an effect that only bends the law of another one.
@@ -178,6 +182,8 @@ def bent_from(
             continue
         through = {VARIABLES.get(n) for n in rest} - {None}
         gain, whole = fewer.chi2 - found.chi2, search.none.chi2 - found.chi2
-        if through & {VARIABLES.get(n) for n in alike} and gain < min(_BENT * whole, 5.0 * GAIN):
+        if through & {VARIABLES.get(n) for n in alike} and gain < min(
+            BENDING_SHARE * whole, 5.0 * LEAST_GAIN
+        ):
             return fewer
     return None

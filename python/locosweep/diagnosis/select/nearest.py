@@ -9,6 +9,7 @@ import numpy as np
 
 from locosweep.diagnosis.estimate.least_squares import point_of
 from locosweep.diagnosis.select.extension import extend
+from locosweep.diagnosis.select.thresholds import NEAREST_FALL, NEAREST_SURE, NEAREST_TIED
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,13 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Nearest", "nearest"]
 
-_SURE = 2.0
-"""Deviations by which more effects have to be better, over the windows' own scatter."""
-_TIED = 2.0
-"""Deviations below which two sets of as many effects are as good."""
-_WORTH = 0.1
-"""Part of what fits left that further effects have to take: what a model lacks bends
-every effect a little."""
 _LISTED = 6
 _COMPARED = 24
 
@@ -80,7 +74,7 @@ def nearest(search: Search, known: Collection) -> Nearest | None:
             # Two causes may each do nothing alone.
             continue
         best, level = fits[first], rows[first]
-        close = [i for i in order if _deviations(rows[i] - level) < _TIED]
+        close = [i for i in order if _deviations(rows[i] - level) < NEAREST_TIED]
         near = [fits[i] for i in [first, *(i for i in close if i != first)]][:_LISTED]
     return Nearest(best, near) if best else None
 
@@ -121,8 +115,8 @@ def _size(row: Floats, none: Floats, seen: int) -> float:
 def _better(old: Floats, new: Floats, seen: int) -> bool:
     """Whether more effects are surely better, and no worse where fits did not look."""
     fall = old - new
-    worth = fall[:seen].sum() > _WORTH * old[:seen].sum()
-    return bool(_deviations(fall) > _SURE and worth and fall[seen:].sum() >= 0.0)
+    worth = fall[:seen].sum() > NEAREST_FALL * old[:seen].sum()
+    return bool(_deviations(fall) > NEAREST_SURE and worth and fall[seen:].sum() >= 0.0)
 
 
 def _deviations(differences: Floats) -> float:

@@ -1,7 +1,8 @@
-"""Flexible terms: whether what a law leaves can be carried by the law's own variable.
+"""Nonparametric correction: a Gaussian process in one regressor, beside a fitted law.
 
-A force (or a shift of the reading) that is any smooth function of one variable is
-added to the fitted motion, to first order: it moves the head only while it slides.
+A force (or a shift of the reading) that is any smooth function of one variable is added to
+the fitted motion, to first order: it moves the head only while it slides. Log Bayes factors
+are given on the scale of chi2: twice the natural logarithm.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from scipy.stats import chi2
 
 from locosweep.diagnosis.estimate.least_squares import jacobian_of
 from locosweep.diagnosis.estimate.motion import ALL, motion_of, response, terms_of
+from locosweep.diagnosis.select.thresholds import SIGNIFICANCE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,26 +25,21 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.estimate.problem import Problem
 
-__all__ = ["Flexible"]
+__all__ = ["NonparametricCorrection"]
 
 _SMOOTH = 2.0
-"""Knots over which a law is alike: laws bend, they do not jump."""
+"""Length scale of the process in knots: laws bend, they do not jump."""
 _FREE = 1e-8
-"""Price of a fitted parameter's size: as good as none."""
-_SURE = 1e-4
-"""Probability under noise alone below which a flexible term has found something."""
+"""Prior precision of a fitted parameter's size: as good as none."""
 
 
-class Flexible:
-    """Flexible terms of every variable beside one fit, to first order.
-
-    The fit's own parameters are refitted beside them.
-    """
+class NonparametricCorrection:
+    """Corrections of one fit in every variable; its parameters are refitted beside them."""
 
     def __init__(self, problem: Problem, fit: Fit) -> None:
         motion = motion_of(problem, fit)
         self.residual = fit.residual
-        self._places = [problem.of_run(r, problem.fitted) for r in problem.fitted]
+        self._samples = [problem.of_run(r, problem.fitted) for r in problem.fitted]
         forces: list[tuple[str, NDArray[np.float64]]] = []
         readings: list[tuple[str, NDArray[np.float64]]] = []
         for variable in ALL:
@@ -68,7 +65,7 @@ class Flexible:
         seen = norm > 1e-9
         law, knot = np.array(knots).reshape(-1, 2)[seen].T
         apart = np.exp(-0.5 * np.square((knot[:, None] - knot) / _SMOOTH))
-        self.alike = norm[seen, None] * norm[seen] * apart * (law[:, None] == law)
+        self.covariance = norm[seen, None] * norm[seen] * apart * (law[:, None] == law)
         self.basis = basis[seen] / norm[seen, None]
         self.names = np.array(names, dtype=object)[seen]
         self.gram = self.basis @ self.basis.T
@@ -91,16 +88,22 @@ class Flexible:
         sizes[rows] = vectors[:, keep] @ (parts / np.sqrt(values[keep]))
         return float(parts @ parts), int(keep.sum()), sizes
 
-    def worth(self, variables: Sequence[str], noise: float) -> float:
-        """Return how much more likely terms of some variables make the residual.
+    def log_bayes_factor(self, variables: Sequence[str], noise: float) -> float:
+        """Return the log Bayes factor of a correction in some variables, on the scale of chi2.
 
-        In units of chi2: twice the logarithm of the ratio of marginal likelihoods, where
-        a variable's law is a smooth random function around 0 with one deviation, the
-        likeliest. So a term costs as much as the data can tell of it.
+        The correction is a Gaussian process around 0 whose deviation is the likeliest one, so
+        a term costs as much as the data can tell of it.
+
+        Parameters
+        ----------
+        variables : sequence of str
+            Regressors of the correction.
+        noise : float
+            Variance of the residuals that noise alone would have.
         """
-        return self._spread(*self._root(variables, noise), noise)[1]
+        return self._likeliest_deviation(*self._covariance_root(variables, noise), noise)[1]
 
-    def _root(
+    def _covariance_root(
         self, variables: Sequence[str], noise: float
     ) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
         """Return the rows of some variables' terms and a root of their sizes' covariance."""
@@ -109,16 +112,16 @@ class Flexible:
         for variable in dict.fromkeys(variables):
             own = np.flatnonzero(self.names[rows] == variable)
             if own.size:
-                alike = self.alike[np.ix_(rows[own], rows[own])]
+                alike = self.covariance[np.ix_(rows[own], rows[own])]
                 part = np.linalg.cholesky(alike + 1e-9 * np.diag(np.diag(alike)))
-                factor = self._spread(rows[own], part, noise)[0]
+                factor = self._likeliest_deviation(rows[own], part, noise)[0]
                 root[np.ix_(own, own)] = factor * part
         return rows, root
 
-    def _spread(
+    def _likeliest_deviation(
         self, rows: NDArray[np.intp], root: NDArray[np.float64], noise: float
     ) -> tuple[float, float]:
-        """Return the factor on deviations that is likeliest, and what it is worth."""
+        """Return the factor on deviations that is likeliest, and its log Bayes factor."""
         if not rows.size:
             return 0.0, 0.0
         beside = np.flatnonzero(self.names == "fit")
@@ -132,18 +135,18 @@ class Flexible:
             moments = moments - shared.T @ (along @ self.moments[beside])
         return _likeliest(root.T @ gram @ root / noise, root.T @ moments / noise)
 
-    def worth_apart(self, variables: Sequence[str], noise: float) -> float:
-        """Return the same as `worth` for a law of its own in every run, all as smooth.
+    def log_bayes_factor_by_run(self, variables: Sequence[str], noise: float) -> float:
+        """Return the log Bayes factor of a correction of its own in every run, all as smooth.
 
-        What all runs have in common is worth more as one law: that pays once for what
+        What all runs have in common has a larger factor as one law: that pays once for what
         every run says again.
         """
-        rows, root = self._root(variables, noise)
+        rows, root = self._covariance_root(variables, noise)
         if not rows.size:
             return 0.0
         fitted = np.linalg.qr(self.basis[self.names == "fit"].T)[0]
         grams, shared, moments = [], [], []
-        for place in self._places:
+        for place in self._samples:
             terms = root.T @ self.basis[np.ix_(rows, place)]
             grams.append(terms @ terms.T)
             shared.append(terms @ fitted[place])
@@ -153,46 +156,47 @@ class Flexible:
         moment = np.concatenate(moments) - beside @ (fitted.T @ self.residual)
         return _likeliest(gram / noise, moment / noise)[1]
 
-    def left(self, variables: Sequence[str]) -> NDArray[np.float64]:
-        """Return the residual beside terms of some variables."""
+    def corrected_residual(self, variables: Sequence[str]) -> NDArray[np.float64]:
+        """Return the residual less the fitted correction in some variables."""
         sizes = self.solve(variables)[2]
         return self.residual - sizes @ self.basis if sizes.size else self.residual
 
-    def foreseen(self, variables: Sequence[str], noise: float) -> float:
-        """Return how much better terms of some variables foretell each run from the others.
+    def predictive_gain(self, variables: Sequence[str], noise: float) -> float:
+        """Return the leave-one-run-out predictive gain of a correction, on the scale of chi2.
 
-        In units of chi2: twice the difference in the logarithm of the density of what is
-        left in a run, given all others, with the terms and without; summed over the runs.
-        A law that other runs cannot tell is foretold with little certainty and loses
-        nothing; one that was bent to them, and does not hold in this one, loses much.
-        0 where there is but one run: nothing foretells it.
+        Twice the difference in the log density of what is left in a run, given all others,
+        with the correction and without; summed over the runs. A law that other runs cannot
+        tell is predicted with little certainty and loses nothing; one that was bent to them,
+        and does not hold in this one, loses much. 0 where there is but one run.
         """
-        terms, root = self._root(variables, noise)
+        terms, root = self._covariance_root(variables, noise)
         beside = self.basis[self.names == "fit"]
-        if len(self._places) < 2 or not root.any():
+        if len(self._samples) < 2 or not root.any():
             return 0.0
         every = np.vstack([beside, root.T @ self.basis[terms]])
         price = np.concatenate([np.full(len(beside), _FREE), np.ones(terms.size)])
         return sum(
-            self._surprise(place, beside, price[: len(beside)], noise)
-            - self._surprise(place, every, price, noise)
-            for place in self._places
+            self._negative_log_density(place, beside, price[: len(beside)], noise)
+            - self._negative_log_density(place, every, price, noise)
+            for place in self._samples
         )
 
-    def foretold(self, variables: Sequence[str], noise: float) -> list[NDArray[np.float64]]:
-        """Return what is left in each run beside terms that all other runs give.
+    def prediction_errors(
+        self, variables: Sequence[str], noise: float
+    ) -> list[NDArray[np.float64]]:
+        """Return the leave-one-run-out standardised prediction error of each run.
 
-        Along what those runs do not tell, it is divided by how uncertain they leave it: a
+        Along what the other runs do not tell, it is divided by how uncertain they leave it: a
         law that this run alone needs, as the fastest does, is no surprise.
         """
-        terms, root = self._root(variables, noise)
+        terms, root = self._covariance_root(variables, noise)
         beside = self.basis[self.names == "fit"]
         basis = np.vstack([beside, root.T @ self.basis[terms]])
         price = np.concatenate([np.full(len(beside), _FREE), np.ones(terms.size)])
         whole = basis @ basis.T / noise + np.diag(price)
         moments = basis @ self.residual / noise
         left = []
-        for place in self._places:
+        for place in self._samples:
             here, e = basis[:, place], self.residual[place]
             known = whole - here @ here.T / noise
             sizes = np.linalg.solve(known, moments - here @ e / noise)
@@ -202,14 +206,14 @@ class Flexible:
             left.append(e - ((1.0 - 1.0 / np.hypot(1.0, size)) * (along @ e)) @ along)
         return left
 
-    def _surprise(
+    def _negative_log_density(
         self,
         place: NDArray[np.intp],
         basis: NDArray[np.float64],
         price: NDArray[np.float64],
         noise: float,
     ) -> float:
-        """Return what one run leaves, given the others: minus twice its logarithmic density."""
+        """Return minus twice the log density of one run's residual, given the others."""
         e = self.residual[place]
         if not len(basis):
             return float(e @ e) / noise
@@ -223,8 +227,10 @@ class Flexible:
         square = float(e @ e) / noise - float(along @ np.linalg.solve(both, along))
         return square + float(np.linalg.slogdet(both)[1] - np.linalg.slogdet(known)[1])
 
-    def found(self, beside: Sequence[str] = (), noise: float = 1.0) -> list[tuple[str, float]]:
-        """Return the variables in which something is left, and the share of chi2 they carry.
+    def significant(
+        self, beside: Sequence[str] = (), noise: float = 1.0
+    ) -> list[tuple[str, float]]:
+        """Return the variables of significant corrections, and the share of chi2 that each takes.
 
         `noise` is the variance of the residuals that noise alone would have.
         """
@@ -237,15 +243,15 @@ class Flexible:
             fall, more, _ = self.solve([*beside, variable])
             if more > terms:
                 chance = chi2.sf((fall - base) / noise, more - terms) * len(self.variables)
-                if chance < _SURE:
+                if chance < SIGNIFICANCE:
                     rows.append((variable, (fall - base) / total))
         return sorted(rows, key=lambda row: -row[1])
 
 
 def _likeliest(gram: NDArray[np.float64], moments: NDArray[np.float64]) -> tuple[float, float]:
-    """Return the factor on terms' deviations that is likeliest, and what it is worth.
+    """Return the factor on terms' deviations that is likeliest, and its log Bayes factor.
 
-    In units of chi2, where the terms' sizes are random with deviation 1 times the factor.
+    The latter is on the scale of chi2; terms' sizes have deviation 1 times the factor.
     """
     values, vectors = np.linalg.eigh(gram)
     keep = values > 1e-8 * max(values[-1], 1e-300)

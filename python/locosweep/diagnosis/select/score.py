@@ -4,24 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from locosweep.diagnosis.select.nonparametric import Flexible
-from locosweep.diagnosis.select.whiteness import lack_of, noise_level
+from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
+from locosweep.diagnosis.select.thresholds import LEAST_GAIN, LEAST_GAIN_FITTED
+from locosweep.diagnosis.select.whiteness import noise_level, whiteness_test
 
 if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.estimate.problem import Problem
     from locosweep.diagnosis.select.search import Search
 
-__all__ = ["GAIN", "gains", "rest_of", "total"]
-
-GAIN = 20.0
-"""What an effect has to gain in chi2 beside the price of its parameters.
-
-With 25 candidates of one to three parameters, noise alone gains as much in fewer
-than one of two hundred sets of runs.
-"""
-_OWN = 6.0
-"""What of that it has to gain on the runs that it is fitted to."""
+__all__ = ["LEAST_GAIN", "gains", "remaining", "total"]
 
 
 def total(search: Search, fit: Fit) -> float:
@@ -36,13 +28,13 @@ def gains(search: Search, old: Fit, new: Fit) -> bool:
     more than its parameters are uncertain.
     """
     whole = total(search, old) - total(search, new)
-    return whole >= GAIN and search.score(old) - search.score(new) >= _OWN
+    return whole >= LEAST_GAIN and search.score(old) - search.score(new) >= LEAST_GAIN_FITTED
 
 
-def rest_of(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
+def remaining(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
     """Return what a fit leaves beyond noise, by the variables that would carry it."""
-    terms = Flexible(problem, fit)
-    found = terms.found(noise=noise_level(problem, fit.residual))
-    if not found and lack_of(problem, fit.residual).is_there:
+    terms = NonparametricCorrection(problem, fit)
+    found = terms.significant(noise=noise_level(problem, fit.residual))
+    if not found and whiteness_test(problem, fit.residual).rejected:
         return [("none of these", 0.0)]
     return found

@@ -11,7 +11,8 @@ import numpy as np
 from locosweep.diagnosis.effects.starts import parameters_of
 from locosweep.diagnosis.estimate.least_squares import Fit, Model, Nuisances, chi2_of, point_of
 from locosweep.diagnosis.estimate.nominal import fit_nominal
-from locosweep.diagnosis.select.whiteness import lack_of
+from locosweep.diagnosis.select.thresholds import PENALTY
+from locosweep.diagnosis.select.whiteness import whiteness_test
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -21,10 +22,8 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.effects.starts import Scale
     from locosweep.diagnosis.estimate.problem import Problem
 
-__all__ = ["PENALTY", "Collection", "Found", "Search", "ranked"]
+__all__ = ["Collection", "Found", "Search", "ranked"]
 
-PENALTY = 8.0
-"""What a free parameter has to gain in chi2 before it counts."""
 _MUCH = 1.5
 """Chi2 of a fit over its expectation, beyond which it is tried from further places."""
 
@@ -69,7 +68,7 @@ class Search:
     @property
     def steps(self) -> int:
         """Steps of a fit, at most."""
-        return 30 if self.nuisances.shares else 15
+        return 30 if self.nuisances.uncertain else 15
 
     def model(self, names: Iterable[str]) -> Model:
         """Return a set of effects with its free parameters."""
@@ -94,7 +93,7 @@ class Search:
 
     def is_noise(self, fit: Fit) -> bool:
         """Whether a fit leaves nothing that noise would not."""
-        return not lack_of(self.problem, fit.residual).is_there
+        return not whiteness_test(self.problem, fit.residual).rejected
 
     def hinted(self, model: Model) -> list[NDArray[np.float64]]:
         """Return the parameters of a set as other runs have them, if any."""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all
 from locosweep.diagnosis.select.extension import extend, extend_each, pairs
-from locosweep.diagnosis.select.score import gains, rest_of, total
+from locosweep.diagnosis.select.score import gains, remaining, total
 from locosweep.diagnosis.select.whiteness import noise_level
 from locosweep.diagnosis.select.window_search import best_in_windows
 
@@ -88,11 +88,11 @@ def forward(
         deeper |= best_in_windows(search, known.adding(deeper), windows, seeds)
     if rest and len(found.model.names) == 1:
         deeper |= _exchanged(search, known, deeper)
-    if wide and rest_of(problem, _best(search, deeper)):
+    if wide and remaining(problem, _best(search, deeper)):
         # The parts of a pair need not stand first when each is tried alone.
         deeper |= pairs(search, known.adding(deeper), _PAIRS)
         deeper |= _exchanged(search, known, deeper)
-    if wide and rest_of(problem, _best(search, deeper)):
+    if wide and remaining(problem, _best(search, deeper)):
         more = [s for s in _seeds(level, _WIDE) if s not in seeds and s.chi2 < _FAR * found.chi2]
         deeper |= extend_each(search, known.adding(deeper), more)
     return deeper
@@ -122,7 +122,7 @@ def _exchanged(search: Search, known: Collection, level: Found) -> Found:
     level = dict(level)
     for _ in range(_EXCHANGES):
         best = _best(search, level)
-        if not rest_of(search.problem, best):
+        if not remaining(search.problem, best):
             break
         for name in best.model.names:
             if not known.within(_BUDGET, search.problem):

@@ -11,48 +11,38 @@ from locosweep.diagnosis.estimate.least_squares import Fit, chi2_of, point_of
 from locosweep.diagnosis.estimate.motion import VARIABLES
 from locosweep.diagnosis.select.extension import extend, retried_singles, singles
 from locosweep.diagnosis.select.law_mismatch import (
-    UNLISTED,
-    bent_from,
-    carried_by,
-    carries,
-    elsewhere,
+    OUT_OF_LIBRARY,
+    best_with_other_law,
+    out_of_library,
+    score_with_other_law,
+    without_bending_effect,
 )
-from locosweep.diagnosis.select.nonparametric import Flexible
-from locosweep.diagnosis.select.score import GAIN, gains, rest_of, total
+from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
+from locosweep.diagnosis.select.score import gains, remaining, total
 from locosweep.diagnosis.select.stepwise import backward, forward, is_stalled, without
-from locosweep.diagnosis.select.whiteness import blocks_of, lack_of, noise_level
+from locosweep.diagnosis.select.thresholds import (
+    HELD_OUT_EXCESS,
+    HELD_OUT_NOISE,
+    HELD_OUT_REST,
+    LEAST_GAIN,
+    MOST_ALIKE,
+    OTHER_LAW_PROBABILITY,
+    SEVERAL_CAUSES_GAIN,
+    TEMPER,
+    TIE,
+    WIDER_LAW_GAIN,
+)
+from locosweep.diagnosis.select.whiteness import noise_level, residuals_by_run, whiteness_test
 from locosweep.diagnosis.select.window_search import search_windows, singles_in_windows
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from locosweep.diagnosis.select.search import Collection, Found, Search
-    from locosweep.diagnosis.select.whiteness import Lack
+    from locosweep.diagnosis.select.whiteness import WhitenessTest
     from locosweep.diagnosis.select.window_search import WindowSearch
 
 __all__ = ["Choice", "choose"]
-
-TIE = 12.0
-"""Difference in chi2 below which two explanations tie: effects that lie 2 deviations
-apart differ by less in 99 of 100 sets of runs."""
-_LEFT, _FAR_OFF = 0.05, 9.0
-"""Share of the squares of a gap, and squares over those of noise, that an explanation does
-not leave."""
-_STAYS = 0.3
-"""Share of what a gap has beyond noise that no explanation leaves where that is seen."""
-_MOST_ALIKE = 3
-"""Causes that may tie where none of them has the law that was met: more than these say
-that no variable in particular carries it."""
-_WIDER = 6.0
-"""What a wider law has to gain in chi2 by each of its further parameters before it rivals
-its own limit."""
-_FEWER = 6.0
-"""What several effects have to gain in chi2 over another law of one cause."""
-_OTHER_LAW = 0.55
-"""Probability of a cause by another law than its formula: right in 13 of 22, 2 of 8 and, once this
-was set, 8 of 15 verdicts of the blind check. It bends to what else pushes along the way as well."""
-TEMPER = 1.5
-"""Differences in chi2 count for this much less than noise alone would have it."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +58,7 @@ class Choice:
     known: Collection
     """The best fit of each set of effects that was tried."""
 
-    lack: Lack
+    whiteness: WhitenessTest
     classes: list[list[str]] = field(default_factory=list)
     sets: list[list[str]] = field(default_factory=list)
     law_mismatch: bool = False
@@ -87,7 +77,7 @@ class Choice:
     @property
     def refuted(self) -> bool:
         """Whether the runs kept from the fit ask for more than the others do."""
-        return self.status != "unexplained" and (self.near >= GAIN or self.missed)
+        return self.status != "unexplained" and (self.near >= LEAST_GAIN or self.missed)
 
     @property
     def tied(self) -> list[Fit]:
@@ -139,12 +129,12 @@ def choose(search: Search, most: int) -> Choice:
     known, singles, windows = _single_effects(search)
     best = singles[0] if singles else none
     if not gains(search, none, best):
-        rest = rest_of(problem, none)
+        rest = remaining(problem, none)
         choice = Choice(
             "unexplained" if rest else "none",
             none,
             known,
-            lack_of(problem, none.residual),
+            whiteness_test(problem, none.residual),
             shape=rest,
             near=total(search, none) - total(search, best),
         )
@@ -153,31 +143,33 @@ def choose(search: Search, most: int) -> Choice:
     known, found, score = grown.known, grown.found, grown.mismatch_score
     mismatch = score is not None
     tried = [none, *singles, *grown.level]
-    lack = lack_of(problem, found.residual)
-    rest = [] if mismatch else rest_of(problem, found)
+    whiteness = whiteness_test(problem, found.residual)
+    rest = [] if mismatch else remaining(problem, found)
     if rest:
-        choice = Choice("unexplained", found, known, lack, shape=rest)
+        choice = Choice("unexplained", found, known, whiteness, shape=rest)
         return _with_ranks(search, choice, tried)
     score = search.score(found) if score is None else score
-    if (mismatch or len(found.model.names) > 1) and elsewhere(search, known, found, score):
-        choice = Choice("unexplained", found, known, lack, unlisted=UNLISTED)
+    if (mismatch or len(found.model.names) > 1) and out_of_library(search, known, found, score):
+        choice = Choice("unexplained", found, known, whiteness, unlisted=OUT_OF_LIBRARY)
         return _with_ranks(search, choice, tried)
     search.progress("rivals")
     rivals, known = _rivals(search, known, found)
     classes, sets = _classes(search, known, found, rivals, mismatch)
-    near, bent = grown.near, bent_from(search, known, found, classes)
+    near, bent = grown.near, without_bending_effect(search, known, found, classes)
     if bent:
         found, mismatch, near = bent, True, 0.0
-        lack = lack_of(problem, found.residual)
+        whiteness = whiteness_test(problem, found.residual)
         rivals, known = _rivals(search, known, found)
         classes, sets = _classes(search, known, found, rivals, mismatch)
     tried += rivals
-    if mismatch and any(len({VARIABLES.get(n, n) for n in c}) > _MOST_ALIKE for c in classes):
-        choice = Choice("unexplained", found, known, lack, shape=rest_of(problem, found))
+    if mismatch and any(len({VARIABLES.get(n, n) for n in c}) > MOST_ALIKE for c in classes):
+        choice = Choice("unexplained", found, known, whiteness, shape=remaining(problem, found))
         return _with_ranks(search, choice, tried)
     status = "explained" if all(len(c) == 1 for c in classes) and not sets else "ambiguous"
     missed = (not mismatch or bent is not None) and _misses(search, found)
-    choice = Choice(status, found, known, lack, classes, sets, mismatch, near=near, missed=missed)
+    choice = Choice(
+        status, found, known, whiteness, classes, sets, mismatch, near=near, missed=missed
+    )
     return _with_ranks(search, choice, tried)
 
 
@@ -206,9 +198,9 @@ def _grown(
     before, found = search.none, level[0]
     near = 0.0
     for count in range(2, most + 2):
-        rest = rest_of(problem, found)
+        rest = remaining(problem, found)
         # Other laws of several effects at once could be bent to anything.
-        carried = carried_by(search, level) if rest and count == 2 else None
+        carried = best_with_other_law(search, level) if rest and count == 2 else None
         deeper: list[Fit] = []
         if count <= most and not (count > 2 and is_stalled(problem, before, found)):
             search.progress(f"{count} effects at once")
@@ -221,14 +213,14 @@ def _grown(
             ordered = sorted(added.values(), key=lambda fit: total(search, fit))
             near = total(search, found) - total(search, ordered[0]) if ordered else 0.0
             deeper = [fit for fit in ordered if gains(search, found, fit)]
-        if carried and not (deeper and search.score(deeper[0]) < carried[0] - _FEWER):
+        if carried and not (deeper and search.score(deeper[0]) < carried[0] - SEVERAL_CAUSES_GAIN):
             # What further effects would gain is what the law does not fit.
             return _Grown(known, level, carried[1], mismatch_score=carried[0])
         if not deeper:
             break
         before, level, near = found, deeper, 0.0
         found, known = backward(search, known, deeper[0])
-        if len(found.model.names) < count and not rest_of(problem, found):
+        if len(found.model.names) < count and not remaining(problem, found):
             break
     return _Grown(known, level, found, near)
 
@@ -243,13 +235,13 @@ def _misses(search: Search, fit: Fit) -> bool:
         e = problem.unseen([point_of(problem, one)])[0]
         squares.append(float(e @ e))
     before, after = squares
-    if after > max(_LEFT * before, _FAR_OFF * e.size):
+    if after > max(HELD_OUT_REST * before, HELD_OUT_NOISE * e.size):
         return True
-    if not problem.held or not lack_of(problem, e, problem.held).is_there:
+    if not problem.held or not whiteness_test(problem, e, problem.held).rejected:
         return False
-    counted = sum(values.size for _, _, values in blocks_of(problem, e, problem.held))
+    counted = sum(values.size for _, _, values in residuals_by_run(problem, e, problem.held))
     floor = counted * noise_level(problem, fit.residual)
-    return bool(before > floor and after - floor > _STAYS * (before - floor))
+    return bool(before > floor and after - floor > HELD_OUT_EXCESS * (before - floor))
 
 
 def _rivals(search: Search, known: Collection, found: Fit) -> tuple[list[Fit], Collection]:
@@ -303,7 +295,7 @@ def _classes(
     if mismatch:
         # A law that does not fit leaves more than noise, and so may its rivals.
         own = list(dict.fromkeys(VARIABLES[n] for n in names if n in VARIABLES))
-        left = Flexible(search.problem, found).left(own)
+        left = NonparametricCorrection(search.problem, found).corrected_residual(own)
         tie += 0.25 * (found.chi2 - float(left @ left))
     classes = [[name] for name in names]
     sets: list[list[str]] = []
@@ -317,11 +309,11 @@ def _classes(
         place = names.index(gone[0])
         mine = sum(f.effect == gone[0] for f in found.model.free)
         theirs = sum(f.effect == new[0] for f in rival.model.free)
-        narrower = theirs > mine and found.chi2 - rival.chi2 < _WIDER * (theirs - mine)
+        narrower = theirs > mine and found.chi2 - rival.chi2 < WIDER_LAW_GAIN * (theirs - mine)
         if narrower and _contains(rival, new[0], mine):
             continue
         other = VARIABLES.get(new[0]) not in {VARIABLES.get(n) for n in names}
-        if mismatch and other and carries(search, rival) is None:
+        if mismatch and other and score_with_other_law(search, rival) is None:
             continue
         if new[0] not in classes[place]:
             classes[place].append(new[0])
@@ -366,14 +358,14 @@ def _probability(search: Search, choice: Choice) -> float:
     none = total(search, search.none)
     if choice.status == "none":
         best = min((total(search, f) for f, _ in choice.ranked if f.model.names), default=none)
-        missed = 0.5 * np.exp(-0.5 * max(GAIN - (none - best), 0.0) / 4.0)
+        missed = 0.5 * np.exp(-0.5 * max(LEAST_GAIN - (none - best), 0.0) / 4.0)
         return float(np.clip(1.0 - missed - 0.02, 0.5, 0.98))
     if choice.status == "unexplained":
-        sure = choice.lack.deviations
+        sure = choice.whiteness.deviations
         return float(np.clip(1.0 - 0.4 * np.exp(-(sure - 5.0) / 4.0) - 0.05, 0.5, 0.95))
     if choice.law_mismatch:
         # Scores weigh formulas that do not fit: they say nothing about the cause.
-        return _OTHER_LAW
+        return OTHER_LAW_PROBABILITY
     inside = 0.0
     allowed = [set(c) for c in choice.classes]
     sets = [set(s) for s in choice.sets]
@@ -388,7 +380,7 @@ def _probability(search: Search, choice: Choice) -> float:
         if fits_class or names in sets or names >= set(choice.fit.model.names):
             inside += weight
     gain = none - total(search, choice.fit)
-    found = 1.0 - 0.5 * np.exp(-0.5 * max(gain - GAIN, 0.0) / 4.0)
+    found = 1.0 - 0.5 * np.exp(-0.5 * max(gain - LEAST_GAIN, 0.0) / 4.0)
     # A further effect that nearly gains what is asked for may well be there.
-    found /= 1.0 + np.exp(min((choice.near - GAIN) / 4.0, 50.0))
+    found /= 1.0 + np.exp(min((choice.near - LEAST_GAIN) / 4.0, 50.0))
     return float(np.clip(0.98 * inside * found, 0.01, 0.98))

@@ -1,4 +1,4 @@
-"""Lack of fit: whether residuals still hold together over more samples than noise does."""
+"""Residual whiteness test: means of blocks of residuals against those of white noise."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from locosweep.diagnosis.select.thresholds import STRAY_DEVIATIONS, STRAY_SHARE, WHITENESS_LIMIT
+
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
@@ -14,29 +16,33 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.estimate.problem import Problem
 
-__all__ = ["Lack", "blocks_of", "lack_of", "noise_level", "stray_readings", "white"]
+__all__ = [
+    "WhitenessTest",
+    "noise_level",
+    "residuals_by_run",
+    "stray_readings",
+    "white_variance",
+    "whiteness_test",
+]
 
 BLOCKS = (4, 16, 64, 256)
-"""Samples whose mean is looked at."""
-LIMIT = 5.0
-"""Deviations beyond which means of blocks are not noise.
-
-Five scales, three channels and the tails of chi2 make 5 one in some 3000 runs
-of white noise; what is left of an alien cause of size 10 stands at 5 or more.
-"""
-
-_STRAY = 8.0
-"""Deviations beyond which a single reading is no noise, however long the runs."""
-_FEW = 0.02
-"""Share of a run's readings up to which they are single ones."""
+"""Samples of a block; its mean is tested."""
 
 
 @dataclass(frozen=True)
-class Lack:
-    """Worst excess of block means over noise.
+class WhitenessTest:
+    """Largest excess of block means over noise, among channels and block lengths.
 
-    `deviations` says how sure it is, `excess` how large the rest is: its root mean
-    square in units of the noise.
+    Attributes
+    ----------
+    channel : str
+        Where it is.
+    block : int
+        Samples of a block.
+    deviations : float
+        How sure it is: the normal deviate of the sum of squared means.
+    excess : float
+        Root mean square of what is left beyond noise, in units of the noise.
     """
 
     channel: str
@@ -45,12 +51,12 @@ class Lack:
     excess: float
 
     @property
-    def is_there(self) -> bool:
-        """Whether it is more than noise."""
-        return self.deviations > LIMIT
+    def rejected(self) -> bool:
+        """Whether the residuals are more than white noise."""
+        return self.deviations > WHITENESS_LIMIT
 
 
-def blocks_of(
+def residuals_by_run(
     problem: Problem, residual: NDArray[np.float64], runs: Sequence[int] | None = None
 ) -> Iterator[tuple[str, int, NDArray[np.float64]]]:
     """Yield channel, run and its whitened residuals, samples without weight left out."""
@@ -67,8 +73,8 @@ def blocks_of(
             at += n
 
 
-def white(values: NDArray[np.float64]) -> float:
-    """Variance of what differs from sample to sample.
+def white_variance(values: NDArray[np.float64]) -> float:
+    """Return the variance of what differs from sample to sample.
 
     Of squares, not of ranks: what a coarse quantiser leaves has few values.
     """
@@ -79,28 +85,38 @@ def white(values: NDArray[np.float64]) -> float:
 
 
 def noise_level(problem: Problem, residual: NDArray[np.float64]) -> float:
-    """Variance of the white part of residuals: 1 where noise is what it is said to be."""
-    parts = [values for _, _, values in blocks_of(problem, residual) if values.size >= 32]
+    """Return the variance of the white part of residuals, 1 where the stated noise is right."""
+    parts = [values for _, _, values in residuals_by_run(problem, residual) if values.size >= 32]
     if not parts:
         return 1.0
     counts = np.array([values.size for values in parts])
-    levels = np.array([white(values) for values in parts])
+    levels = np.array([white_variance(values) for values in parts])
     return max(float(np.average(levels, weights=counts)), 0.5)
 
 
-def lack_of(
+def whiteness_test(
     problem: Problem, residual: NDArray[np.float64], runs: Sequence[int] | None = None
-) -> Lack:
-    """Look at residuals of a fit for what noise would not leave."""
+) -> WhitenessTest:
+    """Test whitened residuals of a fit for what white noise would not leave.
+
+    Parameters
+    ----------
+    problem : Problem
+        The runs.
+    residual : ndarray
+        Residuals of one fit, as `Problem.residuals` lays them out.
+    runs : sequence of int, optional
+        Runs that they belong to; those that are fitted if not given.
+    """
     parts: dict[str, list[NDArray[np.float64]]] = {}
-    for c, _, values in blocks_of(problem, residual, runs):
+    for c, _, values in residuals_by_run(problem, residual, runs):
         parts.setdefault(c, []).append(values)
-    worst = Lack("x", 1, -np.inf, 0.0)
+    worst = WhitenessTest("x", 1, -np.inf, 0.0)
     for c, runs_of in parts.items():
         total = np.concatenate(runs_of) if runs_of else np.zeros(0)
         if total.size < 32:
             continue
-        base = max(white(total), 0.5)
+        base = max(white_variance(total), 0.5)
         mean = float(total @ total) / total.size
         excess = float(np.sqrt(max(mean - base, 0.0)))
         for n in BLOCKS:
@@ -116,7 +132,7 @@ def lack_of(
                 2 / (9 * count)
             )
             if z > worst.deviations:
-                worst = Lack(c, n, float(z), excess)
+                worst = WhitenessTest(c, n, float(z), excess)
     return worst
 
 
@@ -139,15 +155,15 @@ def stray_readings(problem: Problem, residual: NDArray[np.float64]) -> list[str]
                 continue
             # Of a normal deviation, half lie within 0.6745; a coarse reading may repeat itself.
             level = max(float(np.median(values[used])) / 0.6745, 1.0)
-            off = np.flatnonzero(used & (values > _STRAY * level))
-            if 0 < off.size <= _FEW * used.sum():
+            off = np.flatnonzero(used & (values > STRAY_DEVIATIONS * level))
+            if 0 < off.size <= STRAY_SHARE * used.sum():
                 run, last = problem.runs[r], off[-1]
                 place = f"a reading of {c} at {run.t[off[0]]:g} s lies"
                 if off.size > 1:
                     span = f"between {run.t[off[0]]:g} and {run.t[last]:g} s"
                     place = f"{off.size} readings of {c} {span} lie"
                 said.append(
-                    f"run {run.label}: {place} more than {_STRAY:g} deviations off what fits the "
-                    "rest: frozen, slipped or disturbed?"
+                    f"run {run.label}: {place} more than {STRAY_DEVIATIONS:g} deviations "
+                    "off what fits the rest: frozen, slipped or disturbed?"
                 )
     return said

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from locosweep.diagnosis.effects.starts import starts_of
 from locosweep.diagnosis.estimate.least_squares import Fit, Nuisances, chi2_of, fit_all, start_fits
-from locosweep.diagnosis.estimate.shooting import ShotProblem
+from locosweep.diagnosis.estimate.shooting import WindowProblem
 from locosweep.diagnosis.estimate.window_plan import Plan, problem_of
 from locosweep.diagnosis.select.extension import extend_each, refit_from, singles
 from locosweep.diagnosis.select.search import Collection, Found, Search, ranked
@@ -49,7 +49,7 @@ class WindowSearch:
 def search_windows(whole: Search) -> list[WindowSearch]:
     """Fit the single effects in windows of the runs that a search replays whole."""
     problem, scale = whole.problem, whole.scale
-    if isinstance(problem, ShotProblem):
+    if isinstance(problem, WindowProblem):
         return []
     found = []
     for share in _LENGTHS:

@@ -1,0 +1,78 @@
+"""Thresholds that decide a verdict: each with its unit and its reason.
+
+Differences in chi2 are twice differences in log likelihood; deviations are those of a
+standard normal variable under noise alone.
+"""
+
+from __future__ import annotations
+
+PENALTY = 8.0
+"""Price of a free parameter in chi2: what it has to gain before it counts."""
+LEAST_GAIN = 20.0
+"""Gain in penalised chi2, fitted and held-out runs together, from which an effect is named.
+
+With 25 candidates of one to three parameters, noise alone gains as much in fewer
+than one of two hundred sets of runs.
+"""
+LEAST_GAIN_FITTED = 6.0
+"""Gain in penalised chi2 that the fitted runs alone have to show: a prediction of the simpler
+model may be off by no more than its parameters are uncertain."""
+TIE = 12.0
+"""Difference in chi2 below which two explanations tie: effects that lie 2 deviations
+apart differ by less in 99 of 100 sets of runs."""
+TEMPER = 1.5
+"""Factor by which differences in chi2 count for less than noise alone would have it."""
+WIDER_LAW_GAIN = 6.0
+"""Gain in chi2 by each further parameter of a wider law before it rivals its own limit."""
+
+WHITENESS_LIMIT = 5.0
+"""Deviations beyond which means of blocks of residuals are not noise.
+
+Five scales, three channels and the tails of chi2 make 5 one in some 3000 runs
+of white noise; what is left of an alien cause of size 10 stands at 5 or more.
+"""
+SIGNIFICANCE = 1e-4
+"""Probability under noise alone below which terms of a variable have found something; noise
+in all the variables together reaches it in one of ten thousand sets of runs."""
+
+HELD_OUT_REST = 0.05
+"""Share of a gap's squares in held-out runs that an explanation may leave, whatever its kind."""
+HELD_OUT_NOISE = 9.0
+"""Squares in held-out runs, over those of noise, below which that share does not count."""
+HELD_OUT_EXCESS = 0.3
+"""Share of what a gap has beyond noise in held-out runs that no explanation may leave where
+their whiteness test is rejected."""
+
+SEVERAL_CAUSES_GAIN = 6.0
+"""Gain in chi2 of several effects over another law of one cause."""
+MOST_ALIKE = 3
+"""Variables of causes that may tie where none of them has the law that was met: more than
+these say that no variable in particular carries it."""
+OTHER_LAW_PROBABILITY = 0.55
+"""Probability of a cause by another law than its formula: right in 13 of 22, 2 of 8 and, once
+this was set, 8 of 15 verdicts of the blind check. It bends to what else pushes along the way
+as well."""
+AS_WELL = 12.0
+"""Difference in chi2 by which the correction in an effect's own variable may be less likely
+than that in another one."""
+ONE_LAW = 25.0
+"""Difference in chi2 by which one law for all runs may be less likely than a law of its own
+in each: each of those bends to what the formula's refit leaves in its run."""
+STRANGE_RUNS = 3
+"""Fewer than one run in so many may be other than the others predict."""
+PREDICTION_LIMIT = 4.0
+"""Deviations of the whiteness test up to which prediction errors of all runs are noise."""
+BENDING_SHARE = 0.02
+"""Share of a gap below which an effect through another one's variable is no cause of its own."""
+
+NEAREST_SURE = 2.0
+"""Deviations by which more effects have to be better, over the windows' own scatter."""
+NEAREST_TIED = 2.0
+"""Deviations below which two sets of as many effects are as good."""
+NEAREST_FALL = 0.1
+"""Part of what fits left that further effects have to take: what a model lacks bends
+every effect a little."""
+STRAY_DEVIATIONS = 8.0
+"""Deviations beyond which a single reading is no noise, however long the runs."""
+STRAY_SHARE = 0.02
+"""Share of a run's readings up to which they are single ones."""
