@@ -1,4 +1,4 @@
-"""Nonparametric corrections: another law of an effect, and out-of-library disturbances."""
+"""Nonparametric corrections against densities of dense Gaussian processes."""
 
 from __future__ import annotations
 
@@ -8,16 +8,13 @@ import numpy as np
 import polars as pl
 import pytest
 
-from locosweep.diagnosis import diagnose
 from locosweep.diagnosis.effects.starts import scale_of
 from locosweep.diagnosis.estimate.least_squares import Nuisances, fit_all, start_fits
 from locosweep.diagnosis.estimate.problem import Problem
-from locosweep.diagnosis.select.law_mismatch import best_with_other_law, score_with_other_law
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.search import Search
-from locosweep.diagnosis.select.verdict import is_limit
 from locosweep.files.runs import runs_from_frame
-from test_diagnosis import ROBOT, drives, measured, tethered
+from test_diagnosis import ROBOT, drives, measured
 
 FLAT = 1e4
 """Deviation of a fitted parameter's size: it may be anything."""
@@ -166,108 +163,3 @@ def test_what_does_not_come_again_is_not_foreseen() -> None:
     again = terms_beside(measured({"friction_drift": {"a": 0.05, "T": 1.0}}, runs))
     assert once.log_bayes_factor(["time"], 1.0) > 100.0
     assert once.predictive_gain(["time"], 1.0) < 0.0 < again.predictive_gain(["time"], 1.0)
-
-
-def fits_of(frame: pl.DataFrame, *names: str, held: tuple[int, ...] = ()) -> tuple[Search, list]:
-    """Fits of single effects to measured runs, in the order of their names."""
-    records = runs_from_frame(frame)
-    scale = scale_of(ROBOT, records)
-    problem = Problem(ROBOT, records, 1, held=held, speed_scale=scale.speed)
-    nuisances = Nuisances((), (0.0, 0.0, 0.0, 0.0), scale.speed)
-    search = Search(problem, nuisances, scale, names)
-    starts = []
-    for name in names:
-        model = search.model((name,))
-        starts += start_fits(nuisances, model, np.zeros((1, len(model.free))))
-    return search, fit_all(problem, starts, steps=20)
-
-
-def test_another_law_has_to_hold_in_the_runs_kept_from_the_fit() -> None:
-    """The same law in all runs, and one run with a push of its own."""
-    runs = drives(count=5)
-    law = {"quadratic_drag": {"c2": 0.05}}
-    frame = measured(law, runs)
-    other = replace(runs[2], drive=runs[2].drive + 0.06 * np.sin(5.0 * runs[2].t))
-    pushed = [*runs[:2], other, *runs[3:]]
-    strange = measured(law, pushed).with_columns(
-        drive=pl.Series(np.concatenate([r.drive for r in runs]))
-    )
-    found = []
-    for one in (frame, strange):
-        search, (fit,) = fits_of(one, "viscous_friction", held=(2,))
-        found.append(score_with_other_law(search, fit) is not None)
-    assert found == [True, False]
-
-
-def test_what_the_other_runs_cannot_tell_is_no_contradiction() -> None:
-    """The run that is kept is faster than any other: what its law is there, they do not know."""
-    runs = drives(count=4)
-    runs.append(replace(runs[0], label="fast", drive=1.3 * runs[0].drive))
-    frame = measured({"quadratic_drag": {"c2": 0.02}}, runs)
-    search, (fit,) = fits_of(frame, "viscous_friction", held=(4,))
-    assert score_with_other_law(search, fit) is not None
-
-
-def test_only_a_shape_has_a_limit_that_is_another_effect() -> None:
-    search, _ = fits_of(measured({}, drives(count=2)), "coulomb_error")
-    found = {}
-    for name in ("drive_lag", "stribeck_friction"):
-        model = search.model((name,))
-        lowest = np.array([[f.low for f in model.free]])
-        (fit,) = start_fits(search.nuisances, model, lowest)
-        found[name] = is_limit(fit, name)
-    # The shortest lag is next to nothing; a friction that falls at no speed is Coulomb's.
-    assert found == {"drive_lag": False, "stribeck_friction": True}
-
-
-def test_a_run_kept_from_the_fit_may_start_in_motion() -> None:
-    runs = drives(count=5)
-    whole = measured({"quadratic_drag": {"c2": 0.02}}, runs)
-    frame = whole.filter((pl.col("run") != runs[4].label) | (pl.col("t") > 0.55))
-    search, (fit,) = fits_of(frame, "viscous_friction", held=(4,))
-    found = []
-    for starting in ((), (4,)):
-        starts = replace(search.problem.starts, moving=starting)
-        moved = replace(search, problem=replace(search.problem, initial=starts))
-        found.append(score_with_other_law(moved, fit) is not None)
-    assert found == [False, True]
-
-
-def test_a_law_far_off_by_its_own_formula_is_found_behind_others() -> None:
-    frame = measured({"quadratic_drag": {"c2": 0.05}}, drives())
-    others = ("sensor_drift", "sensor_delay", "drive_lag", "drive_delay", "friction_drift")
-    search, level = fits_of(
-        frame, *others, "supply_sag", "position_dependent_friction", "viscous_friction"
-    )
-    found = best_with_other_law(search, level)
-    assert found is not None
-    assert found[1].model.names == ("viscous_friction",)
-
-
-@pytest.mark.slow
-def test_an_effect_that_only_bends_another_ones_law_is_not_named() -> None:
-    lag = {"drive_lag": {"T": 0.03}, "drive_delay": {"T": 5e-5}}
-    found = diagnose(measured(lag, drives()), ROBOT)
-    assert found.effects == ["drive_lag"], found
-    assert found.law_mismatch
-    # As large as the lag itself it is a cause of its own.
-    both = {"drive_lag": {"T": 0.03}, "drive_delay": {"T": 0.03}}
-    assert len(diagnose(measured(both, drives()), ROBOT).effects) == 2
-
-
-@pytest.mark.slow
-def test_nothing_is_named_where_one_force_along_the_way_would_do() -> None:
-    # A stiffer line is no other law of friction either: what it leaves is told instead.
-    found = diagnose(tethered(drives(both=False, samples=150), 0.08, slack=0.2), ROBOT)
-    assert found.status == "unexplained", found
-    assert found.report["verdict"]["unlisted"]["variable"] == "terrain"
-    assert "so would one force along the way" in found.summary
-
-
-def test_what_only_the_run_that_was_kept_shows_is_found() -> None:
-    # The stronger of two runs, which is kept, just reaches the limit; no start of a fit lies there.
-    frame = measured({"drive_saturation": {"F_max": 1.118}}, drives(count=2))
-    found = diagnose(frame, ROBOT)
-    assert found.effects == ["drive_saturation"], found
-    assert found.gap["held_out"] == []
-    assert any("show a gap that the others do not" in warning for warning in found.warnings)

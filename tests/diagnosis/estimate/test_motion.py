@@ -1,0 +1,66 @@
+"""Terms along a motion, and the first-order response to small forces."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from diagnosis_search import search_for
+from locosweep.diagnosis.estimate.motion import ALL, Motion, motion_of, response, terms_of
+
+
+def sliding(damping: float = 0.0, samples: int = 400) -> Motion:
+    t = np.linspace(0.0, 2.0, samples)
+    ones = np.ones(samples)
+    return Motion(
+        t=t, x=t, v=ones, force=ones, drive=ones, run=np.zeros(samples, dtype=np.intp),
+        swept=t, turned=t, mass=0.5, damping=damping,
+    )  # fmt: skip
+
+
+def test_a_constant_force_accelerates_a_sliding_head() -> None:
+    m = sliding()
+    dx, dv = response(np.full((1, m.t.size), 0.1), m)
+    np.testing.assert_allclose(dv[0], 0.2 * m.t, atol=1e-9)
+    np.testing.assert_allclose(dx[0], 0.1 * m.t**2, atol=1e-4)
+
+
+def test_damping_bounds_the_speed() -> None:
+    m = sliding(damping=2.0, samples=4000)
+    _, dv = response(np.full((1, m.t.size), 0.1), m)
+    np.testing.assert_allclose(dv[0], 0.05 * (1.0 - np.exp(-4.0 * m.t)), atol=2e-4)
+
+
+def test_a_head_at_rest_does_not_respond() -> None:
+    m = sliding()
+    rest = Motion(**{**vars(m), "v": np.zeros(m.t.size)})
+    dx, dv = response(np.full((2, m.t.size), 0.1), rest)
+    assert not dx.any()
+    assert not dv.any()
+
+
+def test_terms_of_a_position_add_up_to_friction() -> None:
+    """Knots of equal value are Coulomb friction: one, with the sign of the speed."""
+    search = search_for({})
+    m = motion_of(search.problem, search.none)
+    (terms,), is_force = terms_of("place", m)
+    assert is_force
+    np.testing.assert_allclose(terms.sum(axis=0), np.sign(m.v), atol=1e-12)
+
+
+@pytest.mark.parametrize("variable", ALL)
+def test_every_variable_has_terms_of_the_motion_s_length(variable: str) -> None:
+    search = search_for({})
+    m = motion_of(search.problem, search.none)
+    groups, is_force = terms_of(variable, m)
+    assert groups
+    assert all(rows.shape[1] == m.t.size for rows in groups)
+    assert is_force == (variable not in ("reading", "clock", "late"))
+
+
+def test_swept_distance_starts_anew_where_the_head_turns() -> None:
+    search = search_for({})
+    m = motion_of(search.problem, search.none)
+    assert not m.swept[m.v <= 0.0].any()
+    assert m.swept.max() > 0.0
+    assert (m.swept >= 0.0).all()

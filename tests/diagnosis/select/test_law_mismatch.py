@@ -1,0 +1,80 @@
+"""Another law of a cause, known from the other runs, and what only looks like one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import polars as pl
+
+from locosweep.diagnosis.effects.starts import scale_of
+from locosweep.diagnosis.estimate.least_squares import Nuisances, fit_all, start_fits
+from locosweep.diagnosis.estimate.problem import Problem
+from locosweep.diagnosis.select.law_mismatch import best_with_other_law, score_with_other_law
+from locosweep.diagnosis.select.search import Search
+from locosweep.files.runs import runs_from_frame
+from test_diagnosis import ROBOT, drives, measured
+
+
+def fits_of(frame: pl.DataFrame, *names: str, held: tuple[int, ...] = ()) -> tuple[Search, list]:
+    """Fits of single effects to measured runs, in the order of their names."""
+    records = runs_from_frame(frame)
+    scale = scale_of(ROBOT, records)
+    problem = Problem(ROBOT, records, 1, held=held, speed_scale=scale.speed)
+    nuisances = Nuisances((), (0.0, 0.0, 0.0, 0.0), scale.speed)
+    search = Search(problem, nuisances, scale, names)
+    starts = []
+    for name in names:
+        model = search.model((name,))
+        starts += start_fits(nuisances, model, np.zeros((1, len(model.free))))
+    return search, fit_all(problem, starts, steps=20)
+
+
+def test_another_law_has_to_hold_in_the_runs_kept_from_the_fit() -> None:
+    """The same law in all runs, and one run with a push of its own."""
+    runs = drives(count=5)
+    law = {"quadratic_drag": {"c2": 0.05}}
+    frame = measured(law, runs)
+    other = replace(runs[2], drive=runs[2].drive + 0.06 * np.sin(5.0 * runs[2].t))
+    pushed = [*runs[:2], other, *runs[3:]]
+    strange = measured(law, pushed).with_columns(
+        drive=pl.Series(np.concatenate([r.drive for r in runs]))
+    )
+    found = []
+    for one in (frame, strange):
+        search, (fit,) = fits_of(one, "viscous_friction", held=(2,))
+        found.append(score_with_other_law(search, fit) is not None)
+    assert found == [True, False]
+
+
+def test_what_the_other_runs_cannot_tell_is_no_contradiction() -> None:
+    """The run that is kept is faster than any other: what its law is there, they do not know."""
+    runs = drives(count=4)
+    runs.append(replace(runs[0], label="fast", drive=1.3 * runs[0].drive))
+    frame = measured({"quadratic_drag": {"c2": 0.02}}, runs)
+    search, (fit,) = fits_of(frame, "viscous_friction", held=(4,))
+    assert score_with_other_law(search, fit) is not None
+
+
+def test_a_run_kept_from_the_fit_may_start_in_motion() -> None:
+    runs = drives(count=5)
+    whole = measured({"quadratic_drag": {"c2": 0.02}}, runs)
+    frame = whole.filter((pl.col("run") != runs[4].label) | (pl.col("t") > 0.55))
+    search, (fit,) = fits_of(frame, "viscous_friction", held=(4,))
+    found = []
+    for starting in ((), (4,)):
+        starts = replace(search.problem.starts, moving=starting)
+        moved = replace(search, problem=replace(search.problem, initial=starts))
+        found.append(score_with_other_law(moved, fit) is not None)
+    assert found == [False, True]
+
+
+def test_a_law_far_off_by_its_own_formula_is_found_behind_others() -> None:
+    frame = measured({"quadratic_drag": {"c2": 0.05}}, drives())
+    others = ("sensor_drift", "sensor_delay", "drive_lag", "drive_delay", "friction_drift")
+    search, level = fits_of(
+        frame, *others, "supply_sag", "position_dependent_friction", "viscous_friction"
+    )
+    found = best_with_other_law(search, level)
+    assert found is not None
+    assert found[1].model.names == ("viscous_friction",)

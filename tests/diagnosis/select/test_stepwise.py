@@ -1,0 +1,61 @@
+"""Forward, exchange and backward steps on gaps of two causes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from diagnosis_search import fit_of, search_for
+from locosweep.diagnosis.select.extension import singles
+from locosweep.diagnosis.select.search import Collection, ranked
+from locosweep.diagnosis.select.stepwise import backward, forward, is_stalled, without
+
+NAMES = ("viscous_friction", "drive_gain_error", "sensor_drift")
+BOTH = {"viscous_friction": {"c": 0.06}, "sensor_drift": {"b": 2e-3}}
+
+
+def test_a_forward_step_finds_the_second_cause() -> None:
+    search = search_for(BOTH, *NAMES)
+    known = singles(search)
+    level = ranked({key: fit for key, fit in known.fits.items() if key})
+    found = forward(search, known, level, level[0], rest=True, wide=False, windows=())
+    best = ranked(found)[0]
+    assert set(best.model.names) == set(BOTH)
+    assert all(len(key) == 2 for key in found)
+    assert all(len(key) < 2 for key in known.fits)
+
+
+def test_a_backward_step_leaves_out_what_is_not_needed() -> None:
+    search = search_for({"viscous_friction": {"c": 0.06}}, *NAMES)
+    wide = fit_of(search, *NAMES)
+    left, known = backward(search, Collection({frozenset(): search.none}), wide)
+    assert left.model.names == ("viscous_friction",)
+    assert frozenset({"viscous_friction"}) in known.fits
+
+
+def test_a_set_that_is_needed_stays_whole() -> None:
+    search = search_for(BOTH, *NAMES)
+    both = fit_of(search, *BOTH)
+    known = Collection({frozenset(): search.none})
+    assert backward(search, known, both)[0] is both
+    assert list(known.fits) == [frozenset()]
+
+
+def test_one_effect_less_has_the_values_of_the_others() -> None:
+    search = search_for(BOTH, *NAMES)
+    both = fit_of(search, *BOTH)
+    fewer = without(search, both, "viscous_friction")
+    assert fewer.model.names == ("sensor_drift",)
+    np.testing.assert_array_equal(fewer.parameters, both.parameters[1:])
+    assert fewer.chi2 == np.inf
+
+
+def test_a_search_is_stalled_where_an_effect_leaves_most_of_a_large_rest() -> None:
+    search = search_for({}, *NAMES)
+    after = search.none
+    noise = search.problem.degrees()
+    large = replace(after, chi2=10.0 * noise)
+    assert is_stalled(search.problem, replace(after, chi2=15.0 * noise), large)
+    assert not is_stalled(search.problem, replace(after, chi2=40.0 * noise), large)
+    assert not is_stalled(search.problem, replace(after, chi2=2.0 * noise), after)

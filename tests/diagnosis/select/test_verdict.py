@@ -1,0 +1,66 @@
+"""The choice among a few effects: causes, classes, and how sure it is."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from diagnosis_search import search_for, search_of
+from diagnosis_small import driven, measured
+from locosweep.diagnosis.estimate.least_squares import start_fits
+from locosweep.diagnosis.select.verdict import choose, is_limit
+
+NAMES = ("viscous_friction", "sensor_drift", "coulomb_error")
+
+
+def test_noise_needs_no_effect() -> None:
+    choice = choose(search_for({}, *NAMES), 3)
+    assert (choice.status, choice.fit.model.names) == ("none", ())
+    assert 0.5 < choice.probability <= 0.98
+    assert not choice.whiteness.rejected
+    assert choice.tied == [choice.fit]
+
+
+def test_a_cause_is_explained() -> None:
+    choice = choose(search_for({"viscous_friction": {"c": 0.03}}, *NAMES), 3)
+    assert (choice.status, choice.classes) == ("explained", [["viscous_friction"]])
+    assert choice.fit.parameters[0] == pytest.approx(0.03, rel=0.03)
+    assert choice.weight(choice.fit) > 0.9
+    assert sum(weight for _, weight in choice.ranked) == pytest.approx(1.0)
+
+
+def test_two_causes_are_both_named() -> None:
+    both = {"viscous_friction": {"c": 0.01}, "sensor_drift": {"b": 1e-4}}
+    choice = choose(search_for(both, *NAMES), 3)
+    assert (choice.status, set(choice.fit.model.names)) == ("explained", set(both))
+    assert set(choice.known.fits) > {frozenset(both), frozenset()}
+
+
+def test_what_the_runs_cannot_tell_apart_is_a_class() -> None:
+    """Back-EMF and viscous friction are one force where the drive force is not measured."""
+    search = search_for({"viscous_friction": {"c": 0.03}}, "viscous_friction", "back_emf")
+    choice = choose(search, 2)
+    assert choice.status == "ambiguous"
+    assert {*choice.classes[0]} == {"viscous_friction", "back_emf"}
+    assert [fit.model.names[0] for fit in choice.tied] == choice.classes[0]
+
+
+def test_what_no_candidate_accounts_for_is_unexplained() -> None:
+    runs = driven()
+    pushed = measured({"position_dependent_friction": {"a": 0.02, "L": 0.03, "p": 0.0}}, runs)
+    choice = choose(search_of(pushed, "sensor_drift", "drive_gain_error"), 1)
+    assert choice.status == "unexplained"
+    assert choice.whiteness.rejected
+    assert choice.shape
+
+
+def test_only_a_shape_has_a_limit_that_is_another_effect() -> None:
+    search = search_for({}, "drive_lag", "stribeck_friction")
+    found = {}
+    for name in search.names:
+        model = search.model((name,))
+        lowest = np.array([[f.low for f in model.free]])
+        (fit,) = start_fits(search.nuisances, model, lowest)
+        found[name] = is_limit(fit, name)
+    # The shortest lag is next to nothing; a friction that falls at no speed is Coulomb's.
+    assert found == {"drive_lag": False, "stribeck_friction": True}

@@ -1,0 +1,37 @@
+"""Searches over a few effects on runs of a few hundred samples, for unit tests of one module."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from diagnosis_small import ROBOT, measured, problem
+from locosweep.diagnosis.effects.starts import scale_of
+from locosweep.diagnosis.estimate.least_squares import Fit, Nuisances, fit_all, start_fits
+from locosweep.diagnosis.select.search import Search
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from locosweep.files.runs import Run
+
+
+def search_of(runs: Sequence[Run], *names: str, held: tuple[int, ...] = ()) -> Search:
+    """Return a search among `names` with nothing but them to fit."""
+    scale = scale_of(ROBOT, list(runs))
+    own = problem(runs, held=held, speed_scale=scale.speed)
+    return Search(own, Nuisances(speed=scale.speed), scale, names)
+
+
+def search_for(effects: dict[str, dict[str, float]], *names: str) -> Search:
+    """Return a search on runs of a reality with `effects`."""
+    return search_of(measured(effects), *names)
+
+
+def fit_of(search: Search, *names: str, values: Sequence[float] | None = None) -> Fit:
+    """Return a set of effects, fitted from some values, 0 without them."""
+    model = search.model(names)
+    row = np.zeros((1, len(model.free))) if values is None else np.array([values])
+    (fit,) = fit_all(search.problem, start_fits(search.nuisances, model, row), steps=20)
+    return fit
