@@ -12,6 +12,7 @@ from diagnosis_small import driven, measured, problem
 from locosweep.diagnosis.effects.starts import Free
 from locosweep.diagnosis.estimate.least_squares import Fit, Model, Nuisances
 from locosweep.diagnosis.report.identifiability import not_visible
+from locosweep.diagnosis.select.search import Collection
 
 
 def fitted(name: str, *, deviation: float = 0.1, log: bool = False, free: bool = True) -> Fit:
@@ -29,10 +30,10 @@ def why(*fits: Fit, way: float | None = None, left_out: dict[str, str] | None = 
         runs = [replace(run, drive=np.where(run.t < 0.1, 0.0, way)) for run in runs]
     found = {frozenset(fit.model.names): fit for fit in fits}
     names = [fit.model.names[0] for fit in fits] + ["not_fitted"]
-    search = SimpleNamespace(
-        problem=problem(measured({}, runs, noise=0.0)), names=names, fits=found
-    )
-    return {row["effect"]: row["why"] for row in not_visible(search, left_out or {})}
+    search = SimpleNamespace(problem=problem(measured({}, runs, noise=0.0)), names=names)
+    return {
+        row["effect"]: row["why"] for row in not_visible(search, Collection(found), left_out or {})
+    }
 
 
 def test_what_was_left_out_comes_first() -> None:

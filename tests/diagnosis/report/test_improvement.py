@@ -69,7 +69,7 @@ class TestGap:
 
     def truth(self, own):
         true = replace(own.plain(), names=("payload_mass",), values=own.plain().values.copy())
-        true.values[own.place("payload_mass", "dm")] = 0.02
+        true.values[own.parameter_index("payload_mass", "dm")] = 0.02
         return true
 
     def test_numbers_of_the_runs_kept_from_the_fit(self):
@@ -110,7 +110,7 @@ class TestGap:
 
     def test_one_run_is_judged_by_its_last_part(self):
         runs = measured({"payload_mass": {"dm": 0.02}}, driven(1))
-        own = problem(runs, tail=0.7)
+        own = problem(runs, train_fraction=0.7)
         gap, _ = gap_of(own, own.plain(), self.truth(own), 0, [])
         errors = runs[0].channels["x"] - own.replay([own.plain()])["x"][0]
         assert gap["before"] == pytest.approx(np.sqrt(np.mean(errors[140:] ** 2)), rel=0.01)

@@ -81,7 +81,7 @@ class TestHorizons:
     def test_short_free_runs_err_less(self) -> None:
         own = problem(measured({"payload_mass": {"dm": 0.02}}))
         true = replace(own.plain(), names=("payload_mass",), values=own.plain().values.copy())
-        true.values[own.place("payload_mass", "dm")] = 0.02
+        true.values[own.parameter_index("payload_mass", "dm")] = 0.02
         rows = where.horizons(own, own.plain(), true, [0, 1, 2], (0.2, 1.0, 5.0))
         # Runs last 2 s: nothing is known of 5.
         assert [row["seconds"] for row in rows] == [0.2, 1.0]

@@ -70,7 +70,7 @@ class TestCalibrated:
     """The model of a fit whose uncertain nominal values were fitted too."""
 
     def point(self, *factors):
-        return replace(problem(measured({})).plain(), shares=np.array(factors))
+        return replace(problem(measured({})).plain(), factors=np.array(factors))
 
     def test_exact_values_stay(self):
         found = calibrated(ROBOT, self.point(1.0, 1.0, 1.0, 0.0), EFFECTS)

@@ -21,7 +21,7 @@ def report_of(runs, robot=ROBOT, **changes):
     whole = problem(runs, robot, **changes)
     nominal = whole.plain()
     true = replace(nominal, names=("payload_mass",), values=nominal.values.copy())
-    true.values[whole.place("payload_mass", "dm")] = MASS
+    true.values[whole.parameter_index("payload_mass", "dm")] = MASS
     return ShotReport(whole, Plan(0.4, "asked for", whole.noise)), nominal, true
 
 
@@ -59,10 +59,10 @@ class TestGap:
         assert "show no gap beyond the noise" in warnings[0]
 
     def test_one_run_is_judged_by_its_last_part(self):
-        report, *_ = report_of(measured({}, driven(1, 4.0)), tail=0.7)
-        begins = [report.tiles.shots[i].window[1] for i in report.judged]
+        report, *_ = report_of(measured({}, driven(1, 4.0)), train_fraction=0.7)
+        begins = [report.tiles.windows[i].span[1] for i in report.judged]
         assert min(begins) > 0.7 * 400
-        assert len(begins) < 0.5 * len(report.tiles.shots)
+        assert len(begins) < 0.5 * len(report.tiles.windows)
 
     def test_the_worst_tenth_of_windows_does_not_decide(self):
         runs = measured({"payload_mass": {"dm": MASS}}, driven(3, 4.0))

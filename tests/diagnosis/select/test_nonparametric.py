@@ -51,7 +51,7 @@ def log_density(
 @pytest.mark.slow
 @pytest.mark.parametrize("names", [(), ("coulomb_error",)])
 def test_worth_is_the_ratio_of_marginal_likelihoods(names: tuple[str, ...]) -> None:
-    frame = measured({"quadratic_drag": {"c2": 0.05}}, drives(count=2, samples=80))
+    frame = measured({"quadratic_drag": {"c2": 0.05}}, drives(count=2, samples=50))
     terms = terms_beside(frame, *names)
     without = log_density(terms, [], 0.0, slice(None))
     for variable in ("speed", "drive", "place"):
