@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from locosweep.diagnosis import diagnose
 from test_diagnosis import ROBOT, drives, measured, tethered
 
