@@ -1,4 +1,4 @@
-"""Pictures of causes: candidates, parameters, and how far the gap shrinks."""
+"""Pictures of causes: candidates, parameters, error over the horizon."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _WIDE = 1.96
 
 
 def candidates(diagnosis: Diagnosis) -> Figure | None:
-    """Show the leading candidates: probability and shrink, with its interval.
+    """Show the leading candidates: probability and validation error reduction, with its interval.
 
     Returns
     -------
@@ -52,7 +52,7 @@ def candidates(diagnosis: Diagnosis) -> Figure | None:
     left.set_yticks(range(len(rows)), names, fontsize=8)
     left.set_ylim(len(rows) - 0.4, -0.6)
     left.set(xlim=(0, 1.15), xlabel="probability, if it is one of these [1]", ylabel="cause")
-    right.set_xlabel("shrink of the error on runs kept from the fit [1]")
+    right.set_xlabel("error reduction on runs kept from the fit [1]")
     low, high = right.get_xlim()
     right.set_xlim(max(min(low, -0.02), -1.0), max(high, 1.02))
     for ax in (left, right):
@@ -61,7 +61,7 @@ def candidates(diagnosis: Diagnosis) -> Figure | None:
 
 
 def _interval(diagnosis: Diagnosis, row: dict[str, Any]) -> tuple[float | None, float | None]:
-    """Interval of a candidate's shrink; the verdict's is in the gap."""
+    """Interval of a candidate's error reduction; the verdict's is in the gap."""
     found = row.get("shrink_ci")
     if found is None and row is leading(diagnosis):
         found = diagnosis.gap.get("shrink_ci")
