@@ -44,20 +44,28 @@ def check_runs(runs: Sequence[Run], robot: Robot) -> list[str]:
     nominal = nominal_of(robot)
     warnings = []
     if len(runs) == 1:
-        warnings.append("one run only: its last part is the check, and nothing repeats")
+        warnings.append(
+            "one run only: its last part validates the fit, and no second run confirms the result"
+        )
     elif len(runs) < _FEW:
-        warnings.append(f"{len(runs)} runs only: answers are wider than with {_FEW} or more")
+        warnings.append(f"{len(runs)} runs only: intervals are wider than with {_FEW} or more")
     drives = [run.drive for run in runs]
     if all(np.ptp(drive) == 0.0 for drive in drives):
-        warnings.append("the drive is constant in every run: effects of the drive hardly show")
+        warnings.append(
+            "the drive is constant in every run: effects of the drive are hardly identifiable"
+        )
     elif len(runs) > 1 and len({drive.tobytes() for drive in drives}) == 1:
-        warnings.append("every run has the same drive: fewer effects can be told apart")
+        warnings.append(
+            "every run has the same drive: runs with different drives tell more effects apart"
+        )
     moved = [float(np.ptp(x[np.isfinite(x)])) for x in (run.channels["x"] for run in runs)]
     span = max(moved)
     noise = float(robot.other.get("sensor.position_noise", 0.0))
     noise = max(noise, float(robot.other.get("sensor.position_resolution", 0.0)))
     if span <= 8.0 * noise or span == 0.0:
-        warnings.append("the head never moves beyond the noise in these runs: little can be seen")
+        warnings.append(
+            "the head never moves beyond the noise in these runs: few effects are identifiable"
+        )
     free = max(_free(run, nominal["gain"]) for run in runs) / nominal["mass"]
     flat = "gravity_torque" not in nominal and not _slopes(runs, nominal)
     if flat and span > 2.0 * free + 100.0 * noise:
@@ -75,7 +83,7 @@ def check_runs(runs: Sequence[Run], robot: Robot) -> list[str]:
         if steps.max() > 10.0 * np.median(steps):
             warnings.append(
                 f"run {run.label}: a gap of {steps.max():.3g} s between samples, "
-                "the drive is held over it"
+                "the drive is taken as constant over it"
             )
         x = run.channels["x"]
         gone = float((~np.isfinite(x)).mean())
