@@ -1,20 +1,17 @@
-"""Files: robot descriptions (TOML) and results (Parquet). Nothing in them is executed."""
+"""Robot files: the nominal model of a robot as TOML. Nothing in it is executed."""
 
 from __future__ import annotations
 
-import math
-import os
-import tomllib
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from locosweep import _core
-from locosweep.errors import DataFileError, InputError
+from locosweep.errors import InputError
+from locosweep.files import toml
 from locosweep.registry import unknown
 
 if TYPE_CHECKING:
-    pass
+    import os
 
 __all__ = ["Robot", "load_robot"]
 
@@ -63,95 +60,58 @@ def load_robot(path: str | os.PathLike[str]) -> Robot:
     >>> robot.parameters["segments"]
     4.0
     """
-    path = Path(path)
-    try:
-        document = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
-    except OSError as error:
-        raise DataFileError(f"{path}: {error.strerror or error}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise DataFileError(f"{path}: not TOML: {error}") from None
-    records = {p.file_key: p for p in _core.parameters() if p.file_key}
-    others = {p.file_key: p for p in _core.file_keys() if p.file_key}
+    document = toml.read(path)
+    with toml.refusing(path):
+        return _robot(document)
+
+
+def _robot(document: dict[str, Any]) -> Robot:
+    parameters = {p.file_key: p for p in _core.parameters() if p.file_key}
+    records = {p.file_key: p for p in _core.file_keys() if p.file_key} | parameters
     choices = {(table, key): words for table, key, words in _core.file_choices()}
-    known = [*records, *others, *choices]
-    robot = Robot()
-    for name, content in _effect_tables(path, document.pop("effects", {})):
-        robot.effects[name] = _effect(path, name, content)
-    for table, content in document.items():
-        tables = list(dict.fromkeys(t for t, _ in known))
-        if table not in tables:
-            raise DataFileError(f"{path}: {unknown('table', table, [*tables, 'effects'])}")
-        if not isinstance(content, dict):
-            raise DataFileError(f"{path}: {table} is not a table: write [{table}]")
+    known = [*records, *choices]
+    toml.check_keys("table", document, [*dict.fromkeys(t for t, _ in known), "effects"])
+    effects = toml.table(document, "effects")
+    robot = Robot(effects={name: _effect(name, effects) for name in effects})
+    for table in [name for name in document if name != "effects"]:
+        content = toml.table(document, table)
+        toml.check_keys(f"key in [{table}]", content, [key for t, key in known if t == table])
         for key, value in content.items():
-            place = (table, key)
+            where, place = f"[{table}] {key}", (table, key)
             if place in choices:
-                robot.other[f"{table}.{key}"] = _word(path, place, value, choices[place])
-            elif place in records or place in others:
-                record = records.get(place) or others[place]
-                number = _number(path, place, value)
-                try:
-                    number = record.check(number)
-                except InputError as error:
-                    raise DataFileError(f"{path}: [{table}] {error}") from None
-                if place in records:
-                    robot.parameters[record.name] = number
-                else:
-                    robot.other[f"{table}.{key}"] = number
+                if value not in choices[place]:
+                    allowed = ", ".join(choices[place])
+                    raise InputError(f"{where} is {value!r}: allowed is {allowed}")
+                robot.other[f"{table}.{key}"] = value
+            elif place in parameters:
+                record = parameters[place]
+                robot.parameters[record.name] = toml.value_of(where, record, value)
             else:
-                keys = [k for t, k in known if t == table]
-                raise DataFileError(f"{path}: {unknown(f'key in [{table}]', key, keys)}")
+                robot.other[f"{table}.{key}"] = toml.value_of(where, records[place], value)
     if "surface.coulomb_force" in robot.other and "mu_coulomb" in robot.parameters:
-        raise DataFileError(f"{path}: [surface] has mu_coulomb and coulomb_force: give one")
+        raise InputError("[surface] has mu_coulomb and coulomb_force: give one")
     return robot
 
 
-def _effect_tables(path: Path, tables: object) -> list[tuple[str, object]]:
-    if not isinstance(tables, dict):
-        raise DataFileError(f"{path}: effects is not a table: write [effects.NAME]")
-    return list(tables.items())
-
-
-def _effect(path: Path, name: str, content: object) -> dict[str, float]:
+def _effect(name: str, tables: dict[str, Any]) -> dict[str, float]:
     """Read the parameters of one effect; a mass or level that is not given is off."""
     records = {record.name: record for record in _core.effects()}
     if name not in records:
-        raise DataFileError(f"{path}: {unknown('effect', name, records)}")
-    if not isinstance(content, dict):
-        raise DataFileError(f"{path}: effects.{name} is not a table: write [effects.{name}]")
+        raise unknown("effect", name, records)
     parameters = {p.name: p for p in records[name].parameters}
+    content = toml.table(tables, name, f"effects.{name}")
+    toml.check_keys(f"key in [effects.{name}]", content, parameters)
     found = {}
     for key, value in content.items():
-        if key not in parameters:
-            where = f"key in [effects.{name}]"
-            raise DataFileError(f"{path}: {unknown(where, key, parameters)}")
-        number = _number(path, (f"effects.{name}", key), value)
-        low, high = parameters[key].range
-        if not low <= number <= high:
-            raise DataFileError(
-                f"{path}: [effects.{name}] {key} is {number!r} {parameters[key].unit}: "
-                f"allowed is {parameters[key].allowed}"
-            )
+        where = f"[effects.{name}] {key}"
+        number = toml.number(where, value)
+        record = parameters[key]
+        if not record.range[0] <= number <= record.range[1]:
+            allowed = record.allowed
+            raise InputError(f"{where} is {number!r} {record.unit}: allowed is {allowed}")
         found[key] = number
     # The two forms of one error: the file's model says which of them counts.
     missing = [key for key in parameters if key not in found and not key.startswith("d_")]
     if missing:
-        raise DataFileError(f"{path}: [effects.{name}] has no {missing[0]}")
+        raise InputError(f"[effects.{name}] has no {missing[0]}")
     return found
-
-
-def _number(path: Path, place: tuple[str, str], value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise DataFileError(f"{path}: [{place[0]}] {place[1]} is {value!r}: allowed is a number")
-    try:
-        return float(value)
-    except OverflowError:
-        # Whole numbers of TOML have no limit; the range check refuses this one.
-        return math.inf if value > 0 else -math.inf
-
-
-def _word(path: Path, place: tuple[str, str], value: object, words: list[str]) -> str:
-    if value not in words:
-        allowed = ", ".join(words)
-        raise DataFileError(f"{path}: [{place[0]}] {place[1]} is {value!r}: allowed is {allowed}")
-    return str(value)

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import json
-import os
-import tomllib
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from locosweep.errors import DataFileError, InputError
+from locosweep.errors import InputError
+from locosweep.files import toml
 from locosweep.registry import unknown
 from locosweep.simulation.gait import GaitRun, gait_parameters, gaits, run_gait
 
 if TYPE_CHECKING:
+    import os
+
     from locosweep._core import CancelToken, GaitParameter
 
 __all__ = ["GaitSpec"]
@@ -107,19 +107,11 @@ class GaitSpec:
 
     def to_toml(self) -> str:
         """Return the text of a gait file."""
-        lines = [f"format = {_text(_FORMAT)}"]
-        for table in _tables():
-            rows = [
-                f"{record.key} = {_written(self.values[name])}"
-                for name, record in gait_parameters().items()
-                if record.table == table and name in self.values
-            ]
-            if table == "gait":
-                words = {"schedule": self.schedule, "robot": self.robot}
-                rows = [f"{k} = {_text(word)}" for k, word in words.items() if word] + rows
-            if rows:
-                lines += ["", f"[{table}]", *rows]
-        return "\n".join(lines) + "\n"
+        document: dict[str, Any] = {"format": _FORMAT}
+        document["gait"] = {"schedule": self.schedule, "robot": self.robot or None}
+        for name, record in gait_parameters().items():
+            document.setdefault(record.table, {})[record.key] = self.values.get(name)
+        return toml.write(document)
 
     @classmethod
     def from_toml(cls, text: str, *, source: str = "gait file") -> GaitSpec:
@@ -138,38 +130,23 @@ class GaitSpec:
             Not TOML, an unknown table or key (with the nearest known one), a value
             of the wrong kind, number or range; names source, table and key.
         """
-        try:
-            document = tomllib.loads(text)
-        except (tomllib.TOMLDecodeError, RecursionError) as error:
-            raise DataFileError(f"{source}: not TOML: {error}") from None
-        try:
-            return _read(document)
-        except InputError as error:
-            raise DataFileError(f"{source}: {error}") from None
+        with toml.refusing(source):
+            return _read(toml.parse(text, source))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> GaitSpec:
         """Read a gait file; its robot file counts from its folder."""
-        path = Path(path)
-        try:
-            text = path.read_bytes().decode("utf-8-sig")
-        except OSError as error:
-            raise DataFileError(f"{path}: {error.strerror or error}") from None
-        except UnicodeDecodeError as error:
-            raise DataFileError(f"{path}: not TOML: {error}") from None
-        return replace(cls.from_toml(text, source=str(path)), folder=path.parent)
+        document = toml.read(path)
+        with toml.refusing(path):
+            return replace(_read(document), folder=Path(path).parent)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a gait file, in one step; its robot file is told from there."""
         from locosweep.files.atomic import replacing
 
-        robot, folder = self.robot, Path(path).parent
-        if robot is not None and folder.resolve() != self.folder.resolve():
-            place = (self.folder / robot).resolve()
-            robot = Path(os.path.relpath(place, folder.resolve())).as_posix()
+        spec = replace(self, robot=toml.moved(self.robot, self.folder, Path(path).parent))
         with replacing(path) as temporary:
-            moved = replace(self, robot=robot)
-            temporary.write_text(moved.to_toml(), encoding="utf-8", newline="\n")
+            temporary.write_text(spec.to_toml(), encoding="utf-8", newline="\n")
 
 
 _WORDS = ("schedule", "robot")
@@ -198,40 +175,23 @@ def _check(record: GaitParameter, value: float | tuple[float, ...]) -> None:
         record.parameter.check(one)
 
 
-def _text(word: str) -> str:
-    # The escapes of JSON are those of TOML, apart from DEL, which JSON leaves bare.
-    return json.dumps(word, ensure_ascii=True).replace("\x7f", "\\u007f")
-
-
-def _written(value: float | tuple[float, ...]) -> str:
-    if isinstance(value, tuple):
-        return f"[{', '.join(map(_written, value))}]"
-    return repr(int(value)) if isinstance(value, int) else repr(float(value))
-
-
 def _read(document: dict[str, Any]) -> GaitSpec:
     tables = _tables()
-    for key in document:
-        if key not in ("format", *tables):
-            raise unknown("key or table", key, ["format", *tables])
-    form = document.get("format", _FORMAT)
-    if form != _FORMAT:
-        raise InputError(f"format is {form!r}: this version reads {_FORMAT!r}")
+    toml.check_keys("key or table", document, ["format", *tables])
+    toml.check_format(document, _FORMAT)
     values: dict[str, float | tuple[float, ...]] = {}
     words: dict[str, str] = {}
     for table in tables:
-        content = document.get(table, {})
-        if not isinstance(content, dict):
-            raise InputError(f"{table} is not a table: write [{table}]")
+        content = toml.table(document, table)
         known = {r.key: r for r in gait_parameters().values() if r.table == table}
         extra = _WORDS if table == "gait" else ()
+        toml.check_keys(f"key in [{table}]", content, [*extra, *known])
         for key, value in content.items():
+            where = f"[{table}] {key}"
             if key in extra:
-                words[key] = _word(f"[{table}] {key}", value)
-            elif key in known:
-                values[known[key].parameter.name] = _value(f"[{table}] {key}", known[key], value)
+                words[key] = toml.word(where, value)
             else:
-                raise unknown(f"key in [{table}]", key, [*extra, *known])
+                values[known[key].parameter.name] = _value(where, known[key], value)
     if "schedule" not in words:
         allowed = ", ".join(gait.name for gait in gaits())
         raise InputError(f"[gait] schedule is missing: allowed is {allowed}")
@@ -266,33 +226,11 @@ def _lengths(values: dict[str, float | tuple[float, ...]]) -> None:
             )
 
 
-def _word(where: str, value: object) -> str:
-    if not isinstance(value, str) or not value:
-        raise InputError(f"{where} is {value!r}: allowed is a word in quotes")
-    return value
-
-
 def _value(where: str, record: GaitParameter, value: object) -> float | tuple[float, ...]:
     """Read a number, or an array where each part may have its own."""
     if isinstance(value, list):
         if record.part == "run":
             raise InputError(f"{where} is an array: allowed is {record.parameter.allowed}")
-        return tuple(_number(f"{where}[{i}]", record, one) for i, one in enumerate(value))
-    return _number(where, record, value)
-
-
-def _number(where: str, record: GaitParameter, value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(f"{where} is {value!r}: allowed is {record.parameter.allowed}")
-    try:
-        number = float(value)
-    except OverflowError:
-        # Whole numbers of TOML have no limit.
-        raise InputError(f"{where} is too large: allowed is {record.parameter.allowed}") from None
-    try:
-        return record.parameter.check(number)
-    except InputError as error:
-        # The table and key say more than the parameter's name.
-        text = str(error)
-        name = record.parameter.name
-        raise InputError(where + text[len(name) :] if text.startswith(name) else text) from None
+        several = enumerate(value)
+        return tuple(toml.value_of(f"{where}[{i}]", record.parameter, one) for i, one in several)
+    return toml.value_of(where, record.parameter, value)

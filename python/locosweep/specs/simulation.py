@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import csv
 import math
-import os
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from locosweep import registry
 from locosweep.errors import DataFileError, InputError
+from locosweep.files.toml import moved
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Iterable
 
     import numpy as np
@@ -93,15 +94,7 @@ class Simulation:
 
     def moved(self, folder: Path) -> Simulation:
         """Return the same drive file, told from another folder."""
-        if self.drive_file is None or Path(self.drive_file).is_absolute():
-            return self
-        if folder.resolve() == self.folder.resolve():
-            return self
-        try:
-            path = os.path.relpath(self.folder / self.drive_file, folder)
-        except ValueError:  # another drive of Windows
-            path = str((self.folder / self.drive_file).resolve())
-        return replace(self, drive_file=Path(path).as_posix(), folder=folder)
+        return replace(self, drive_file=moved(self.drive_file, self.folder, folder), folder=folder)
 
 
 def read_drive(path: str | os.PathLike[str]) -> Samples:

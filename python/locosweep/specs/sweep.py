@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import json
 import math
-import tomllib
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from locosweep.errors import DataFileError, InputError
+from locosweep.errors import InputError
+from locosweep.files import toml
 from locosweep.registry import parameter, quantities, quantity, reductions, unknown
 from locosweep.specs.simulation import SIMULATION, Simulation
 from locosweep.specs.span import Span
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Mapping
 
     from locosweep.grid import Grid
     from locosweep.result import Result
@@ -151,30 +150,19 @@ class Spec:
 
     def to_toml(self) -> str:
         """Return the text of a sweep file."""
-        lines = [f"format = {_text(_FORMAT)}", f"quantities = {_list(map(_text, self.quantities))}"]
-        if self.over is not None:
-            lines.append(f"over = {_text(self.over)}")
-            lines.append(f"reduce = {_list(map(_text, self.reduce))}")
-        if self.q is not None:
-            lines.append(f"q = {_number(self.q)}")
-        lines.append(f"dtype = {_text(self.dtype)}")
-        if self.simulation.given:
-            lines += ["", "[simulation]"]
-        for name in self.simulation.given:
-            lines.append(f"{name} = {_text(getattr(self.simulation, name))}")
-        if self.axes:
-            lines += ["", "[axes]"]
-        for name, values in self.axes:
-            if isinstance(values, tuple):
-                text = _list(map(_number, values))
-            else:
-                text = f"{{ from = {_number(values.start)}, to = {_number(values.stop)}"
-                text += " }" if values.count is None else f", count = {values.count} }}"
-            lines.append(f"{name} = {text}")
-        if self.fixed:
-            lines += ["", "[fixed]"]
-        lines += [f"{name} = {_number(value)}" for name, value in self.fixed]
-        return "\n".join(lines) + "\n"
+        return toml.write(
+            {
+                "format": _FORMAT,
+                "quantities": self.quantities,
+                "over": self.over,
+                "reduce": self.reduce or None,
+                "q": self.q,
+                "dtype": self.dtype,
+                "simulation": {key: getattr(self.simulation, key) for key in SIMULATION},
+                "axes": {name: _written(values) for name, values in self.axes},
+                "fixed": dict(self.fixed),
+            }
+        )
 
     @classmethod
     def from_toml(cls, text: str, *, source: str = "sweep file") -> Spec:
@@ -193,27 +181,16 @@ class Spec:
             Not TOML, an unknown key (with the nearest known one), a value of the
             wrong kind, or anything that `Spec` refuses.
         """
-        try:
-            document = tomllib.loads(text)
-        except (tomllib.TOMLDecodeError, RecursionError) as error:
-            raise DataFileError(f"{source}: not TOML: {error}") from None
-        try:
-            return _read(document)
-        except InputError as error:
-            raise DataFileError(f"{source}: {error}") from None
+        with toml.refusing(source):
+            return _read(toml.parse(text, source))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Spec:
         """Read a sweep file."""
-        path = Path(path)
-        try:
-            text = path.read_bytes().decode("utf-8-sig")
-        except OSError as error:
-            raise DataFileError(f"{path}: {error.strerror or error}") from None
-        except UnicodeDecodeError as error:
-            raise DataFileError(f"{path}: not TOML: {error}") from None
-        spec = cls.from_toml(text, source=str(path))
-        return replace(spec, simulation=spec.simulation.beside(path.parent))
+        document = toml.read(path)
+        with toml.refusing(path):
+            spec = _read(document)
+        return replace(spec, simulation=spec.simulation.beside(Path(path).parent))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a sweep file, in one step."""
@@ -237,17 +214,10 @@ def _names(key: str, names: tuple[str, ...], *, empty: bool) -> None:
             raise InputError(f"{key} names '{name}' twice")
 
 
-def _text(word: str) -> str:
-    # The escapes of JSON are those of TOML, apart from DEL, which JSON leaves bare.
-    return json.dumps(word, ensure_ascii=True).replace("\x7f", "\\u007f")
-
-
-def _number(value: float) -> str:
-    return repr(int(value)) if isinstance(value, int) else repr(float(value))
-
-
-def _list(words: Iterable[str]) -> str:
-    return f"[{', '.join(words)}]"
+def _written(values: Span | tuple[float, ...]) -> object:
+    if isinstance(values, tuple):
+        return values
+    return {"from": values.start, "to": values.stop, "count": values.count}
 
 
 _KEYS = ("format", "quantities", "over", "reduce", "q", "dtype", "simulation", "axes", "fixed")
@@ -255,85 +225,48 @@ _SPAN_KEYS = ("from", "to", "count")
 
 
 def _read(document: Mapping[str, Any]) -> Spec:
-    _known("key", document, _KEYS)
-    form = document.get("format", _FORMAT)
-    if form != _FORMAT:
-        raise InputError(f"format is {form!r}: this version reads {_FORMAT!r}")
+    toml.check_keys("key", document, _KEYS)
+    toml.check_format(document, _FORMAT)
     if "quantities" not in document:
         raise InputError("quantities is missing: a list of names")
     over, q = document.get("over"), document.get("q")
+    simulation = toml.table(document, "simulation")
+    toml.check_keys("key in [simulation]", simulation, SIMULATION)
+    words: dict[str, Any] = {k: toml.word(f"[simulation] {k}", v) for k, v in simulation.items()}
+    axes, fixed = (toml.table(document, key) for key in ("axes", "fixed"))
+    for name in (*axes, *fixed):
+        parameter(name)
     return Spec(
-        quantities=_strings("quantities", document["quantities"]),
-        axes=tuple((name, _axis(name, value)) for name, value in _table(document, "axes").items()),
-        fixed=tuple(
-            (name, _float(f"[fixed] {name}", value))
-            for name, value in _table(document, "fixed").items()
-        ),
-        over=None if over is None else _string("over", over),
-        reduce=_strings("reduce", document.get("reduce", [])),
-        q=None if q is None else _float("q", q),
-        dtype=_string("dtype", document.get("dtype", "float64")),
-        simulation=_simulation(document.get("simulation", {})),
+        quantities=_words("quantities", document["quantities"]),
+        axes=tuple((name, _axis(f"[axes] {name}", value)) for name, value in axes.items()),
+        fixed=tuple((n, toml.number(f"[fixed] {n}", value)) for n, value in fixed.items()),
+        over=None if over is None else toml.word("over", over),
+        reduce=_words("reduce", document.get("reduce", [])),
+        q=None if q is None else toml.number("q", q),
+        dtype=toml.word("dtype", document.get("dtype", "float64")),
+        simulation=Simulation(**words),
     )
 
 
-def _simulation(table: object) -> Simulation:
-    if not isinstance(table, dict):
-        raise InputError("simulation is not a table: write [simulation]")
-    _known("key in [simulation]", table, SIMULATION)
-    words: dict[str, Any] = {k: _string(f"[simulation] {k}", word) for k, word in table.items()}
-    return Simulation(**words)
-
-
-def _known(kind: str, given: Iterable[str], known: tuple[str, ...]) -> None:
-    for key in given:
-        if key not in known:
-            raise unknown(kind, key, known)
-
-
-def _table(document: Mapping[str, Any], key: str) -> dict[str, Any]:
-    table = document.get(key, {})
-    if not isinstance(table, dict):
-        raise InputError(f"{key} is not a table: write [{key}]")
-    for name in table:
-        parameter(name)
-    return table
-
-
-def _axis(name: str, value: object) -> Span | tuple[float, ...]:
-    where = f"[axes] {name}"
+def _axis(where: str, value: object) -> Span | tuple[float, ...]:
     if isinstance(value, list):
-        return tuple(_float(f"{where}[{i}]", one) for i, one in enumerate(value))
+        return tuple(toml.number(f"{where}[{i}]", one) for i, one in enumerate(value))
     if not isinstance(value, dict):
         raise InputError(f"{where} is {value!r}: allowed is a list or {{ from, to, count }}")
-    _known(f"key in {where}", value, _SPAN_KEYS)
+    toml.check_keys(f"key in {where}", value, _SPAN_KEYS)
     for key in ("from", "to"):
         if key not in value:
             raise InputError(f"{where} has no '{key}': allowed is {{ from, to, count }}")
     count = value.get("count")
     if count is not None and (isinstance(count, bool) or not isinstance(count, int)):
         raise InputError(f"{where} count is {count!r}: allowed is a whole number")
-    return Span(_float(f"{where} from", value["from"]), _float(f"{where} to", value["to"]), count)
+    start, stop = (toml.number(f"{where} {key}", value[key]) for key in ("from", "to"))
+    return Span(start, stop, count)
 
 
-def _float(where: str, value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(f"{where} is {value!r}: allowed is a number")
-    try:
-        return float(value)
-    except OverflowError:
-        raise InputError(f"{where} is too large: allowed is a number below 1.8e308") from None
-
-
-def _string(where: str, value: object) -> str:
-    if not isinstance(value, str):
-        raise InputError(f"{where} is {value!r}: allowed is a word in quotes")
-    return value
-
-
-def _strings(where: str, value: object) -> tuple[str, ...]:
+def _words(where: str, value: object) -> tuple[str, ...]:
     if isinstance(value, str):
         return (value,)
     if not isinstance(value, list):
         raise InputError(f"{where} is {value!r}: allowed is a list of words in quotes")
-    return tuple(_string(f"{where}[{i}]", one) for i, one in enumerate(value))
+    return tuple(toml.word(f"{where}[{i}]", one) for i, one in enumerate(value))

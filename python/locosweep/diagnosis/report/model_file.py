@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import math
-import tomllib
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import tomlkit
+from tomlkit.exceptions import TOMLKitError
+
 from locosweep import _core
 from locosweep.diagnosis.effects.starts import level_of
+from locosweep.errors import DataFileError
 from locosweep.files.robot import Robot, load_robot
 from locosweep.simulation.replay import effect, nominal_of
 
@@ -66,59 +68,44 @@ def write_augmented(augmented: Robot, path: Path, nominal_text: str | None = Non
     path : Path
         The file.
     nominal_text : str, optional
-        Text of the nominal file: kept as it is, comments and all, the effects
-        added at its end, wherever that says what `augmented` holds.
+        Text of the nominal file: kept, comments and all, but for values that differ in
+        `augmented`; the effects are added at its end.
     """
-    if nominal_text is not None:
-        kept = nominal_text.removeprefix("\ufeff")
+    # Effects in another spelling of TOML cannot be added to: then the text is written anew.
+    for start in ((nominal_text or "").removeprefix("\ufeff"), ""):
         try:
-            known = tomllib.loads(kept).get("effects", {})
-            text = _with_effects(kept, {n: v for n, v in augmented.effects.items()
-                                        if n not in known})  # fmt: skip
-            tomllib.loads(text)
-        except tomllib.TOMLDecodeError:
-            # Effects in another spelling of TOML, which no table can follow.
-            text = ""
-        if text:
-            _write(path, text)
+            path.write_text(_filled(start, augmented), encoding="utf-8", newline="\n")
             if load_robot(path) == augmented:
                 return
-    _write(path, _with_effects(_tables(augmented), augmented.effects))
+        except (TOMLKitError, DataFileError):
+            continue
 
 
-def _write(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8", newline="\n")
-
-
-def _with_effects(text: str, effects: dict[str, dict[str, float]]) -> str:
-    parts = [text if not text or text.endswith("\n") else text + "\n"]
-    for name, values in effects.items():
-        units = {p.name: p.unit for record in _core.effects() if record.name == name
-                 for p in record.parameters}  # fmt: skip
-        lines = [f"[effects.{name}]"]
-        for key, value in values.items():
-            unit = units.get(key, "1")
-            remark = "" if unit == "1" else f"  # {unit}"
-            lines.append(f"{key} = {_number(value)}{remark}")
-        parts.append("\n".join(lines) + "\n")
-    return "\n".join(parts)
-
-
-def _tables(robot: Robot) -> str:
-    """Write everything but the effects, in the registry's order."""
-    records = [(p, robot.parameters.get(p.name)) for p in _core.parameters() if p.file_key]
-    keyed = [(p.file_key, value) for p, value in records if p.file_key and value is not None]
-    found: dict[str, list[str]] = {}
-    for (table, key), value in keyed:
-        found.setdefault(table, []).append(f"{key} = {_number(value)}")
+def _filled(text: str, robot: Robot) -> str:
+    """Return a TOML text with the values of a robot set in it."""
+    document = tomlkit.parse(text)
+    given: list[tuple[str, str, float | str]] = [
+        (*p.file_key, robot.parameters[p.name])
+        for p in _core.parameters()
+        if p.file_key and p.name in robot.parameters
+    ]
     for place, word in robot.other.items():
         table, _, key = place.partition(".")
-        text = f'"{word}"' if isinstance(word, str) else _number(word)
-        found.setdefault(table, []).append(f"{key} = {text}")
-    return "\n".join(f"[{table}]\n" + "\n".join(lines) + "\n" for table, lines in found.items())
+        given.append((table, key, word))
+    for table, key, value in given:
+        content = document.setdefault(table, {})
+        if content.get(key) != value:
+            content[key] = value
+    effects = document.setdefault("effects", tomlkit.table(is_super_table=True))
+    for name, values in robot.effects.items():
+        content = effects.setdefault(name, {})
+        units = {p.name: p.unit for p in effect(name).parameters}
+        for key, value in values.items():
+            if content.get(key) != value:
+                content[key] = _with_unit(value, units[key])
+    return tomlkit.dumps(document)
 
 
-def _number(value: float) -> str:
-    if math.isinf(value):
-        return "inf" if value > 0 else "-inf"
-    return repr(float(value))
+def _with_unit(value: float, unit: str) -> tomlkit.items.Item:
+    item = tomlkit.item(float(value))
+    return item if unit == "1" else item.comment(unit)
