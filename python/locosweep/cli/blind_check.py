@@ -3,33 +3,19 @@
 from __future__ import annotations
 
 import shlex
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from locosweep.cli.options import as_json, json_option, on_terminal, threads_option
+from locosweep.cli.options import as_json, json_option, meter, threads_option
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from locosweep.validation.judge import Judged
 
 __all__ = ["blind_check"]
-
-
-def _progress(label: str, *, quiet: bool) -> Callable[[int, int], None] | None:
-    """Return what writes one line over and over, or none where nobody looks."""
-    if quiet or not on_terminal():
-        return None
-
-    def write(done: int, total: int) -> None:
-        end = "\n" if done == total else ""
-        sys.stderr.write(f"\r{label} {done} of {total}{end}")
-        sys.stderr.flush()
-
-    return write
 
 
 @click.command(name="blind-check")
@@ -116,7 +102,7 @@ def blind_check(
     processes = _core.threads_to_use(threads)
     names = draw_cases(
         out, cases, seed, gap_free=gap_free, processes=processes,
-        progress=_progress("drawing", quiet=quiet),
+        progress=meter("drawing", "cases", quiet=quiet),
     )  # fmt: skip
     sealed = digest(out / SEAL)
     if not quiet:
@@ -125,13 +111,17 @@ def blind_check(
         click.echo(as_json({"cases": len(names), "sealed": sealed}) if json_ else str(out))
         return
     outcomes = diagnose_cases(
-        out, names, seed=seed, processes=processes, progress=_progress("diagnosing", quiet=quiet)
+        out,
+        names,
+        seed=seed,
+        processes=processes,
+        progress=meter("diagnosing", "cases", quiet=quiet),
     )
     judged = judge_cases(out, outcomes)
     if experiments:
         judged = carry_out(
             out, judged, seed, experiments, processes=processes,
-            progress=_progress("next runs", quiet=quiet),
+            progress=meter("next runs", "cases", quiet=quiet),
         )  # fmt: skip
     command = shlex.join(["locosweep", *ctx.obj])
     about = {

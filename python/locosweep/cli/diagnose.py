@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from locosweep.cli.options import as_json, json_option, on_terminal, threads_option
+from locosweep.cli.options import as_json, json_option, meter, threads_option
 from locosweep.cli.simulate_runs import pairs
 
 if TYPE_CHECKING:
@@ -80,6 +80,7 @@ def diagnose(
     named, of = pairs("--column", columns), pairs("--unit", units)
     from locosweep.diagnosis.pipeline import diagnose as diagnose_runs
 
+    bar = meter("diagnose", quiet=quiet)
     found = diagnose_runs(
         runs,
         nominal,
@@ -89,13 +90,13 @@ def diagnose(
         columns=named,
         units=of,
         threads=threads,
-        progress=_say if on_terminal() and not quiet else None,
+        progress=None if bar is None else bar.say,
     )
-    if on_terminal() and not quiet:
-        _say("writing the report")
+    if bar is not None:
+        bar.say("writing the report")
     found.save(out, force=force)
-    if on_terminal() and not quiet:
-        _say("")
+    if bar is not None:
+        bar.close()
     if not quiet:
         for warning in found.warnings:
             click.echo(f"locosweep: note: {' '.join(warning.split())}", err=True)
@@ -103,11 +104,6 @@ def diagnose(
         click.echo(as_json({"verdict": found.report["verdict"], "out": str(out)}))
     else:
         click.echo(_told(found, out, quiet=quiet))
-
-
-def _say(what: str) -> None:
-    """Write over the line that says what is being done."""
-    click.echo(f"\r\x1b[K{what and 'diagnose: '}{what}", err=True, nl=False)
 
 
 def _labels(given: Iterable[str]) -> list[str] | None:

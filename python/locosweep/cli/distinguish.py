@@ -18,7 +18,7 @@ from locosweep.cli.options import (
     SweepCommand,
     as_json,
     json_option,
-    on_terminal,
+    meter,
     threads_option,
 )
 from locosweep.cli.simulate_runs import pairs
@@ -102,7 +102,6 @@ def distinguish(
     """
     from locosweep.diagnosis.design.distinguish import distinguish as distinguished
     from locosweep.files.robot import load_robot
-    from locosweep.progress import Meter
 
     if out is not None and plot_file is not None and out.resolve() == plot_file.resolve():
         raise InputError(f"--out and --plot are both {out}: allowed are two files")
@@ -121,7 +120,7 @@ def distinguish(
         noise={name: _number(name, text) for name, text in pairs("--noise", noise).items()},
         size=size,
         threads=threads,
-        progress=Meter("distinguish") if on_terminal() and not quiet else None,
+        progress=meter("distinguish", "effects", quiet=quiet),
     )
     files = []
     if out is not None:

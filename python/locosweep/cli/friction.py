@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from locosweep.cli.options import LAW, as_json, json_option, on_terminal, threads_option
+from locosweep.cli.options import LAW, as_json, json_option, meter, threads_option
 from locosweep.cli.simulate_runs import pairs
 from locosweep.errors import InputError
 
@@ -91,7 +91,6 @@ def friction(
         refuse_full(out)
     from locosweep.friction_fit import fit_friction
     from locosweep.friction_fit.report import as_text, save
-    from locosweep.progress import Meter
 
     fit = fit_friction(
         data,
@@ -103,7 +102,7 @@ def friction(
         units=scaled,
         seed=seed,
         threads=threads,
-        progress=Meter("friction") if on_terminal() and not quiet else None,
+        progress=meter("friction", "fits", quiet=quiet),
     )
     files = save(fit, out, command=called(ctx))
     if quiet:

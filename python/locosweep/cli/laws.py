@@ -16,7 +16,7 @@ from locosweep.cli.options import (
     as_json,
     fixed,
     json_option,
-    on_terminal,
+    meter,
     robot_option,
     set_option,
 )
@@ -118,7 +118,6 @@ def _draw(
     from locosweep.files.atomic import replacing
     from locosweep.plot.laws import frame_of
     from locosweep.plot.save import save_figure
-    from locosweep.progress import Meter
     from locosweep.simulation.law_data import EXAMPLE, behaviour_of, characteristic_of
 
     values = EXAMPLE | dict(fixed(robot, settings, ()))
@@ -132,7 +131,7 @@ def _draw(
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"--out {out}: cannot make this folder: {error.strerror}") from None
-    meter = Meter("pictures") if on_terminal() else None
+    progress = meter("laws", "pictures")
     command, files = called(ctx), []
     if whole:
         files.append(out / "laws.png")
@@ -145,6 +144,6 @@ def _draw(
         used = {p.name: values.get(p.name, p.default or 0.0) for p in law.parameters}
         figure = page(law, seen[law.name], pages[law.name], frame, used)
         save_figure(figure, files[-1], command=command)
-        if meter is not None:
-            meter(done, len(some), 0.0)
+        if progress is not None:
+            progress(done, len(some))
     return files

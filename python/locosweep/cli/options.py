@@ -18,6 +18,7 @@ from locosweep.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
+    from locosweep.progress import Meter
     from locosweep.result import Result
     from locosweep.specs.sweep import Span
 
@@ -39,6 +40,7 @@ __all__ = [
     "as_json",
     "fixed",
     "json_option",
+    "meter",
     "on_terminal",
     "robot_option",
     "set_option",
@@ -279,6 +281,13 @@ def fixed(
         found = load_robot(robot).parameters
         values = {name: value for name, value in found.items() if name not in swept}
     return tuple((values | dict(spec) | given).items())
+
+
+def meter(label: str, unit: str = "evaluations", *, quiet: bool = False) -> Meter | None:
+    """Return a bar for a terminal, None where nobody looks at one."""
+    from locosweep.progress import Meter
+
+    return Meter(label, unit) if on_terminal() and not quiet else None
 
 
 def on_terminal() -> bool:

@@ -6,12 +6,7 @@ from pathlib import Path
 
 import click
 
-from locosweep.cli.options import (
-    as_json,
-    json_option,
-    on_terminal,
-    robot_option,
-)
+from locosweep.cli.options import as_json, json_option, meter, robot_option
 from locosweep.cli.saving import paths
 
 __all__ = ["reproduce"]
@@ -45,12 +40,10 @@ def reproduce(figures: str, out: Path, robot: Path | None, json_: bool) -> None:
         return
     from locosweep.files.robot import load_robot
     from locosweep.paper import reproduce as paper
-    from locosweep.progress import Meter
 
     number = int(figures) if figures.isascii() and figures.isdigit() else figures
     held = None if robot is None else load_robot(robot)
-    meter = Meter("files") if on_terminal() else None
-    report = paper.reproduce(number, out, robot=held, progress=meter)
+    report = paper.reproduce(number, out, robot=held, progress=meter("reproduce", "files"))
     if json_:
         rows = [
             {"claim": r.claim, "source": r.source, "paper": r.paper, "here": r.ours,

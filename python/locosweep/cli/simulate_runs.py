@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from locosweep.cli.options import as_json, on_terminal
+from locosweep.cli.options import as_json, meter
 from locosweep.errors import InputError
 
 if TYPE_CHECKING:
@@ -45,7 +45,6 @@ def replay(
     from locosweep.files.atomic import check_place, replacing
     from locosweep.files.robot import load_robot
     from locosweep.files.runs import load_runs
-    from locosweep.progress import Meter
     from locosweep.simulation.replay import replay_runs
 
     check_place(out)
@@ -55,8 +54,7 @@ def replay(
     measured, notices = load_runs(runs, named, pairs("--unit", units), needs=("t", "drive"))
     for notice in notices:
         click.echo(f"locosweep: note: {notice}", err=True)
-    meter = Meter("simulate") if on_terminal() else None
-    frame = replay_runs(robot, measured, threads=threads, progress=meter)
+    frame = replay_runs(robot, measured, threads=threads, progress=meter("simulate"))
     with replacing(out) as temporary:
         try:
             if out.suffix.lower() == ".csv":
