@@ -142,14 +142,13 @@ def _write(
     out: Path, metrics: str, text: str, wrong: Sequence[str], judged: Sequence[Judged], command: str
 ) -> None:
     """Write figures, tables and pictures."""
-    from locosweep.files.atomic import replacing
+    from locosweep.files.atomic import write_text
     from locosweep.plot.save import save_figure
     from locosweep.validation.pictures import PICTURES
 
     lists = {"metrics.json": metrics, "table.txt": text, "wrong.txt": "\n".join(wrong)}
     for name, content in lists.items():
-        with replacing(out / name) as temporary:
-            temporary.write_text(content + "\n")
+        write_text(out / name, content + "\n")
     for name, draw in PICTURES.items():
         figure = draw(judged).get_figure(root=True)
         if figure is not None:

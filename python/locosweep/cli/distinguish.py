@@ -188,7 +188,7 @@ def _save(found: Distinction, out: Path) -> None:
     """Write the long table of pairs."""
     import polars as pl
 
-    from locosweep.files.atomic import replacing
+    from locosweep.files.atomic import write_frame
 
     count = len(found.names)
     frame = pl.DataFrame(
@@ -198,14 +198,7 @@ def _save(found: Distinction, out: Path) -> None:
             "distance": found.distances.ravel(),
         }
     )
-    with replacing(out) as temporary:
-        try:
-            if out.suffix.lower() == ".csv":
-                frame.write_csv(temporary)
-            else:
-                frame.write_parquet(temporary)
-        except (pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
-            raise InputError(f"{out}: cannot write: {error}") from None
+    write_frame(out, frame)
 
 
 def _report(found: Distinction, files: list[str]) -> dict[str, object]:

@@ -81,14 +81,13 @@ def friction(
     the laws), residuals.png (what the law leaves over velocity, position, time and
     load), laws.png (laws on samples held out) and force.png (force over time).
     """
-    from locosweep.cli.gait import refuse_full
     from locosweep.cli.saving import called
+    from locosweep.files.folder import check_folder
 
     named, scaled = pairs("--column", columns), pairs("--unit", units)
     wanted = None if runs is None else _labels("--runs", runs)
     held = _labels("--holdout", holdout)
-    if not force:
-        refuse_full(out)
+    check_folder(out, force=force)
     from locosweep.friction_fit import fit_friction
     from locosweep.friction_fit.report import as_text, save
 

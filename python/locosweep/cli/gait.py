@@ -11,11 +11,9 @@ from locosweep.cli.options import as_json, json_option
 from locosweep.errors import InputError
 
 if TYPE_CHECKING:
-    import polars as pl
-
     from locosweep.simulation.gait import GaitRun
 
-__all__ = ["gait", "refuse_full"]
+__all__ = ["gait"]
 
 
 @click.command()
@@ -38,11 +36,11 @@ def gait(ctx: click.Context, spec: Path, out: Path, force: bool, samples: int, j
     forces.png (propulsive force, joint forces, electrical power), summary.md,
     summary.csv and trace.parquet.
     """
+    from locosweep.files.folder import check_folder
     from locosweep.specs.gait import GaitSpec
 
     given = GaitSpec.load(spec)
-    if not force:
-        refuse_full(out)
+    check_folder(out, force=force)
     try:
         run = given.run(samples=samples)
     except InputError as error:
@@ -53,16 +51,6 @@ def gait(ctx: click.Context, spec: Path, out: Path, force: bool, samples: int, j
         click.echo(as_json({"files": [str(f) for f in files], "summary": told, **run.results}))
     else:
         click.echo("\n".join([*map(str, files), told]))
-
-
-def refuse_full(out: Path) -> None:
-    """Refuse a folder that holds something."""
-    try:
-        full = out.exists() and any(out.iterdir())
-    except OSError as error:
-        raise InputError(f"{out}: cannot read this folder: {error.strerror}") from None
-    if full:
-        raise InputError(f"{out} is not empty: name another folder, or give --force")
 
 
 def _told(run: GaitRun) -> str:
@@ -83,13 +71,12 @@ def _told(run: GaitRun) -> str:
 
 def _write(ctx: click.Context, spec: Path, run: GaitRun, out: Path) -> list[Path]:
     from locosweep.cli.saving import called
+    from locosweep.files.atomic import write_frame, write_text
+    from locosweep.files.folder import make_folder
     from locosweep.plot.gait import force_power, space_time_figure
     from locosweep.plot.save import save_figure
 
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{out}: cannot make this folder: {error.strerror}") from None
+    make_folder(out)
     told = _told(run)
     title = told.replace(", anchors", ",\nanchors")
     pictures = {
@@ -100,31 +87,10 @@ def _write(ctx: click.Context, spec: Path, run: GaitRun, out: Path) -> list[Path
     for name, figure in pictures.items():
         save_figure(figure, out / name, command=called(ctx))
         files.append(out / name)
-    tables = {"summary.md": _markdown(spec, run), "summary.csv": run.summary.write_csv()}
-    for name, text in tables.items():
-        _text(out / name, text)
-        files.append(out / name)
-    _frame(out / "trace.parquet", run.to_polars())
-    return [*files, out / "trace.parquet"]
-
-
-def _text(path: Path, text: str) -> None:
-    from locosweep.files.atomic import replacing
-
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline="\n")
-
-
-def _frame(path: Path, frame: pl.DataFrame) -> None:
-    import polars as pl
-
-    from locosweep.files.atomic import replacing
-
-    with replacing(path) as temporary:
-        try:
-            frame.write_parquet(temporary)
-        except (pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
-            raise InputError(f"{path}: cannot write: {error}") from None
+    write_text(out / "summary.md", _markdown(spec, run))
+    write_frame(out / "summary.csv", run.summary)
+    write_frame(out / "trace.parquet", run.to_polars())
+    return [*files, *(out / name for name in ("summary.md", "summary.csv", "trace.parquet"))]
 
 
 def _markdown(spec: Path, run: GaitRun) -> str:

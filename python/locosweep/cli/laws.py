@@ -115,7 +115,8 @@ def _draw(
     """Write the pictures, and for all laws the overview and the table."""
     from locosweep.cli.law_pictures import overview, page
     from locosweep.cli.saving import called
-    from locosweep.files.atomic import replacing
+    from locosweep.files.atomic import write_text
+    from locosweep.files.folder import make_folder
     from locosweep.plot.laws import frame_of
     from locosweep.plot.save import save_figure
     from locosweep.simulation.law_data import EXAMPLE, behaviour_of, characteristic_of
@@ -127,18 +128,14 @@ def _draw(
     }
     frame = frame_of(*seen.values())
     pages = {law.name: behaviour_of(law.name, **values) for law in some}
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"--out {out}: cannot make this folder: {error.strerror}") from None
+    make_folder(out)
     progress = meter("laws", "pictures")
     command, files = called(ctx), []
     if whole:
         files.append(out / "laws.png")
         save_figure(overview(some, list(seen.values()), frame), files[-1], command=command)
         files.append(out / "laws.md")
-        with replacing(files[-1]) as temporary:
-            temporary.write_text(markdown(some), encoding="utf-8", newline="\n")
+        write_text(files[-1], markdown(some))
     for done, law in enumerate(some, 1):
         files.append(out / f"{law.name}.png")
         used = {p.name: values.get(p.name, p.default or 0.0) for p in law.parameters}

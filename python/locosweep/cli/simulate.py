@@ -26,8 +26,6 @@ from locosweep.cli.simulation_options import chosen, refuse_idle, simulation_opt
 from locosweep.errors import InputError
 
 if TYPE_CHECKING:
-    import polars as pl
-
     from locosweep.simulation.trajectories import Trajectories
     from locosweep.specs.simulation import Simulation
     from locosweep.specs.sweep import Span
@@ -215,21 +213,11 @@ def _picture(run: Trajectories) -> Any:
 
 def _save(run: Trajectories, out: Path) -> None:
     """Write the long table; a Parquet file also says what was simulated."""
-    import polars as pl
+    from locosweep.files.atomic import write_frame
 
-    from locosweep.files.atomic import replacing
-
-    frame: pl.DataFrame = run.to_polars()
-    with replacing(out) as temporary:
-        try:
-            if out.suffix.lower() == ".csv":
-                frame.write_csv(temporary)
-            else:
-                about = {key: value for key, value in _summary(run).items() if key != "curves"}
-                text = json.dumps(json.loads(as_json(about)))
-                frame.write_parquet(temporary, metadata={"locosweep.motion": text})
-        except (pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
-            raise InputError(f"{out}: cannot write: {error}") from None
+    about = {key: value for key, value in _summary(run).items() if key != "curves"}
+    text = json.dumps(json.loads(as_json(about)))
+    write_frame(out, run.to_polars(), {"locosweep.motion": text})
 
 
 def _summary(run: Trajectories) -> dict[str, object]:

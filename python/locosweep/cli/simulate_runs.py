@@ -40,9 +40,7 @@ def replay(
     json_: bool = False,
 ) -> None:
     """Replay the runs and write what the sensors would read."""
-    import polars as pl
-
-    from locosweep.files.atomic import check_place, replacing
+    from locosweep.files.atomic import check_place, write_frame
     from locosweep.files.robot import load_robot
     from locosweep.files.runs import load_runs
     from locosweep.simulation.replay import replay_runs
@@ -55,14 +53,7 @@ def replay(
     for notice in notices:
         click.echo(f"locosweep: note: {notice}", err=True)
     frame = replay_runs(robot, measured, threads=threads, progress=meter("simulate"))
-    with replacing(out) as temporary:
-        try:
-            if out.suffix.lower() == ".csv":
-                frame.write_csv(temporary)
-            else:
-                frame.write_parquet(temporary)
-        except (pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
-            raise InputError(f"{out}: cannot write: {error}") from None
+    write_frame(out, frame)
     effects = list(robot.effects)
     report = {"file": str(out), "runs": len(measured), "rows": frame.height, "effects": effects}
     click.echo(as_json(report) if json_ else str(out))

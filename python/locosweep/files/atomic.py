@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING
 from locosweep.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
+    import polars as pl
 
-__all__ = ["check_place", "replacing"]
+__all__ = ["check_place", "replacing", "write_frame", "write_text"]
 
 
 def check_place(path: str | os.PathLike[str]) -> Path:
@@ -51,3 +52,29 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
         raise InputError(f"{path}: cannot write: {error.strerror or error}") from None
     finally:
         Path(name).unlink(missing_ok=True)
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write a text file in UTF-8."""
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="\n")
+
+
+def write_frame(
+    path: str | os.PathLike[str],
+    frame: pl.DataFrame,
+    metadata: Mapping[str, str] | None = None,
+    *,
+    csv: bool = True,
+) -> None:
+    """Write a table as Parquet with its metadata, or as CSV if the name ends so and `csv`."""
+    import polars as pl
+
+    with replacing(path) as temporary:
+        try:
+            if csv and temporary.suffix.lower() == ".csv":
+                frame.write_csv(temporary)
+            else:
+                frame.write_parquet(temporary, metadata=dict(metadata) if metadata else None)
+        except (pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
+            raise InputError(f"{path}: cannot write: {error}") from None

@@ -14,7 +14,17 @@ from locosweep.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
 
-__all__ = ["check_folder", "filling"]
+__all__ = ["check_folder", "filling", "make_folder"]
+
+
+def make_folder(path: str | os.PathLike[str]) -> Path:
+    """Make a folder where there is none; InputError if that fails."""
+    path = Path(path)
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{path}: cannot make this folder: {error.strerror}") from None
+    return path
 
 
 def check_folder(path: str | os.PathLike[str], *, force: bool = False) -> Path:
@@ -55,7 +65,7 @@ def check_folder(path: str | os.PathLike[str], *, force: bool = False) -> Path:
     except OSError as error:
         raise InputError(f"{path}: cannot use this folder: {error.strerror or error}") from None
     if full and not force:
-        raise InputError(f"{path} is not empty: allowed is an empty or new folder, or --force")
+        raise InputError(f"{path} is not empty: name another folder, or give --force")
     if not above.is_dir() or not os.access(above, os.W_OK | os.X_OK):
         raise InputError(f"{path}: cannot make files in {above}")
     return path

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from locosweep import _core
-from locosweep.errors import DataFileError, InputError
-from locosweep.files.atomic import replacing
+from locosweep.errors import DataFileError
+from locosweep.files.atomic import write_frame
 from locosweep.registry import Status
 
 if TYPE_CHECKING:
@@ -28,8 +28,6 @@ _FORMAT = "locosweep.result/1"
 
 def save_result(result: Result, path: str | os.PathLike[str]) -> None:
     """Write a result as a Parquet table with everything needed to read it back."""
-    import polars as pl
-
     header: dict[str, Any] = {
         "format": _FORMAT,
         "version": _core.version(),
@@ -42,12 +40,7 @@ def save_result(result: Result, path: str | os.PathLike[str]) -> None:
         "how": result.how,
     }
     header["sha256"] = _digest(header, result)
-    frame = result.to_polars()
-    with replacing(path) as temporary:
-        try:
-            frame.write_parquet(temporary, metadata={"locosweep": json.dumps(header)})
-        except (pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
-            raise InputError(f"{path}: cannot write: {error}") from None
+    write_frame(path, result.to_polars(), {"locosweep": json.dumps(header)}, csv=False)
 
 
 def _text(value: float) -> str:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import json
 import math
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from locosweep.errors import InputError
-from locosweep.files.atomic import replacing
+from locosweep.files.atomic import write_text
+from locosweep.files.folder import make_folder
 
 if TYPE_CHECKING:
     import os
+    from pathlib import Path
 
     from locosweep.friction_fit.result import FittedLaw, FrictionFit
 
@@ -138,17 +138,11 @@ def save(
     from locosweep.friction_fit.picture import pictures
     from locosweep.plot.save import save_figure
 
-    folder = Path(folder)
     drawn = pictures(fit)
     text = json.dumps(as_dict(fit), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{folder}: cannot make this folder: {error.strerror}") from None
-    files = []
+    folder, files = make_folder(folder), []
     for name, content in {"friction.json": text, "friction.md": _markdown(fit)}.items():
-        with replacing(folder / name) as temporary:
-            temporary.write_text(content, encoding="utf-8", newline="\n")
+        write_text(folder / name, content)
         files.append(folder / name)
     for name, figure in drawn.items():
         save_figure(figure, folder / name, command=command)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import polars as pl
 
 from locosweep import _core
+from locosweep.files.atomic import write_frame, write_text
+from locosweep.files.folder import make_folder
 
 if TYPE_CHECKING:
     import os
+    from pathlib import Path
 
 __all__ = ["paper_gap"]
 
@@ -79,8 +81,7 @@ def paper_gap(folder: str | os.PathLike[str]) -> tuple[Path, Path]:
     >>> [path.name for path in paper_gap(tempfile.mkdtemp())]
     ['runs.csv', 'nominal.toml']
     """
-    out = Path(folder)
-    out.mkdir(parents=True, exist_ok=True)
+    out = make_folder(folder)
     rig = {
         "segments": 4.0, "mass": _MASS, "gravity": _GRAVITY, "mu_coulomb": _MU,
         "viscous": 0.0, "slope_deg": 0.0, "gain": 1.0, "limit": np.inf,
@@ -105,6 +106,6 @@ def paper_gap(folder: str | os.PathLike[str]) -> tuple[Path, Path]:
         noisy = np.asarray(x) + generator.normal(0.0, 5e-6, t.size)
         steps = np.round(noisy / 5e-6) * 5e-6
         frames.append(pl.DataFrame({"run": [i] * t.size, "t": t, "drive": drive, "x": steps}))
-    pl.concat(frames).write_csv(out / "runs.csv")
-    (out / "nominal.toml").write_text(_NOMINAL, encoding="utf-8", newline="\n")
+    write_frame(out / "runs.csv", pl.concat(frames))
+    write_text(out / "nominal.toml", _NOMINAL)
     return out / "runs.csv", out / "nominal.toml"

@@ -14,7 +14,8 @@ from matplotlib.figure import Figure
 
 from locosweep import _core
 from locosweep.errors import InputError
-from locosweep.files.atomic import replacing
+from locosweep.files.atomic import write_text
+from locosweep.files.folder import make_folder
 from locosweep.files.robot import Robot
 from locosweep.paper.claims import CLAIMS, Row, robot_rows
 from locosweep.paper.figures import FIGURES
@@ -164,11 +165,7 @@ def reproduce(
     {'agrees'}
     """
     chosen = _chosen(figures)
-    folder = Path(out_dir)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{folder}: cannot make this folder: {error.strerror}") from None
+    folder = make_folder(out_dir)
     rows = tuple(row for number in (0, *chosen) for row in _CLAIMS[number]())
     if robot is not None:
         rows += tuple(robot_rows(robot))
@@ -191,8 +188,7 @@ def reproduce(
     save_figure(_table(rows), table, command=command)
     done(table)
     words = folder / "reproduction.md"
-    with replacing(words) as temporary:
-        temporary.write_text(Report(rows, tuple(files)).to_markdown(), encoding="utf-8")
+    write_text(words, Report(rows, tuple(files)).to_markdown())
     done(words)
     return Report(rows, tuple(files))
 

@@ -142,11 +142,10 @@ class GaitSpec:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a gait file, in one step; its robot file is told from there."""
-        from locosweep.files.atomic import replacing
+        from locosweep.files.atomic import write_text
 
         spec = replace(self, robot=toml.moved(self.robot, self.folder, Path(path).parent))
-        with replacing(path) as temporary:
-            temporary.write_text(spec.to_toml(), encoding="utf-8", newline="\n")
+        write_text(path, spec.to_toml())
 
 
 _WORDS = ("schedule", "robot")

@@ -194,11 +194,10 @@ class Spec:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a sweep file, in one step."""
-        from locosweep.files.atomic import replacing
+        from locosweep.files.atomic import write_text
 
         moved = replace(self, simulation=self.simulation.moved(Path(path).parent))
-        with replacing(path) as temporary:
-            temporary.write_text(moved.to_toml(), encoding="utf-8", newline="\n")
+        write_text(path, moved.to_toml())
 
 
 def simulated() -> list[str]:
