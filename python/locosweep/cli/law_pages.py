@@ -10,7 +10,7 @@ from locosweep import registry
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-__all__ = ["law_record", "markdown"]
+__all__ = ["markdown"]
 
 _KINDS = {
     "dry": "Sticks truly: at rest friction takes any value up to a limit. The picture shows "
@@ -34,20 +34,6 @@ $`F`$ is the force of friction against a motion with the speed $`v`$, $`F_C`$ th
 level, $`F_S`$ the static one, $`F_N`$ the normal force and $`F_P`$ the force of the drive:
 $`F_C = \\mu_C F_N`$, $`F_S = \\mu_S F_N`$.
 """
-
-
-def law_record(law: registry.Law) -> dict[str, object]:
-    """Describe a law for JSON."""
-    return {
-        "name": law.name,
-        "kind": law.kind,
-        "formula": law.formula,
-        "parameters": [p.name for p in law.parameters],
-        "source": law.source,
-        "limits": law.limits,
-        "meaning": law.meaning,
-        "exact": law.exact,
-    }
 
 
 def markdown(laws: Sequence[registry.Law]) -> str:

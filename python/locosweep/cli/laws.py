@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import shutil
-import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from locosweep import registry
-from locosweep.cli.law_pages import law_record, markdown
+from locosweep.cli.law_pages import markdown
 from locosweep.cli.options import (
     LAW,
     as_json,
@@ -20,7 +18,7 @@ from locosweep.cli.options import (
     robot_option,
     set_option,
 )
-from locosweep.cli.registry_lists import parameter_table, table
+from locosweep.cli.registry_lists import as_record, page, table
 from locosweep.errors import InputError
 
 if TYPE_CHECKING:
@@ -29,6 +27,8 @@ if TYPE_CHECKING:
     from locosweep.simulation.law_data import Characteristic
 
 __all__ = ["laws"]
+
+_LAW = ("name", "kind", "formula", "parameters", "source", "limits", "meaning", "exact")
 
 
 @click.command()
@@ -62,7 +62,7 @@ def laws(
         raise InputError("--robot and --set give values for pictures: allowed beside --out FOLDER")
     files = [] if out is None else _draw(ctx, out, some, name is None, robot, settings)
     if json_:
-        records = [law_record(law) for law in some] if name is None else _detail(some[0])
+        records = [as_record(law, _LAW) for law in some] if name is None else _detail(some[0])
         paths = [str(file) for file in files]
         click.echo(as_json({"files": paths, "laws": records} if files else records))
     elif files:
@@ -80,28 +80,14 @@ def _names(law: registry.Law) -> str:
 
 
 def _detail(law: registry.Law) -> dict[str, object]:
-    parameters = [
-        {"name": p.name, "symbol": p.symbol, "unit": p.unit, "default": p.default,
-         "range": list(p.range), "meaning": p.meaning}
-        for p in law.parameters
-    ]  # fmt: skip
-    return law_record(law) | {"parameters": parameters}
+    names = ("name", "symbol", "unit", "default", "range", "meaning")
+    return as_record(law, _LAW) | {"parameters": [as_record(p, names) for p in law.parameters]}
 
 
 def _page(law: registry.Law) -> str:
     known = "motion between events is known in closed form"
-    entries = {
-        "kind": law.kind,
-        "formula": law.formula,
-        "source": law.source,
-        "limits": law.limits,
-        "exact": known if law.exact else "no: stepped by a numerical method",
-    }
-    width = min(shutil.get_terminal_size().columns, 100)
-    lines = [f"{law.name}: {law.meaning}", ""]
-    for head, text in entries.items():
-        lines.append(textwrap.fill(f"{head:<10}{text}", width, subsequent_indent=" " * 10))
-    return "\n".join([*lines, "", parameter_table(law.parameters)])
+    exact = known if law.exact else "no: stepped by a numerical method"
+    return page(law, as_record(law, ("kind", "formula", "source", "limits")) | {"exact": exact})
 
 
 def _draw(
@@ -113,7 +99,7 @@ def _draw(
     settings: tuple[tuple[str, float], ...],
 ) -> list[Path]:
     """Write the pictures, and for all laws the overview and the table."""
-    from locosweep.cli.law_pictures import overview, page
+    from locosweep.cli import law_pictures
     from locosweep.cli.saving import called
     from locosweep.files.atomic import write_text
     from locosweep.files.folder import make_folder
@@ -133,13 +119,15 @@ def _draw(
     command, files = called(ctx), []
     if whole:
         files.append(out / "laws.png")
-        save_figure(overview(some, list(seen.values()), frame), files[-1], command=command)
+        save_figure(
+            law_pictures.overview(some, list(seen.values()), frame), files[-1], command=command
+        )
         files.append(out / "laws.md")
         write_text(files[-1], markdown(some))
     for done, law in enumerate(some, 1):
         files.append(out / f"{law.name}.png")
         used = {p.name: values.get(p.name, p.default or 0.0) for p in law.parameters}
-        figure = page(law, seen[law.name], pages[law.name], frame, used)
+        figure = law_pictures.page(law, seen[law.name], pages[law.name], frame, used)
         save_figure(figure, files[-1], command=command)
         if progress is not None:
             progress(done, len(some))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import textwrap
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -12,12 +12,13 @@ from locosweep import registry
 from locosweep.cli.options import DRIVE, PARAMETER, QUANTITY, as_json, json_option
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
 __all__ = [
+    "as_record",
     "drives",
     "methods",
-    "parameter_table",
+    "page",
     "parameters",
     "quantities",
     "reductions",
@@ -38,6 +39,32 @@ def table(rows: Iterable[Sequence[str]], heads: Sequence[str], right: str = "") 
     return "\n".join(lines)
 
 
+def as_record(record: object, names: Iterable[str]) -> dict[str, Any]:
+    """Return some attributes of a record of the registry for JSON; parameters by name."""
+    found = {name: getattr(record, name) for name in names}
+    if "parameters" in found:
+        found["parameters"] = [p.name for p in found["parameters"]]
+    return found
+
+
+def page(
+    record: registry.Law | registry.Quantity | registry.Drive, entries: Mapping[str, str]
+) -> str:
+    """Return everything about one record: its name, entries and parameters."""
+    width = min(shutil.get_terminal_size().columns, 100)
+    lines = [f"{record.name}: {record.meaning}", ""]
+    for head, text in entries.items():
+        lines.append(textwrap.fill(f"{head:<10}{text}", width, subsequent_indent=" " * 10))
+    return "\n".join([*lines, "", parameter_table(record.parameters)])
+
+
+_QUANTITY = (
+    *("name", "symbol", "unit", "meaning", "formula", "source", "limits", "integer"),
+    *("simulated", "parameters"),
+)
+_PARAMETER = ("name", "symbol", "unit", "meaning", "default", "range", "integer", "file_key")
+
+
 @click.command()
 @click.argument("name", required=False, type=QUANTITY)
 @json_option
@@ -45,46 +72,16 @@ def quantities(name: str | None, json_: bool) -> None:
     """List the quantities, or tell everything about one."""
     some = registry.quantities() if name is None else [registry.quantity(name)]
     if json_:
-        records = [_quantity(record) for record in some]
+        records = [as_record(record, _QUANTITY) for record in some]
         click.echo(as_json(records if name is None else records[0]))
     elif name is None:
         rows = [(q.name, q.unit, q.meaning) for q in some]
         click.echo(table(rows, ("quantity", "unit", "meaning")))
     else:
-        click.echo(_page(some[0]))
-
-
-def _quantity(record: registry.Quantity) -> dict[str, object]:
-    return {
-        "name": record.name,
-        "symbol": record.symbol,
-        "unit": record.unit,
-        "meaning": record.meaning,
-        "formula": record.formula,
-        "source": record.source,
-        "limits": record.limits,
-        "integer": record.integer,
-        "simulated": record.simulated,
-        "parameters": [p.name for p in record.parameters],
-    }
-
-
-def _page(record: registry.Quantity) -> str:
-    entries = {
-        "unit": record.unit,
-        "symbol": record.symbol,
-        "formula": record.formula,
-        "source": record.source,
-        "limits": record.limits,
-    }
-    if record.simulated:
-        entries["law"] = "simulated: a friction law and a drive add their parameters"
-    width = min(shutil.get_terminal_size().columns, 100)
-    lines = [f"{record.name}: {record.meaning}", ""]
-    for head, text in entries.items():
-        indent = " " * 10
-        lines.append(textwrap.fill(f"{head:<10}{text}", width, subsequent_indent=indent))
-    return "\n".join([*lines, "", parameter_table(record.parameters)])
+        entries = as_record(some[0], ("unit", "symbol", "formula", "source", "limits"))
+        if some[0].simulated:
+            entries["law"] = "simulated: a friction law and a drive add their parameters"
+        click.echo(page(some[0], entries))
 
 
 def parameter_table(records: Iterable[registry.Parameter]) -> str:
@@ -103,23 +100,12 @@ def parameters(name: str | None, json_: bool) -> None:
     """List the parameters: unit, default, what is allowed, key in a robot file."""
     some = registry.parameters() if name is None else [registry.parameter(name)]
     if json_:
-        records = [_parameter(record) for record in some]
+        records = [as_record(record, _PARAMETER) for record in some]
+        for record in records:
+            record["file_key"] = ".".join(record["file_key"]) if record["file_key"] else None
         click.echo(as_json(records if name is None else records[0]))
     else:
         click.echo(parameter_table(some))
-
-
-def _parameter(record: registry.Parameter) -> dict[str, object]:
-    return {
-        "name": record.name,
-        "symbol": record.symbol,
-        "unit": record.unit,
-        "meaning": record.meaning,
-        "default": record.default,
-        "range": list(record.range),
-        "integer": record.integer,
-        "file_key": None if record.file_key is None else ".".join(record.file_key),
-    }
 
 
 @click.command()
@@ -137,19 +123,13 @@ def drives(name: str | None, json_: bool) -> None:
     """List the drives of a simulation, or tell everything about one."""
     some = registry.drives() if name is None else [registry.drive(name)]
     if json_:
-        records = [
-            {"name": d.name, "meaning": d.meaning, "formula": d.formula,
-             "parameters": [p.name for p in d.parameters]}
-            for d in some
-        ]  # fmt: skip
+        records = [as_record(d, ("name", "meaning", "formula", "parameters")) for d in some]
         click.echo(as_json(records if name is None else records[0]))
     elif name is None:
         rows = [(d.name, d.meaning, ", ".join(p.name for p in d.parameters)) for d in some]
         click.echo(table(rows, ("drive", "meaning", "parameters")))
     else:
-        drive = some[0]
-        head = f"{drive.name}: {drive.meaning}\n\nformula   {drive.formula}"
-        click.echo(f"{head}\n\n{parameter_table(drive.parameters)}")
+        click.echo(page(some[0], {"formula": some[0].formula}))
 
 
 @click.command()
