@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import shlex
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from locosweep.cli.options import as_json, json_option, meter, threads_option
+from locosweep.cli import options
+from locosweep.cli.options import as_json, called, meter
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
     from locosweep.validation.judge import Judged
 
@@ -19,54 +19,26 @@ __all__ = ["blind_check"]
 
 
 @click.command(name="blind-check")
-@click.option(
-    "--cases",
-    default=200,
-    show_default=True,
-    metavar="N",
-    type=click.IntRange(min=0),
-    help="Cases of the mixture: none, one or two effects, causes outside the list.",
+@options.count_option(
+    "--cases", 200, "Cases of the mixture: none, one or two effects, causes outside the list."
 )
-@click.option(
-    "--gap-free",
-    default=0,
-    show_default=True,
-    metavar="M",
-    type=click.IntRange(min=0),
-    help="Further cases without a gap, with exactly the nominal values.",
+@options.count_option(
+    "--gap-free", 0, "Further cases without a gap, with exactly the nominal values."
 )
-@click.option(
-    "--seed",
-    default=0,
-    show_default=True,
-    metavar="S",
-    type=click.IntRange(min=0),
-    help="Case i of a seed is the same whatever N.",
-)
-@click.option(
-    "--out",
-    required=True,
-    metavar="DIR",
-    type=click.Path(path_type=Path),
-    help="Folder for cases, truths, diagnoses and figures.",
-)
-@click.option(
-    "--experiments",
-    default=0,
-    show_default=True,
-    metavar="K",
-    type=click.IntRange(min=0),
-    help="Ambiguous verdicts whose proposed next run is carried out (half a minute each).",
-)
+@options.count_option("--seed", 0, "Case i of a seed is the same however many are drawn.")
+@options.out_option("Folder for cases, truths, diagnoses and figures")
+@options.count_option(
+    "--experiments", 0,
+    "Ambiguous verdicts whose proposed next run is carried out (half a minute each).",
+)  # fmt: skip
 @click.option("--draw-only", is_flag=True, help="Draw and seal the cases, diagnose nothing.")
 @click.option(
-    "--force",
-    is_flag=True,
+    "--force", is_flag=True,
     help="Write into a folder that is not empty; what is there of the same code is kept.",
-)
-@click.option("--quiet", is_flag=True, help="No progress.")
-@threads_option
-@json_option
+)  # fmt: skip
+@click.option("--quiet", is_flag=True, help="Show no progress.")
+@options.threads_option
+@options.json_option
 @click.pass_context
 def blind_check(
     ctx: click.Context,
@@ -123,7 +95,7 @@ def blind_check(
             out, judged, seed, experiments, processes=processes,
             progress=meter("next runs", "cases", quiet=quiet),
         )  # fmt: skip
-    command = shlex.join(["locosweep", *ctx.obj])
+    command = called(ctx)
     about = {
         "command": command,
         "locosweep": _core.version(),

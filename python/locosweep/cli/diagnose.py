@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from locosweep.cli.options import as_json, json_option, meter, threads_option
-from locosweep.cli.simulate_runs import pairs
+from locosweep.cli import options
+from locosweep.cli.options import as_json, meter, pairs
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+    from pathlib import Path
 
     from locosweep.diagnosis.report.result import Diagnosis
 
@@ -19,39 +19,24 @@ __all__ = ["diagnose"]
 
 
 @click.command()
-@click.argument("runs", metavar="RUNS", type=click.Path(path_type=Path))
+@click.argument("runs", metavar="RUNS", type=options.FILE)
 @click.option(
-    "--nominal", required=True, metavar="NOMINAL.toml", type=click.Path(path_type=Path),
+    "--nominal", required=True, metavar="NOMINAL.toml", type=options.FILE,
     help="The model that the runs are held against.",
 )  # fmt: skip
-@click.option(
-    "--out", required=True, metavar="DIR", type=click.Path(path_type=Path),
-    help="Folder for the report; made if missing.",
-)  # fmt: skip
+@options.out_option("Folder for the report")
 @click.option(
     "--holdout", multiple=True, metavar="RUN,...",
     help="Runs kept from the fit, for the check; default: chosen by the program.",
 )  # fmt: skip
-@click.option(
-    "--max-effects", default=3, show_default=True, metavar="N", type=click.IntRange(min=1),
-    help="Most effects that act at once.",
-)  # fmt: skip
-@click.option(
-    "--seed", default=0, show_default=True, metavar="N", type=click.IntRange(min=0),
-    help="Start of the random numbers.",
-)  # fmt: skip
-@click.option("--force", is_flag=True, help="Write into a folder that is not empty.")
+@options.count_option("--max-effects", 3, "Most effects that act at once.", least=1)
+@options.count_option("--seed", 0, "Start of the random numbers.")
+@options.force_option
 @click.option("--quiet", is_flag=True, help="Print the verdict only.")
-@click.option(
-    "columns", "--column", multiple=True, metavar="NAME=THEIRS",
-    help="Their name of a column of the runs, for instance drive=tau.",
-)  # fmt: skip
-@click.option(
-    "units", "--unit", multiple=True, metavar="NAME=UNIT",
-    help="Unit of a column of the runs, for instance x=mm.",
-)  # fmt: skip
-@threads_option
-@json_option
+@options.column_option
+@options.unit_option
+@options.threads_option
+@options.json_option
 def diagnose(
     runs: Path,
     nominal: Path,

@@ -10,18 +10,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from locosweep import registry
-from locosweep.cli.options import (
-    AXIS,
-    CURVES,
-    DRIVE,
-    PICTURE,
-    SweepCommand,
-    as_json,
-    json_option,
-    meter,
-    threads_option,
-)
-from locosweep.cli.simulate_runs import pairs
+from locosweep.cli import options
+from locosweep.cli.options import as_json, called, meter, pairs, values_of
 from locosweep.cli.simulation_options import chosen
 from locosweep.errors import InputError
 
@@ -40,23 +30,20 @@ _MOST_RUNS = 64
 _MOST_RIVALS = 4
 
 
-@click.command(cls=SweepCommand)
-@click.argument("nominal", metavar="NOMINAL.toml", type=click.Path(path_type=Path))
-@click.option("--drive", type=DRIVE, metavar="NAME", help="Drive of the planned runs.")
+@click.command(cls=options.SweepCommand)
+@click.argument("nominal", metavar="NOMINAL.toml", type=options.FILE)
+@click.option("--drive", type=options.DRIVE, metavar="NAME", help="Drive of the planned runs.")
 @click.option(
-    "--drive-file", type=click.Path(path_type=Path), metavar="FILE.csv",
+    "--drive-file", type=options.FILE, metavar="FILE.csv",
     help="Samples for --drive table: columns t [s] and drive; each holds until the next.",
 )  # fmt: skip
 @click.option(
-    "settings", "--set", multiple=True, type=AXIS,
+    "settings", "--set", multiple=True, type=options.AXIS,
     help="A parameter of the drive or the duration, NAME=VALUE; a run for each of NAME=A,B,C.",
 )  # fmt: skip
+@options.count_option("--samples", 1001, "Samples of each run, evenly spread.", least=20)
 @click.option(
-    "--samples", default=1001, show_default=True, metavar="N", type=click.IntRange(min=20),
-    help="Samples of each run, evenly spread.",
-)  # fmt: skip
-@click.option(
-    "--runs", metavar="RUNS", type=click.Path(path_type=Path),
+    "--runs", metavar="RUNS", type=options.FILE,
     help="Instead of --drive: a file of runs (t, drive, and slope_deg where it differs).",
 )  # fmt: skip
 @click.option(
@@ -71,11 +58,11 @@ _MOST_RIVALS = 4
     "--size", default=10.0, show_default=True, metavar="SIGMAS", type=float,
     help="Length of each effect's signal in the matrix.",
 )  # fmt: skip
-@click.option("--out", type=CURVES, help="Where the table of distances goes.")
-@click.option("plot_file", "--plot", type=PICTURE, help="Picture of the matrix.")
+@click.option("--out", type=options.CURVES, help="Where the table of distances goes.")
+@click.option("plot_file", "--plot", type=options.PICTURE, help="Picture of the matrix.")
 @click.option("--quiet", is_flag=True, help="Show no progress.")
-@threads_option
-@json_option
+@options.threads_option
+@options.json_option
 @click.pass_context
 def distinguish(
     ctx: click.Context,
@@ -127,7 +114,6 @@ def distinguish(
         _save(found, out)
         files.append(str(out))
     if plot_file is not None:
-        from locosweep.cli.saving import called
         from locosweep.plot.save import save_figure
 
         save_figure(found.plot(), plot_file, command=called(ctx))
@@ -149,26 +135,23 @@ def _planned(
 
     simulation = chosen(None, drive, None, drive_file)
     own = {p.name for p in registry.drive(simulation.drive or "").parameters} | {_TIME}
-    given: dict[str, list[float]] = {}
-    for name, values in settings:
-        if name in given:
-            raise InputError(f"--set gives {name} twice: allowed is once, NAME=A,B,C for several")
+    given = values_of(settings)
+    for name in given:
         if name not in own or name == "gain":
             allowed = ", ".join(sorted(own - {"gain"}))
             raise InputError(f"--set {name}: allowed for drive {simulation.drive} are {allowed}")
-        given[name] = list(values) if isinstance(values, tuple) else values.values(name).tolist()
     count = math.prod(map(len, given.values()))
     if count > _MOST_RUNS:
         raise InputError(f"--set makes {count} runs: allowed are 1 to {_MOST_RUNS}")
     gain = robot.parameters.get("gain", 1.0)
     # The force of a drive is the same whatever it moves.
     fixed = {"mu_coulomb": 0.5, "gain": gain, "drive_limit": math.inf}
-    options = {**simulation.options(), "law": "coulomb"}
+    chosen_options = {**simulation.options(), "law": "coulomb"}
     several = {name: values for name, values in given.items() if len(values) > 1}
     found = []
     for point in itertools.product(*given.values()):
         chosen_values = dict(zip(given, point, strict=True))
-        run = simulate(Grid(**fixed, **chosen_values), **options, samples=samples)
+        run = simulate(Grid(**fixed, **chosen_values), **chosen_options, samples=samples)
         label = ", ".join(f"{name}={chosen_values[name]:g}" for name in several) or str(
             simulation.drive
         )

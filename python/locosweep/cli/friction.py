@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from locosweep.cli.options import LAW, as_json, json_option, meter, threads_option
-from locosweep.cli.simulate_runs import pairs
+from locosweep.cli import options
+from locosweep.cli.options import as_json, called, meter, pairs
 from locosweep.errors import InputError
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 __all__ = ["friction"]
 
@@ -21,39 +24,25 @@ def _labels(option: str, given: str | None) -> list[str]:
 
 
 @click.command()
-@click.argument("data", metavar="DATA", type=click.Path(path_type=Path))
-@click.option(
-    "--out", required=True, metavar="FOLDER", type=click.Path(file_okay=False, path_type=Path),
-    help="Folder for report and pictures; made if missing.",
-)  # fmt: skip
-@click.option(
-    "columns", "--column", multiple=True, metavar="NAME=THEIRS",
-    help="Their name of a column, for instance force=load_cell.",
-)  # fmt: skip
-@click.option(
-    "units", "--unit", multiple=True, metavar="NAME=UNIT",
-    help="Unit of a column, for instance x=mm.",
-)  # fmt: skip
-@click.option(
-    "--runs", metavar="RUN,...", help="Runs to use; default all.",
-)  # fmt: skip
+@click.argument("data", metavar="DATA", type=options.FILE)
+@options.out_option("Folder for report and pictures")
+@options.column_option
+@options.unit_option
+@click.option("--runs", metavar="RUN,...", help="Runs to use; default all.")
 @click.option(
     "--holdout", metavar="RUN,...",
     help="Runs that laws are compared on and nothing is fitted to; default each in turn.",
 )  # fmt: skip
-@click.option("laws", "--law", multiple=True, type=LAW, help="Law to fit; default all.")
+@click.option("laws", "--law", multiple=True, type=options.LAW, help="Law to fit; default all.")
 @click.option(
     "--mass", metavar="KG", type=float,
     help="Moving mass: friction is then drive less mass times acceleration.",
 )  # fmt: skip
-@click.option(
-    "--seed", default=0, show_default=True, metavar="N", type=click.IntRange(min=0),
-    help="Of the samples that pictures show.",
-)  # fmt: skip
-@click.option("--force", is_flag=True, help="Write into a folder that is not empty.")
+@options.count_option("--seed", 0, "Start of the random numbers that choose samples for pictures.")
+@options.force_option
 @click.option("--quiet", is_flag=True, help="Print nothing but errors.")
-@threads_option
-@json_option
+@options.threads_option
+@options.json_option
 @click.pass_context
 def friction(
     ctx: click.Context,
@@ -81,7 +70,6 @@ def friction(
     the laws), residuals.png (what the law leaves over velocity, position, time and
     load), laws.png (laws on samples held out) and force.png (force over time).
     """
-    from locosweep.cli.saving import called
     from locosweep.files.folder import check_folder
 
     named, scaled = pairs("--column", columns), pairs("--unit", units)

@@ -2,32 +2,28 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from locosweep.cli.options import as_json, json_option
+from locosweep.cli import options
+from locosweep.cli.options import as_json, called
 from locosweep.errors import InputError
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from locosweep.simulation.gait import GaitRun
 
 __all__ = ["gait"]
 
 
 @click.command()
-@click.argument("spec", metavar="SPEC.toml", type=click.Path(path_type=Path))
-@click.option(
-    "--out", required=True, metavar="FOLDER", type=click.Path(file_okay=False, path_type=Path),
-    help="Folder for pictures and tables; made if missing.",
-)  # fmt: skip
-@click.option("--force", is_flag=True, help="Write into a folder that is not empty.")
-@click.option(
-    "--samples", default=1201, show_default=True, metavar="N", type=click.IntRange(min=2),
-    help="Times at which the motion is kept.",
-)  # fmt: skip
-@json_option
+@click.argument("spec", metavar="SPEC.toml", type=options.FILE)
+@options.out_option("Folder for pictures and tables")
+@options.force_option
+@options.count_option("--samples", 1201, "Times at which the motion is kept.", least=2)
+@options.json_option
 @click.pass_context
 def gait(ctx: click.Context, spec: Path, out: Path, force: bool, samples: int, json_: bool) -> None:
     """Simulate one whole robot through its gait.
@@ -70,7 +66,6 @@ def _told(run: GaitRun) -> str:
 
 
 def _write(ctx: click.Context, spec: Path, run: GaitRun, out: Path) -> list[Path]:
-    from locosweep.cli.saving import called
     from locosweep.files.atomic import write_frame, write_text
     from locosweep.files.folder import make_folder
     from locosweep.plot.gait import force_power, space_time_figure

@@ -7,28 +7,16 @@ from typing import TYPE_CHECKING
 
 import click
 
-from locosweep.cli.options import (
-    AXIS,
-    PICTURE,
-    QUANTITY,
-    TABLE,
-    SweepCommand,
-    as_json,
-    fixed,
-    json_option,
-    on_terminal,
-    robot_option,
-    set_option,
-    summary,
-    threads_option,
-)
+from locosweep.cli import options
+from locosweep.cli.options import as_json, fixed, on_terminal, summary
 from locosweep.cli.saving import paths, save_picture
-from locosweep.cli.simulation_options import chosen, gait_option, refuse_idle, simulation_options
+from locosweep.cli.simulation_options import refuse_idle, simulation_options
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from locosweep.result import Result
+    from locosweep.specs.simulation import Simulation
     from locosweep.specs.sweep import Span
 
     Axis = tuple[str, Span | tuple[float, ...]]
@@ -36,16 +24,18 @@ if TYPE_CHECKING:
 __all__ = ["heatmap"]
 
 
-@click.command(cls=SweepCommand)
-@click.argument("quantity", type=QUANTITY)
+@click.command(cls=options.SweepCommand)
+@click.argument("quantity", type=options.QUANTITY)
 @click.option(
-    "--x", required=True, type=AXIS, metavar="NAME=LO:HI:COUNT", help="Axis to the right."
+    "--x", required=True, type=options.AXIS, metavar="NAME=LO:HI:COUNT", help="Axis to the right."
 )
-@click.option("--y", required=True, type=AXIS, metavar="NAME=LO:HI:COUNT", help="Axis upward.")
+@click.option(
+    "--y", required=True, type=options.AXIS, metavar="NAME=LO:HI:COUNT", help="Axis upward."
+)
 @click.option(
     "best_over",
     "--best-over",
-    type=AXIS,
+    type=options.AXIS,
     metavar="NAME=LO:HI",
     help="Sweep this parameter too; show its best value and what that reaches, side by side.",
 )
@@ -56,14 +46,17 @@ __all__ = ["heatmap"]
     show_default=True,
     help="Which value is the best one for --best-over: min for costs, times and losses.",
 )
-@robot_option
-@set_option
-@simulation_options
-@gait_option
-@click.option("--out", type=PICTURE, help="Picture; default QUANTITY.png in the current folder.")
-@click.option("--data", type=TABLE, help="Also write the numbers.")
-@threads_option
-@json_option
+@options.robot_option
+@options.set_option
+@simulation_options(gait=True)
+@click.option(
+    "--out",
+    type=options.PICTURE,
+    help="Picture; default QUANTITY.png in the current folder.",
+)
+@click.option("--data", type=options.TABLE, help="Also write the numbers.")
+@options.threads_option
+@options.json_option
 @click.pass_context
 def heatmap(
     ctx: click.Context,
@@ -74,11 +67,7 @@ def heatmap(
     best: str,
     robot: Path | None,
     settings: tuple[tuple[str, float], ...],
-    law: str | None,
-    drive: str | None,
-    method: str | None,
-    drive_file: Path | None,
-    gait: str | None,
+    simulation: Simulation,
     out: Path | None,
     data: Path | None,
     threads: int | None,
@@ -92,11 +81,10 @@ def heatmap(
 
     if out is None:
         out = Path(f"{quantity}.png")
-        PICTURE.convert(out, None, ctx)
+        options.PICTURE.convert(out, None, ctx)
     axes = (y, x) if best_over is None else (y, x, best_over)
     over = None if best_over is None else best_over[0]
     reduce = () if best_over is None else (f"arg{best}", best)
-    simulation = chosen(law, drive, method, drive_file, gait)
     refuse_idle(dict(axes), [quantity], simulation)
     values = fixed(robot, settings, dict(axes))
     spec = Spec((quantity,), axes, values, over, reduce, simulation=simulation)

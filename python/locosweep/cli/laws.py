@@ -8,16 +8,9 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep import registry
+from locosweep.cli import options
 from locosweep.cli.law_pages import markdown
-from locosweep.cli.options import (
-    LAW,
-    as_json,
-    fixed,
-    json_option,
-    meter,
-    robot_option,
-    set_option,
-)
+from locosweep.cli.options import as_json, called, fixed, meter
 from locosweep.cli.registry_lists import as_record, page, table
 from locosweep.errors import InputError
 
@@ -32,17 +25,17 @@ _LAW = ("name", "kind", "formula", "parameters", "source", "limits", "meaning", 
 
 
 @click.command()
-@click.argument("name", required=False, type=LAW)
+@click.argument("name", required=False, type=options.LAW)
 @click.option(
     "--out",
     metavar="FOLDER",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=options.FOLDER,
     help="Draw every law, or the named one, into a folder, made if missing; without NAME also "
     "an overview (laws.png) and a table (laws.md).",
 )
-@robot_option
-@set_option
-@json_option
+@options.robot_option
+@options.set_option
+@options.json_option
 @click.pass_context
 def laws(
     ctx: click.Context,
@@ -100,7 +93,6 @@ def _draw(
 ) -> list[Path]:
     """Write the pictures, and for all laws the overview and the table."""
     from locosweep.cli import law_pictures
-    from locosweep.cli.saving import called
     from locosweep.files.atomic import write_text
     from locosweep.files.folder import make_folder
     from locosweep.plot.laws import frame_of

@@ -10,14 +10,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from locosweep import registry
-from locosweep.cli.options import (
-    SweepCommand,
-    as_json,
-    fixed,
-    json_option,
-    robot_option,
-    set_option,
-)
+from locosweep.cli import options
+from locosweep.cli.options import as_json, fixed
 from locosweep.cli.registry_lists import table
 from locosweep.errors import InputError
 
@@ -44,7 +38,7 @@ class _Rival:
     phase_time: float = math.nan
 
 
-@click.command(cls=SweepCommand)
+@click.command(cls=options.SweepCommand)
 @click.option(
     "span",
     "--segments",
@@ -53,9 +47,9 @@ class _Rival:
     show_default=True,
     help="Segment counts to compare, both ends included.",
 )
-@robot_option
-@set_option
-@json_option
+@options.robot_option
+@options.set_option
+@options.json_option
 def optimum(
     span: str, robot: Path | None, settings: tuple[tuple[str, float], ...], json_: bool
 ) -> None:
@@ -87,11 +81,10 @@ def optimum(
 
 
 def _segments(text: str) -> Span:
-    from locosweep.cli.options import AXIS
     from locosweep.specs.sweep import Span
 
     try:
-        span = AXIS.convert(f"{_AXIS}={text}", None, None)[1]
+        span = options.AXIS.convert(f"{_AXIS}={text}", None, None)[1]
     except click.BadParameter as error:
         raise InputError(f"--segments: {error.message}") from None
     if not isinstance(span, Span):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import math
+import shlex
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -28,6 +29,8 @@ __all__ = [
     "AXIS",
     "CURVES",
     "DRIVE",
+    "FILE",
+    "FOLDER",
     "LAW",
     "METHOD",
     "PARAMETER",
@@ -38,14 +41,22 @@ __all__ = [
     "TABLE",
     "SweepCommand",
     "as_json",
+    "called",
+    "column_option",
+    "count_option",
     "fixed",
+    "force_option",
     "json_option",
     "meter",
     "on_terminal",
+    "out_option",
+    "pairs",
     "robot_option",
     "set_option",
     "summary",
     "threads_option",
+    "unit_option",
+    "values_of",
 ]
 
 _Command = TypeVar("_Command", bound="Callable[..., Any]")
@@ -169,29 +180,11 @@ class _Output(click.ParamType[Path]):
         return path
 
 
-def _quantities() -> dict[str, str]:
-    return {q.name: q.meaning for q in registry.quantities()}
-
-
-def _parameters() -> dict[str, str]:
-    return {p.name: p.meaning for p in registry.parameters()}
-
-
-QUANTITY = _Name("quantity", _quantities)
-PARAMETER = _Name("parameter", _parameters)
-
-
-def _laws() -> dict[str, str]:
-    return {law.name: law.meaning for law in registry.laws()}
-
-
-def _drives() -> dict[str, str]:
-    return {drive.name: drive.meaning for drive in registry.drives()}
-
-
+QUANTITY = _Name("quantity", lambda: {q.name: q.meaning for q in registry.quantities()})
+PARAMETER = _Name("parameter", lambda: {p.name: p.meaning for p in registry.parameters()})
 REDUCTION = _Name("reduction", registry.reductions)
-LAW = _Name("friction law", _laws)
-DRIVE = _Name("drive", _drives)
+LAW = _Name("friction law", lambda: {law.name: law.meaning for law in registry.laws()})
+DRIVE = _Name("drive", lambda: {drive.name: drive.meaning for drive in registry.drives()})
 METHOD = _Name("method", registry.methods)
 SETTING = _Setting()
 AXIS = _Axis()
@@ -229,36 +222,74 @@ def _described(record: registry.Parameter) -> str:
     return text if record.default is None else f"{text}, default {record.default:g}"
 
 
-def robot_option(command: _Command) -> _Command:
-    """Add ``--robot``."""
+FILE: click.ParamType[Path] = click.Path(path_type=Path)
+FOLDER: click.ParamType[Path] = click.Path(file_okay=False, path_type=Path)
+
+robot_option = click.option(
+    "--robot", metavar="FILE.toml", type=FILE,
+    help="Robot file; its parameters hold where no other option gives them.",
+)  # fmt: skip
+set_option = click.option(
+    "settings", "--set", multiple=True, type=SETTING, help="Fix a parameter; repeat as needed."
+)
+column_option = click.option(
+    "columns", "--column", multiple=True, metavar="NAME=THEIRS",
+    help="Their name of a column of the data, for instance drive=tau.",
+)  # fmt: skip
+unit_option = click.option(
+    "units", "--unit", multiple=True, metavar="NAME=UNIT",
+    help="Unit of a column of the data, for instance x=mm.",
+)  # fmt: skip
+force_option = click.option("--force", is_flag=True, help="Write into a folder that is not empty.")
+threads_option = click.option(
+    "--threads", metavar="N", type=click.IntRange(min=1), help="Threads; default all processors."
+)
+json_option = click.option("--json", "json_", is_flag=True, help="Print JSON.")
+
+
+def out_option(text: str) -> Callable[[_Command], _Command]:
+    """Return the option ``--out`` of a command that fills a folder."""
     return click.option(
-        "--robot",
-        metavar="FILE.toml",
-        type=click.Path(path_type=Path),
-        help="Robot file; its parameters hold where no other option gives them.",
-    )(command)
+        "--out", required=True, metavar="FOLDER", type=FOLDER, help=f"{text}; made if missing."
+    )
 
 
-def set_option(command: _Command) -> _Command:
-    """Add ``--set``."""
+def count_option(
+    name: str, default: int, text: str, *, least: int = 0
+) -> Callable[[_Command], _Command]:
+    """Return an option for a whole number that has a default."""
     return click.option(
-        "settings", "--set", multiple=True, type=SETTING, help="Fix a parameter; repeat as needed."
-    )(command)
+        name, default=default, show_default=True, metavar="N", type=click.IntRange(min=least),
+        help=text,
+    )  # fmt: skip
 
 
-def threads_option(command: _Command) -> _Command:
-    """Add ``--threads``."""
-    return click.option(
-        "--threads",
-        metavar="N",
-        type=click.IntRange(min=1),
-        help="Threads; default all processors.",
-    )(command)
+def pairs(option: str, given: Iterable[str]) -> dict[str, str]:
+    """Read NAME=TEXT options into a mapping."""
+    found: dict[str, str] = {}
+    for text in given:
+        name, equals, value = text.partition("=")
+        if not (name and equals and value):
+            raise InputError(f"{option} {text!r}: allowed is NAME={option[2:].upper()}")
+        if name in found:
+            raise InputError(f"{option} gives {name} twice: allowed is once")
+        found[name] = value
+    return found
 
 
-def json_option(command: _Command) -> _Command:
-    """Add ``--json``."""
-    return click.option("--json", "json_", is_flag=True, help="Print JSON.")(command)
+def values_of(settings: Iterable[Axis]) -> dict[str, list[float]]:
+    """Return the values of each ``--set NAME=VALUES``."""
+    found: dict[str, list[float]] = {}
+    for name, given in settings:
+        if name in found:
+            raise InputError(f"--set gives {name} twice: allowed is once, NAME=A,B,C for several")
+        found[name] = list(given) if isinstance(given, tuple) else given.values(name).tolist()
+    return found
+
+
+def called(ctx: click.Context) -> str:
+    """Return the command as it was typed, for the metadata of pictures."""
+    return shlex.join(["locosweep", *ctx.obj])
 
 
 def fixed(

@@ -7,31 +7,36 @@ from typing import Any
 
 import click
 
-from locosweep.cli.options import (
-    PARAMETER,
-    PICTURE,
-    SETTING,
-    SweepCommand,
-    as_json,
-    json_option,
-)
+from locosweep.cli import options
+from locosweep.cli.options import as_json
 from locosweep.cli.saving import save_picture
 from locosweep.errors import InputError
 
 __all__ = ["plot"]
 
 
-@click.command(cls=SweepCommand)
-@click.argument("file", metavar="RESULT.parquet", type=click.Path(path_type=Path))
-@click.option("--x", type=PARAMETER, metavar="NAME", help="Axis to the right; default the last.")
+@click.command(cls=options.SweepCommand)
+@click.argument("file", metavar="RESULT.parquet", type=options.FILE)
 @click.option(
-    "--y", type=PARAMETER, metavar="NAME", help="Axis upward of a heat map; default the one before."
+    "--x", type=options.PARAMETER, metavar="NAME", help="Axis to the right; default the last."
 )
-@click.option("--by", type=PARAMETER, metavar="NAME", help="Draw curves, one for each value.")
+@click.option(
+    "--y",
+    type=options.PARAMETER,
+    metavar="NAME",
+    help="Axis upward of a heat map; default the one before.",
+)
+@click.option(
+    "--by", type=options.PARAMETER, metavar="NAME", help="Draw curves, one for each value."
+)
 @click.option("--value", metavar="NAME", help="Output; default the first.")
-@click.option("--at", type=SETTING, multiple=True, help="Value of another axis; repeat as needed.")
-@click.option("--out", type=PICTURE, help="Picture; default RESULT.png in the current folder.")
-@json_option
+@click.option(
+    "--at", type=options.SETTING, multiple=True, help="Value of another axis; repeat as needed."
+)
+@click.option(
+    "--out", type=options.PICTURE, help="Picture; default RESULT.png in the current folder."
+)
+@options.json_option
 @click.pass_context
 def plot(
     ctx: click.Context,
@@ -54,7 +59,7 @@ def plot(
         raise InputError("--by draws curves and --y a heat map: allowed is one of them")
     if out is None:
         out = Path(f"{file.stem}.png")
-        PICTURE.convert(out, None, ctx)
+        options.PICTURE.convert(out, None, ctx)
     result = load(file)
     places: dict[str, Any] = dict(at)
     if len(places) < len(at):

@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from locosweep.cli.options import as_json, json_option, meter, robot_option
+from locosweep.cli.options import as_json, json_option, meter, out_option, robot_option
 from locosweep.cli.saving import paths
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 __all__ = ["reproduce"]
 
 
 @click.command()
 @click.argument("figures", default="all", metavar="[2|3|4|5|10|12|13|all|gap]")
-@click.option(
-    "--out",
-    required=True,
-    metavar="FOLDER",
-    type=click.Path(file_okay=False, path_type=Path),
-    help="Folder for pictures and tables; made if missing.",
-)
+@out_option("Folder for pictures and tables")
 @robot_option
 @json_option
 def reproduce(figures: str, out: Path, robot: Path | None, json_: bool) -> None:

@@ -1,19 +1,19 @@
-"""What commands that write pictures share: how they were called, and where the picture went."""
+"""Pictures of results, and the paths of what was written."""
 
 from __future__ import annotations
 
-import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
+from locosweep.cli.options import called
 
 if TYPE_CHECKING:
+    import click
     from matplotlib.figure import Figure
 
     from locosweep.result import Result
 
-__all__ = ["called", "paths", "save_picture"]
+__all__ = ["paths", "save_picture"]
 
 
 def save_picture(ctx: click.Context, figure: Figure, out: Path, result: Result) -> None:
@@ -22,11 +22,6 @@ def save_picture(ctx: click.Context, figure: Figure, out: Path, result: Result) 
     from locosweep.provenance import spec_hash
 
     save_figure(figure, out, command=called(ctx), spec=spec_hash(result))
-
-
-def called(ctx: click.Context) -> str:
-    """Return the command as it was typed, for the metadata of pictures."""
-    return shlex.join(["locosweep", *ctx.obj])
 
 
 def paths(*files: Path | None) -> str:

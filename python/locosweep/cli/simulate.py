@@ -9,20 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from locosweep.cli.options import (
-    AXIS,
-    CURVES,
-    PICTURE,
-    SweepCommand,
-    as_json,
-    fixed,
-    json_option,
-    on_terminal,
-    robot_option,
-    threads_option,
-)
+from locosweep.cli import options
+from locosweep.cli.options import as_json, called, fixed, on_terminal, values_of
 from locosweep.cli.simulate_runs import replay
-from locosweep.cli.simulation_options import chosen, refuse_idle, simulation_options
+from locosweep.cli.simulation_options import refuse_beside, refuse_idle, simulation_options
 from locosweep.errors import InputError
 
 if TYPE_CHECKING:
@@ -47,57 +37,36 @@ _ADAPTIVE = "rosenbrock"
 _MOST_CURVES = 8
 
 
-@click.command(cls=SweepCommand)
-@simulation_options
+@click.command(cls=options.SweepCommand)
+@simulation_options()
 @click.option(
-    "settings",
-    "--set",
-    multiple=True,
-    type=AXIS,
+    "settings", "--set", multiple=True, type=options.AXIS,
     help="Fix a parameter, NAME=VALUE, or simulate several: NAME=A,B,C or NAME=LO:HI:COUNT.",
+)  # fmt: skip
+@options.robot_option
+@options.count_option(
+    "--samples", 501, "Evenly spread times from 0 to the duration at which motion is kept.", least=2
 )
-@robot_option
+@click.option("--out", type=options.CURVES, help="Where the motion goes.")
 @click.option(
-    "--samples",
-    metavar="N",
-    type=click.IntRange(min=2),
-    default=501,
-    show_default=True,
-    help="Evenly spread times from 0 to the duration at which motion is kept.",
+    "plot_file", "--plot", type=options.PICTURE, help="Picture of position, speed and force."
 )
-@click.option("--out", type=CURVES, help="Where the motion goes.")
-@click.option("plot_file", "--plot", type=PICTURE, help="Picture of position, speed and force.")
 @click.option(
-    "--model", metavar="MODEL.toml", type=click.Path(path_type=Path),
+    "--model", metavar="MODEL.toml", type=options.FILE,
     help="Model that measured runs are replayed through.",
 )  # fmt: skip
 @click.option(
-    "--runs", metavar="RUNS", type=click.Path(path_type=Path),
+    "--runs", metavar="RUNS", type=options.FILE,
     help="Measured runs (CSV or Parquet) to replay through the model, with --model and --out.",
 )  # fmt: skip
-@click.option(
-    "columns",
-    "--column",
-    multiple=True,
-    metavar="NAME=THEIRS",
-    help="Their name of a column of the runs, for instance drive=tau.",
-)
-@click.option(
-    "units",
-    "--unit",
-    multiple=True,
-    metavar="NAME=UNIT",
-    help="Unit of a column of the runs, for instance x=mm.",
-)
-@threads_option
-@json_option
+@options.column_option
+@options.unit_option
+@options.threads_option
+@options.json_option
 @click.pass_context
 def simulate(
     ctx: click.Context,
-    law: str | None,
-    drive: str | None,
-    method: str | None,
-    drive_file: Path | None,
+    simulation: Simulation,
     settings: tuple[Setting, ...],
     robot: Path | None,
     samples: int,
@@ -121,11 +90,8 @@ def simulate(
     v, x_rear and force: what the sensors would read, without noise.
     """
     if model is not None or runs is not None:
-        given = {"--law": law, "--drive": drive, "--method": method, "--drive-file": drive_file,
-                 "--set": settings, "--robot": robot, "--plot": plot_file}  # fmt: skip
-        for name, value in given.items():
-            if value:
-                raise InputError(f"{name} is given beside --model and --runs: allowed is one form")
+        given = {"--set": settings, "--robot": robot, "--plot": plot_file}
+        refuse_beside("--model and --runs", given, simulation)
         if model is None or runs is None or out is None:
             missing = {"--model": model, "--runs": runs, "--out": out}
             first = next(name for name, value in missing.items() if value is None)
@@ -142,8 +108,9 @@ def simulate(
     from locosweep.grid import Grid
     from locosweep.simulation.trajectories import simulate as simulated
 
-    simulation = chosen(law, drive, method, drive_file)
-    axes, single = _split(settings)
+    given_values = values_of(settings)
+    axes = {name: values for name, values in given_values.items() if len(values) > 1}
+    single = [(name, values[0]) for name, values in given_values.items() if name not in axes]
     refuse_idle(axes, [_ENTRY], simulation)
     values = dict(fixed(robot, single, axes))
     curves = math.prod(map(len, axes.values()))
@@ -161,7 +128,6 @@ def simulate(
     if out is not None:
         _save(run, out)
     if plot_file is not None and figure is not None:
-        from locosweep.cli.saving import called
         from locosweep.plot.save import save_figure
 
         save_figure(figure, plot_file, command=called(ctx))
@@ -186,23 +152,6 @@ def _open_share(run: Trajectories, simulation: Simulation, threads: int | None) 
     values = sweep(_LEDGER, Grid(**run.axes, **run.fixed), **options, threads=threads).values
     found = np.abs(values[np.isfinite(values)])
     return float(found.max()) if found.size else 0.0
-
-
-def _split(
-    settings: tuple[Setting, ...],
-) -> tuple[dict[str, Any], list[tuple[str, float]]]:
-    """Parameters with several values, and those with one."""
-    axes: dict[str, Any] = {}
-    single: list[tuple[str, float]] = []
-    for name, given in settings:
-        values = list(given) if isinstance(given, tuple) else given.values(name).tolist()
-        if name in axes or name in dict(single):
-            raise InputError(f"--set gives {name} twice: allowed is once, NAME=A,B,C for several")
-        if len(values) == 1:
-            single.append((name, values[0]))
-        else:
-            axes[name] = values
-    return axes, single
 
 
 def _picture(run: Trajectories) -> Any:

@@ -6,27 +6,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from locosweep.cli.options import as_json, meter
-from locosweep.errors import InputError
+from locosweep.cli.options import as_json, meter, pairs
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
-__all__ = ["pairs", "replay"]
-
-
-def pairs(option: str, given: Iterable[str]) -> dict[str, str]:
-    """Read NAME=TEXT options into a mapping."""
-    found: dict[str, str] = {}
-    for text in given:
-        name, equals, value = text.partition("=")
-        if not (name and equals and value):
-            raise InputError(f"{option} {text!r}: allowed is NAME={option[2:].upper()}")
-        if name in found:
-            raise InputError(f"{option} gives {name} twice: allowed is once")
-        found[name] = value
-    return found
+__all__ = ["replay"]
 
 
 def replay(

@@ -2,48 +2,70 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+import functools
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import click
 
 from locosweep import registry
-from locosweep.cli.options import DRIVE, LAW, METHOD
+from locosweep.cli.options import DRIVE, FILE, LAW, METHOD
 from locosweep.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Mapping
+    from pathlib import Path
 
     from locosweep.specs.simulation import Simulation
 
-__all__ = ["chosen", "gait_option", "refuse_idle", "simulation_options"]
+__all__ = ["chosen", "drive_file_option", "refuse_beside", "refuse_idle", "simulation_options"]
 
 _Command = TypeVar("_Command", bound="Callable[..., Any]")
 _LAW, _DRIVE, _TABLE = "coulomb_viscous", "constant", "table"
 
+drive_file_option = click.option(
+    "--drive-file", type=FILE, metavar="FILE.csv",
+    help="Samples for --drive table: columns t [s] and drive [N]; each holds until the next; "
+    "gain is the force per unit of drive.",
+)  # fmt: skip
 
-def simulation_options(command: _Command) -> _Command:
-    """Add ``--law``, ``--drive``, ``--method`` and ``--drive-file``."""
-    options = (
+
+def simulation_options(*, gait: bool = False) -> Callable[[_Command], _Command]:
+    """Add ``--law``, ``--drive``, ``--method`` and ``--drive-file``, and perhaps ``--gait``.
+
+    The command gets what they say as one argument, ``simulation``.
+    """
+    options = [
         click.option("--law", type=LAW, metavar="NAME",
                      help=f"Friction law of what is simulated; default {_LAW}."),
         click.option("--drive", type=DRIVE, metavar="NAME",
                      help=f"Drive of what is simulated; default {_DRIVE}."),
         click.option("--method", type=METHOD, metavar="NAME",
                      help="Method of simulation; default the best for law and drive."),
-        click.option("--drive-file", type=click.Path(path_type=Path), metavar="FILE.csv",
-                     help="Samples for --drive table: columns t [s] and drive [N]; each holds "
-                     "until the next; gain is the force per unit of drive."),
-    )  # fmt: skip
-    for option in reversed(options):
-        command = option(command)
-    return command
+        drive_file_option,
+    ]  # fmt: skip
+    if gait:
+        text = "Gait of whole robots (gait_advance and others); default single."
+        options.append(click.option("--gait", metavar="NAME", help=text))
 
+    def add(command: _Command) -> _Command:
+        @functools.wraps(command)
+        def told(
+            *arguments: Any,
+            law: str | None,
+            drive: str | None,
+            method: str | None,
+            drive_file: Path | None,
+            gait: str | None = None,
+            **others: Any,
+        ) -> Any:
+            simulation = chosen(law, drive, method, drive_file, gait)
+            return command(*arguments, simulation=simulation, **others)
 
-def gait_option(command: _Command) -> _Command:
-    """Add ``--gait``."""
-    text = "Gait of whole robots (gait_advance and others); default single."
-    return click.option("--gait", metavar="NAME", help=text)(command)
+        for option in reversed(options):
+            told = option(told)
+        return cast("_Command", told)
+
+    return add
 
 
 def chosen(
@@ -65,6 +87,14 @@ def chosen(
     # Refused now, before anything is computed or written.
     read_drive(drive_file)
     return Simulation(law, _TABLE, method, drive_file.as_posix(), gait)
+
+
+def refuse_beside(form: str, given: Mapping[str, object], simulation: Simulation) -> None:
+    """Refuse options that another form of the command does not take."""
+    named = {"--" + name.replace("_", "-"): True for name in simulation.given}
+    for name, value in (named | dict(given)).items():
+        if value:
+            raise InputError(f"{name} is given beside {form}: allowed is one of them")
 
 
 def refuse_idle(names: Iterable[str], quantities: Iterable[str], simulation: Simulation) -> None:

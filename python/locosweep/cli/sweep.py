@@ -3,74 +3,59 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from locosweep.cli.options import (
-    AXIS,
-    PARAMETER,
-    QUANTITY,
-    REDUCTION,
-    TABLE,
-    SweepCommand,
-    as_json,
-    fixed,
-    json_option,
-    on_terminal,
-    robot_option,
-    set_option,
-    summary,
-    threads_option,
-)
-from locosweep.cli.simulation_options import chosen, gait_option, refuse_idle, simulation_options
+from locosweep.cli import options
+from locosweep.cli.options import as_json, fixed, on_terminal, summary
+from locosweep.cli.simulation_options import refuse_beside, refuse_idle, simulation_options
 from locosweep.errors import InputError
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
+    from locosweep.specs.simulation import Simulation
     from locosweep.specs.sweep import Span
 
 __all__ = ["sweep"]
 
 
-@click.command(cls=SweepCommand)
-@click.argument("quantities", nargs=-1, type=QUANTITY, metavar="QUANTITY...")
+@click.command(cls=options.SweepCommand)
+@click.argument("quantities", nargs=-1, type=options.QUANTITY, metavar="QUANTITY...")
 @click.option(
     "axes",
     "--axis",
     multiple=True,
-    type=AXIS,
+    type=options.AXIS,
     help="Axis NAME=LO:HI:COUNT, NAME=A,B,C or, for whole numbers, NAME=LO:HI; repeat in order.",
 )
-@robot_option
-@set_option
-@simulation_options
-@gait_option
-@click.option("--over", type=PARAMETER, metavar="NAME", help="Axis to fold away.")
-@click.option("--reduce", multiple=True, type=REDUCTION, metavar="HOW", help="How; repeatable.")
+@options.robot_option
+@options.set_option
+@simulation_options(gait=True)
+@click.option("--over", type=options.PARAMETER, metavar="NAME", help="Axis to fold away.")
+@click.option(
+    "--reduce", multiple=True, type=options.REDUCTION, metavar="HOW", help="How; repeatable."
+)
 @click.option("--q", type=float, metavar="Q", help="Which quantile, from 0 to 1.")
 @click.option("--dtype", metavar="TYPE", help="float64 (default) or float32.")
 @click.option(
-    "spec_file", "--spec", metavar="FILE.toml", type=click.Path(path_type=Path),
+    "spec_file", "--spec", metavar="FILE.toml", type=options.FILE,
     help="Sweep file instead of quantities, --axis, --over, --reduce and --q.",
 )  # fmt: skip
 @click.option(
-    "--save-spec", metavar="FILE.toml", type=click.Path(path_type=Path),
+    "--save-spec", metavar="FILE.toml", type=options.FILE,
     help="Write the sweep file; without --out nothing is computed.",
 )  # fmt: skip
-@click.option("--out", type=TABLE, help="Where the numbers go.")
-@threads_option
-@json_option
+@click.option("--out", type=options.TABLE, help="Where the numbers go.")
+@options.threads_option
+@options.json_option
 def sweep(
     quantities: tuple[str, ...],
     axes: tuple[tuple[str, Span | tuple[float, ...]], ...],
     robot: Path | None,
     settings: tuple[tuple[str, float], ...],
-    law: str | None,
-    drive: str | None,
-    method: str | None,
-    drive_file: Path | None,
-    gait: str | None,
+    simulation: Simulation,
     over: str | None,
     reduce: tuple[str, ...],
     q: float | None,
@@ -88,22 +73,12 @@ def sweep(
     if spec_file is not None:
         given: dict[str, object] = {"QUANTITY": quantities, "--axis": axes, "--over": over}
         given |= {"--reduce": reduce, "--q": q, "--dtype": dtype}
-        given |= {
-            "--law": law,
-            "--drive": drive,
-            "--method": method,
-            "--drive-file": drive_file,
-            "--gait": gait,
-        }
-        for name, value in given.items():
-            if value:
-                raise InputError(f"{name} is given beside --spec: allowed is one of them")
+        refuse_beside("--spec", given, simulation)
         read = Spec.load(spec_file)
         spec = replace(read, fixed=fixed(robot, settings, dict(read.axes), read.fixed))
     elif not quantities:
         raise InputError("QUANTITY is missing: name at least one, or give --spec FILE.toml")
     else:
-        simulation = chosen(law, drive, method, drive_file, gait)
         refuse_idle(dict(axes), quantities, simulation)
         values = fixed(robot, settings, dict(axes))
         spec = Spec(quantities, axes, values, over, reduce, q, dtype or "float64", simulation)
