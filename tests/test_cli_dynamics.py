@@ -233,7 +233,7 @@ BAD = {
                   "law buildup"),
     "table without a file": (("--drive", "table", *MU, *OUT), "--drive-file"),
     "file with another drive": (("--drive", "sine", "--drive-file", "d.csv", *OUT), "--drive sine"),
-    "no such drive file": (("--drive-file", "none.csv", *MU, *OUT), "none.csv: No such file"),
+    "no such drive file": (("--drive-file", "none.csv", *MU, *OUT), "none.csv: no such file"),
     "no out": (("--law", "coulomb", *MU), "--out is missing"),
     "ending": (("--law", "coulomb", *MU, "--out", "a.txt"), ".csv, .parquet"),
     "folder": (("--law", "coulomb", *MU, "--out", "no/a.csv"), "does not exist"),
@@ -267,20 +267,20 @@ def test_shut_folder(refused, option):
 
 
 DRIVES = {
-    "text": ("t,drive\n0,1\n1,x\n", ["row 3", "column drive", "'x'"]),
-    "nan": ("t,drive\n0,1\n1,nan\n", ["row 3", "column drive", "'nan'"]),
-    "infinite": ("t,drive\ninf,1\n", ["row 2", "column t", "'inf'"]),
-    "missing": ("t,drive\n0,\n", ["row 2", "column drive", "empty"]),
-    "short row": ("t,drive\n0\n", ["row 2", "column drive", "empty"]),
-    "grouped": ("t,drive\n0,1_000\n", ["row 2", "column drive", "1_000"]),
-    "decimal comma": ('t,drive\n0,"1,5"\n', ["row 2", "column drive", "1,5"]),
-    "backwards": ("t,drive\n0,1\n2,1\n1,1\n", ["row 4", "column t", "1 s after 2 s"]),
-    "again": ("t,drive\n0,1\n0,2\n", ["row 3", "column t", "0 s after 0 s"]),
-    "no column": ("time,drive\n0,1\n", ["no column 't'", "time, drive"]),
-    "column twice": ("t,drive,t\n0,1,2\n", ["more than one column 't'"]),
-    "no rows": ("t,drive\n", ["no row"]),
-    "empty": ("", ["no column 't'", "empty"]),
-    "no csv": ('t,drive\n0,"1\n', ["not a CSV file"]),
+    "text": ("t,drive\n0,1\n1,x\n", ["row 2", "column drive", "'x'"]),
+    "nan": ("t,drive\n0,1\n1,nan\n", ["row 2", "column drive", "missing"]),
+    "infinite": ("t,drive\ninf,1\n", ["row 1", "column t", "infinite"]),
+    "missing": ("t,drive\n0,\n", ["row 1", "column drive", "missing"]),
+    "short row": ("t,drive\n0\n", ["row 1", "column drive", "missing"]),
+    "grouped": ("t,drive\n0,1_000\n", ["row 1", "column drive", "1_000"]),
+    "decimal comma": ('t,drive\n0,"1,5"\n', ["row 1", "column drive", "1,5"]),
+    "backwards": ("t,drive\n0,1\n2,1\n1,1\n", ["row 3", "column t", "1 s after 2 s"]),
+    "again": ("t,drive\n0,1\n0,2\n", ["row 2", "column t", "0 s after 0 s"]),
+    "no column": ("time,drive\n0,1\n", ["no column t", "time, drive"]),
+    "column twice": ("t,drive,t\n0,1,2\n", ["column t is there twice"]),
+    "no rows": ("t,drive\n", ["no rows"]),
+    "empty": ("", ["empty", "a line of names"]),
+    "no csv": ('t,drive\n0,"1\n', ["not a readable CSV file"]),
 }
 
 
@@ -294,7 +294,7 @@ def test_bad_drive_file_is_one_line(refused, tmp_path, text, words):
 def test_drive_file_of_bytes(refused, tmp_path):
     (tmp_path / "drive.csv").write_bytes(b"t,drive\n0,\xff\n")
     line = refused("simulate", "--drive-file", "drive.csv", *MU, *OUT)
-    assert "drive.csv: not a CSV file" in line
+    assert "drive.csv: not a readable CSV file" in line
 
 
 SIMULATED = [q.name for q in registry.quantities() if q.simulated]

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
-
-if TYPE_CHECKING:
-    from tqdm import tqdm
+from typing import Any, Protocol
 
 __all__ = ["Meter", "Progress"]
 
@@ -31,7 +28,7 @@ class Meter:
     def __init__(self, label: str = "", unit: str = "evaluations") -> None:
         self.label = label
         self.unit = unit
-        self._bar: tqdm[object] | None = None
+        self._bar: Any = None
 
     def __call__(self, done: int, total: int, rate: float = 0.0, /) -> None:
         """Draw the bar; end its line when all is done."""
@@ -55,7 +52,7 @@ class Meter:
             self._bar.close()
             self._bar = None
 
-    def _drawn(self, total: int | None, form: str | None = None) -> tqdm[object]:
+    def _drawn(self, total: int | None, form: str | None = None) -> Any:
         if self._bar is None:
             # Takes longer to import than most sweeps run.
             from tqdm.auto import tqdm

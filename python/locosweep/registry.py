@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from enum import IntEnum
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from locosweep import _core
 from locosweep._core import Drive, Law, Parameter, Quantity
@@ -32,6 +32,9 @@ __all__ = [
     "reductions",
     "unknown",
 ]
+
+
+_Record = TypeVar("_Record", Parameter, Quantity, Law, Drive)
 
 
 @cache
@@ -147,34 +150,28 @@ def methods() -> dict[str, str]:
 
 def law(name: str) -> Law:
     """Return one friction law by name; InputError with the nearest name if unknown."""
-    try:
-        return _laws()[name]
-    except KeyError:
-        raise unknown("law", name, _laws()) from None
+    return _one("law", name, _laws())
 
 
 def drive(name: str) -> Drive:
     """Return one drive by name; InputError with the nearest name if unknown."""
-    try:
-        return _drives()[name]
-    except KeyError:
-        raise unknown("drive", name, _drives()) from None
+    return _one("drive", name, _drives())
 
 
 def parameter(name: str) -> Parameter:
     """Return one parameter by name; InputError with the nearest name if unknown."""
-    try:
-        return _parameters()[name]
-    except KeyError:
-        raise unknown("parameter", name, _parameters()) from None
+    return _one("parameter", name, _parameters())
 
 
 def quantity(name: str) -> Quantity:
     """Return one quantity by name; InputError with the nearest name if unknown."""
-    try:
-        return _quantities()[name]
-    except KeyError:
-        raise unknown("quantity", name, _quantities()) from None
+    return _one("quantity", name, _quantities())
+
+
+def _one(kind: str, name: str, known: dict[str, _Record]) -> _Record:
+    if name not in known:
+        raise unknown(kind, name, known)
+    return known[name]
 
 
 def unknown(kind: str, given: str, known: Iterable[str]) -> InputError:

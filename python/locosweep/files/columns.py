@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "UNITS",
+    "check_complete",
+    "check_rising",
     "check_units",
     "checksum",
     "label_of",
@@ -109,6 +111,7 @@ def read_frame(
         else:
             # As text: a number that is none is then found with its row.
             frame = pl.read_csv(path, infer_schema=False, truncate_ragged_lines=False)
+            frame = frame.rename(str.strip)
     except pl.exceptions.NoDataError:
         raise DataFileError(f"{path}: empty, allowed is at least a line of names") from None
     except (OSError, pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
@@ -201,15 +204,36 @@ def number_columns(
     path: str | os.PathLike[str],
     frame: pl.DataFrame,
     names: Sequence[str],
-    units: Mapping[str, str],
-    columns: Mapping[str, str],
+    units: Mapping[str, str] | None = None,
+    columns: Mapping[str, str] | None = None,
 ) -> dict[str, NDArray[np.float64]]:
     """Return those of `names` that a frame has, as numbers in SI units."""
+    units, columns = units or {}, columns or {}
     return {
         name: number_column(path, frame, name, units.get(name), label=columns.get(name))
         for name in names
         if name in frame.columns
     }
+
+
+def check_complete(
+    where: str, name: str, values: NDArray[np.float64], rows: NDArray[np.intp]
+) -> None:
+    """Refuse missing values; `rows` are theirs in the file."""
+    gone = np.flatnonzero(np.isnan(values))
+    if gone.size:
+        raise DataFileError(f"{where}row {rows[gone[0]] + 1}, column {name}: missing")
+
+
+def check_rising(where: str, times: NDArray[np.float64], rows: NDArray[np.intp]) -> None:
+    """Refuse times that do not rise; `rows` as in `check_complete`."""
+    back = np.flatnonzero(np.diff(times) <= 0.0)
+    if back.size:
+        at = back[0] + 1
+        raise DataFileError(
+            f"{where}row {rows[at] + 1}, column t: {times[at]:g} s after {times[at - 1]:g} s, "
+            "time must rise"
+        )
 
 
 def rows_by_run(
@@ -236,15 +260,6 @@ def rows_by_run(
         where = f"{path}: run {label}"
         if rows.size < _LEAST:
             raise DataFileError(f"{where}: {rows.size} samples, allowed are {_LEAST} or more")
-        times = t[rows]
-        gone = np.flatnonzero(~np.isfinite(times))
-        if gone.size:
-            raise DataFileError(f"{where}, row {rows[gone[0]] + 1}, column t: missing")
-        back = np.flatnonzero(np.diff(times) <= 0.0)
-        if back.size:
-            row = back[0] + 1
-            raise DataFileError(
-                f"{where}, row {rows[row] + 1}, column t: {times[row]:g} s after "
-                f"{times[row - 1]:g} s, time must rise"
-            )
+        check_complete(f"{where}, ", "t", t[rows], rows)
+        check_rising(f"{where}, ", t[rows], rows)
         yield label, where, rows

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import csv
-import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from locosweep import registry
-from locosweep.errors import DataFileError, InputError
+from locosweep.errors import InputError
 from locosweep.files.toml import moved
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Iterable
 
     import numpy as np
     from numpy.typing import NDArray
@@ -103,8 +100,8 @@ def read_drive(path: str | os.PathLike[str]) -> Samples:
     Parameters
     ----------
     path : path-like
-        Comma-separated, with a header that names at least ``t`` (s, rising) and
-        ``drive``; other columns are left alone.
+        CSV or Parquet with the columns ``t`` (s, rising) and ``drive``; others are
+        left alone.
 
     Returns
     -------
@@ -115,7 +112,8 @@ def read_drive(path: str | os.PathLike[str]) -> Samples:
     ------
     DataFileError
         No such file, a column missing, a cell that is no finite number, times
-        that do not rise; names the file, the row (the header is row 1) and column.
+        that do not rise; names the file, the row (the first below the names is 1)
+        and the column.
 
     Examples
     --------
@@ -128,55 +126,13 @@ def read_drive(path: str | os.PathLike[str]) -> Samples:
     """
     import numpy as np
 
-    path = Path(path)
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as lines:
-            rows = _rows(path, csv.reader(lines, strict=True))
-    except OSError as error:
-        raise DataFileError(f"{path}: {error.strerror or error}") from None
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise DataFileError(f"{path}: not a CSV file: {error}") from None
-    times, values = np.array(rows, dtype=np.float64).reshape(-1, 2).T.copy()
-    return times, values
+    from locosweep.files.columns import check_complete, check_rising, number_columns, read_frame
 
-
-def _rows(path: Path, table: Iterable[list[str]]) -> list[tuple[float, float]]:
-    numbered = ((row, cells) for row, cells in enumerate(table, 1) if cells)
-    _, heads = next(numbered, (1, []))
-    names = [head.strip() for head in heads]
-    for name in _COLUMNS:
-        if names.count(name) != 1:
-            often = "no" if name not in names else "more than one"
-            found = ", ".join(names) or "none, the file is empty"
-            raise DataFileError(f"{path}: {often} column '{name}': its columns are {found}")
-    places = [names.index(name) for name in _COLUMNS]
-    rows: list[tuple[float, float]] = []
-    for row, cells in numbered:
-        t, drive = (
-            _cell(path, row, name, cells[place] if place < len(cells) else "")
-            for name, place in zip(_COLUMNS, places, strict=True)
-        )
-        if rows and t <= rows[-1][0]:
-            raise DataFileError(
-                f"{path}: row {row}, column t: {t:g} s after {rows[-1][0]:g} s: "
-                f"allowed are times that rise"
-            )
-        rows.append((t, drive))
-    if not rows:
-        raise DataFileError(f"{path}: no row below its header: allowed is at least one")
-    return rows
-
-
-def _cell(path: Path, row: int, column: str, text: str) -> float:
-    # Python also reads 1_000 and non-Latin digits; those are typing errors here.
-    plain = text.isascii() and "_" not in text
-    try:
-        number = float(text) if plain else math.nan
-    except ValueError:
-        number = math.nan
-    if math.isfinite(number):
-        return number
-    shown = f"'{text.strip()[:40]}'" if text.strip() else "empty"
-    raise DataFileError(
-        f"{path}: row {row}, column {column} is {shown}: allowed is a finite number"
-    )
+    frame, _ = read_frame(path, _COLUMNS, _COLUMNS)
+    t, drive = number_columns(path, frame, _COLUMNS).values()
+    # Not the blank lines between and below.
+    rows = np.flatnonzero(~(np.isnan(t) & np.isnan(drive)))
+    check_complete(f"{path}: ", "t", t[rows], rows)
+    check_complete(f"{path}: ", "drive", drive[rows], rows)
+    check_rising(f"{path}: ", t[rows], rows)
+    return t[rows], drive[rows]
