@@ -98,10 +98,10 @@ def heatmap(
 
 
 def _heatmap(result: Result, x: str, y: str, *, star: bool) -> Figure:
-    from matplotlib.figure import Figure
+    from locosweep.plot import style
 
     panels = len(result.outputs)
-    figure = Figure(figsize=(6.8 * panels, 5.0), layout="constrained")
+    figure = style.figure(6.8 * panels, 5.0)
     for place, output in enumerate(result.outputs):
         ax = figure.add_subplot(1, panels, place + 1)
         result.plot.heatmap(x, y, output.name, ax=ax, mark_optimum=star)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.mathtext import MathTextParser
 
@@ -14,6 +13,8 @@ from locosweep.plot.laws import KIND_COLOURS, behaviour, characteristic
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+
+    from matplotlib.figure import Figure
 
     from locosweep.registry import Law
     from locosweep.simulation.law_data import Behaviour, Characteristic
@@ -55,7 +56,7 @@ def overview(
 ) -> Figure:
     """Draw all laws as small multiples in one frame."""
     rows = -(-(len(seen) + 1) // _COLUMNS)
-    figure = Figure(figsize=(2.9 * _COLUMNS, 2.35 * rows), layout="constrained")
+    figure = style.figure(2.9 * _COLUMNS, 2.35 * rows)
     grid = figure.subplots(rows, _COLUMNS, sharex=True, sharey=True, squeeze=False)
     for place, ax in enumerate(grid.flat):
         if place >= len(seen):
@@ -90,7 +91,7 @@ def page(
 ) -> Figure:
     """Draw one law: its formula, characteristic and behaviour, and the values used."""
     formula = _lines(law.formula)
-    figure = Figure(figsize=(11.5, 5.4 + 0.38 * len(formula)), layout="constrained")
+    figure = style.figure(11.5, 5.4 + 0.38 * len(formula))
     left, right = figure.subplots(1, 2)
     characteristic(seen, ax=left, frame=frame)
     left.set_title("steady sliding", fontsize=10)

@@ -6,13 +6,13 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
+from locosweep.plot import style
 from locosweep.plot.style import LINES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from locosweep.friction_fit.result import FittedLaw, FrictionFit
@@ -46,7 +46,8 @@ def characteristic_figure(fit: FrictionFit) -> Figure:
     near three loads are apart, each with the chosen law; else the chosen law stands
     beside those that tie with it.
     """
-    figure, ax = _figure(7.2, 4.8)
+    figure = style.figure(7.2, 4.8)
+    ax = figure.subplots()
     data, law = fit.data, fit.chosen
     v, load = data.column("v"), data.column("load")
     force = data.column("force") - _sensor(law, load)
@@ -70,7 +71,7 @@ def characteristic_figure(fit: FrictionFit) -> Figure:
     if not follows:
         for one, (colour, dash, _) in zip([law, *fit.equal][:4], LINES, strict=False):
             _line(ax, one, v, None, colour, dash, one.name)
-    ax.axhline(0, color="0.75", linewidth=0.8, zorder=0)
+    style.zero_line(ax)
     ax.axvline(0, color="0.75", linewidth=0.8, zorder=0)
     # Lone fast samples must not press the rest together.
     edge = _MM * float(np.quantile(np.abs(v), 0.998)) * 1.15
@@ -93,8 +94,7 @@ def residual_figure(fit: FrictionFit) -> Figure:
     ]
     if data.loaded:
         axes.append(("load", data.column("load"), "load [N]"))
-    figure = Figure(figsize=(8.4, 6.0), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = style.figure(8.4, 6.0)
     seen = np.isfinite(left)
     shown = np.intersect1d(np.flatnonzero(seen), _some(left.size, 0))
     for ax, (name, values, label) in zip(figure.subplots(2, 2).ravel(), axes, strict=False):
@@ -123,7 +123,8 @@ def law_figure(fit: FrictionFit) -> Figure:
     laws = fit.laws[:_LAWS]
     if fit.chosen not in laws:
         laws[-1] = fit.chosen
-    figure, ax = _figure(7.6, 1.4 + 0.3 * len(laws))
+    figure = style.figure(7.6, 1.4 + 0.3 * len(laws))
+    ax = figure.subplots()
     place = np.arange(len(laws))[::-1]
     for at, law in zip(place, laws, strict=True):
         colour, hatch = ("#0072b2", "") if law.tied else ("0.75", "")
@@ -152,8 +153,7 @@ def force_figure(fit: FrictionFit) -> Figure:
     data, law = fit.data, fit.chosen
     held = [run for run in data.runs if run.label in data.held_out]
     runs = (held or data.runs)[:3]
-    figure = Figure(figsize=(8.4, 1.1 + 2.0 * len(runs)), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = style.figure(8.4, 1.1 + 2.0 * len(runs))
     starts = dict(
         zip([r.label for r in data.runs], np.cumsum([0, *data.lengths])[:-1], strict=True)
     )
@@ -181,15 +181,9 @@ def _stretch(t: NDArray[np.float64], v: NDArray[np.float64]) -> float:
     return float(t[slow[6]] - t[0]) if slow.size > 6 else float(np.ptp(t))
 
 
-def _figure(width: float, height: float) -> tuple[Figure, Axes]:
-    figure = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure, figure.subplots()
-
-
 def _finish(ax: Axes, x: str, y: str, *, legend: bool = True) -> None:
     ax.set(xlabel=x, ylabel=y)
-    ax.grid(visible=True, linewidth=0.4, alpha=0.5)
+    style.grid(ax)
     if legend:
         ax.legend(fontsize=7.5, frameon=True, framealpha=0.85, edgecolor="none", loc="best")
 

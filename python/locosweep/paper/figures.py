@@ -5,9 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LogNorm, Normalize
-from matplotlib.figure import Figure
 
 from locosweep.engine import sweep
 from locosweep.grid import Grid
@@ -19,15 +17,15 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    Drawn = tuple[Figure, list[Result]]
 
 __all__ = ["FIGURES"]
 
-Drawn = tuple[Figure, list[Result]]
-
 
 def _figure(title: str, panels: int, width: float = 13.0) -> tuple[Figure, list[Axes]]:
-    figure = Figure(figsize=(width, 5.6), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = style.figure(width, 5.6)
     figure.suptitle(title, fontsize=12)
     return figure, list(figure.subplots(1, panels, squeeze=False)[0])
 

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from locosweep import _core
@@ -225,7 +224,6 @@ def _table(rows: Sequence[Row]) -> Figure:
     width = sum(widths) + 2 * margin
     height = sum(heights) + 4 * line + 2 * margin
     figure = Figure(figsize=(width, height))
-    FigureCanvasAgg(figure)
     ax = figure.add_axes((0, 0, 1, 1))
     ax.set(xlim=(0, width), ylim=(height, 0))
     ax.axis("off")

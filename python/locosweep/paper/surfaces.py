@@ -10,12 +10,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from locosweep.engine import sweep
 from locosweep.grid import Grid
 from locosweep.paper.claims import FIGURE_2, Row, judge
+from locosweep.plot import style
 from locosweep.plot.gait import line
 from locosweep.registry import parameter
 from locosweep.simulation.gait import run_gait
@@ -25,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from locosweep.result import Result
@@ -207,8 +207,7 @@ def _power() -> list[Row]:
 
 def _drawn(number: int, title: str, name: str, label: str, scale: float) -> tuple[Figure, Axes,
                                                                         list[Result]]:  # fmt: skip
-    figure = Figure(figsize=(9.0, 5.6), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = style.figure(9.0, 5.6)
     ax = figure.subplots()
     heads = _heads()
     for place, (surface, head) in enumerate(heads.items()):
@@ -231,7 +230,7 @@ def _enlarged(ax: Axes) -> None:
         small.plot(*drawn.get_data(), color=drawn.get_color(), linestyle=drawn.get_linestyle())
     small.set_title("enlarged", fontsize=9)
     small.tick_params(labelsize=8)
-    small.grid(visible=True, linewidth=0.4, alpha=0.5)
+    style.grid(small)
     small.margins(x=0)
 
 

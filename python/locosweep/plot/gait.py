@@ -5,9 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import CenteredNorm
-from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
@@ -17,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from locosweep.simulation.gait import GaitRun
@@ -33,6 +32,8 @@ _STATES = (
 """Sliding, words, colour and hatch. The colours differ in lightness too."""
 
 _MM = 1000.0
+_WIDTH = 11.0
+"""Of a figure, in inches."""
 _MANY = 12
 """Segments beyond which not each one is labelled."""
 
@@ -54,8 +55,7 @@ def space_time(run: GaitRun, ax: Axes) -> Axes:
     Examples
     --------
     >>> import locosweep as ls
-    >>> from matplotlib.figure import Figure
-    >>> from locosweep.plot.gait import space_time
+    >>>     >>> from locosweep.plot.gait import space_time
     >>> run = ls.run_gait("single", segments=3, mu_static=0.5, mu_coulomb=0.3,
     ...                   drive_limit=0.85, break_away=0, cycles=1)
     >>> space_time(run, Figure().subplots()).get_xlabel()
@@ -116,10 +116,10 @@ def line(t: Floats, values: Floats, ax: Axes, *, label: str, place: int = 0,
          name: str | None = None) -> Axes:  # fmt: skip
     """Draw one number over time; ``label`` has its unit, ``place`` picks its look."""
     colour, dash, _ = style.LINES[place]
-    ax.axhline(0.0, color="0.75", linewidth=0.8, zorder=0)
+    style.zero_line(ax)
     ax.plot(t, values, color=colour, linestyle=dash, linewidth=1.6, label=name)
     ax.set_ylabel(label)
-    ax.grid(visible=True, linewidth=0.4, alpha=0.5)
+    style.grid(ax)
     ax.margins(x=0)
     return ax
 
@@ -144,15 +144,9 @@ def joint_forces(run: GaitRun, ax: Axes) -> Axes:
     return ax
 
 
-def _figure(height: float) -> Figure:
-    figure = Figure(figsize=(11.0, height), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
-
-
 def space_time_figure(run: GaitRun, title: str) -> Figure:
     """Return the space-time picture as a figure of its own."""
-    figure = _figure(min(12.0, 4.0 + 0.45 * run.x.shape[1]))
+    figure = style.figure(_WIDTH, min(12.0, 4.0 + 0.45 * run.x.shape[1]))
     space_time(run, figure.subplots())
     figure.suptitle(title, fontsize=11)
     return figure
@@ -160,7 +154,7 @@ def space_time_figure(run: GaitRun, title: str) -> Figure:
 
 def force_power(run: GaitRun, title: str) -> Figure:
     """Return propulsive force, joint forces and electrical power as a figure."""
-    figure = _figure(8.5)
+    figure = style.figure(_WIDTH, 8.5)
     top, middle, bottom = figure.subplots(3, 1, sharex=True)
     line(run.t, run.propulsive, top, label="propulsive force $F_P$ [N]")
     joint_forces(run, middle)

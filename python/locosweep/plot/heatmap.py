@@ -6,8 +6,6 @@ from numbers import Real
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
@@ -130,7 +128,7 @@ class Plotter:
         (xs, columns), (ys, rows) = _drawn(xs, columns), _drawn(ys, rows)
         values, codes = values[np.ix_(rows, columns)], codes[np.ix_(rows, columns)]
 
-        ax = _new_axes() if ax is None else ax
+        ax = style.figure(6.8, 5.0).subplots() if ax is None else ax
         works = np.isfinite(values)
         finite = values[works]
         if finite.size:
@@ -219,7 +217,7 @@ class Plotter:
                 ({by: wanted}, style.setting(by, wanted))
                 for wanted in self._lines(by, at.pop(by, None))
             ]
-        ax = _new_axes() if ax is None else ax
+        ax = style.figure(6.8, 5.0).subplots() if ax is None else ax
         xs, order = _centres(x, self.result.axes[x])
         whole_x = parameter(x).integer
         seen: set[int] = set()
@@ -261,7 +259,7 @@ class Plotter:
         ax.set_ylabel(style.output_label(output))
         if output.integer:
             ax.yaxis.set_major_locator(MaxNLocator(integer=True))
-        ax.grid(visible=True, linewidth=0.4, alpha=0.5)
+        style.grid(ax)
         return ax
 
     def _check_axis(self, name: str) -> None:
@@ -327,12 +325,6 @@ class Plotter:
         if np.isfinite(values).all():
             return values, np.zeros(values.shape, np.uint8)
         return values, self.result.status_of(output.name)[index]
-
-
-def _new_axes() -> Axes:
-    figure = Figure(figsize=(6.8, 5.0), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure.subplots()
 
 
 def _place(name: str, axis: Floats, wanted: object) -> int:

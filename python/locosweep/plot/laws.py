@@ -5,8 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from locosweep.errors import InputError
 from locosweep.plot import style
@@ -70,9 +68,9 @@ def characteristic(
     """
     if not 1 <= len(laws) <= len(style.LINES):
         raise InputError(f"{len(laws)} laws: allowed are 1 to {len(style.LINES)}")
-    ax = _new_axes() if ax is None else ax
+    ax = style.figure(6.8, 4.6).subplots() if ax is None else ax
     single = len(laws) == 1
-    ax.axhline(0.0, color="0.75", linewidth=0.8, zorder=0)
+    style.zero_line(ax)
     ax.axvline(0.0, color="0.75", linewidth=0.8, zorder=0)
     for rank, (law, (colour, dash, _)) in enumerate(zip(laws, style.LINES, strict=False)):
         if single:
@@ -104,7 +102,7 @@ def characteristic(
     ax.margins(x=0)
     if frame is not None:
         ax.set_ylim(*frame)
-    ax.grid(visible=True, linewidth=0.4, alpha=0.5)
+    style.grid(ax)
     if legend:
         ax.legend(loc="lower right", fontsize=8, frameon=True, framealpha=0.85, edgecolor="none")
     return ax
@@ -139,7 +137,7 @@ def behaviour(seen: Behaviour, *, ax: Axes | None = None) -> Axes:
     >>> behaviour(behaviour_of("dahl", mu_coulomb=0.3)).get_xlabel()
     'displacement [µm]'
     """
-    ax = _new_axes() if ax is None else ax
+    ax = style.figure(6.8, 4.6).subplots() if ax is None else ax
     # The widest first, so that the narrower ones stay in sight.
     for rank, (label, x, y) in enumerate(seen.lines):
         colour, dash, _ = style.LINES[rank % len(style.LINES)]
@@ -147,13 +145,7 @@ def behaviour(seen: Behaviour, *, ax: Axes | None = None) -> Axes:
                 zorder=3 - 0.1 * rank)  # fmt: skip
     ax.set(xlabel=seen.x_label, ylabel=seen.y_label)
     ax.set_title(seen.title, fontsize=10)
-    ax.grid(visible=True, linewidth=0.4, alpha=0.5)
+    style.grid(ax)
     if any(label for label, _, _ in seen.lines):
         ax.legend(loc="best", fontsize=8, frameon=True, framealpha=0.85, edgecolor="none")
     return ax
-
-
-def _new_axes() -> Axes:
-    figure = Figure(figsize=(6.8, 4.6), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure.subplots()

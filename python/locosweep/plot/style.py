@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import matplotlib as mpl
 import numpy as np
 from matplotlib.colors import BoundaryNorm, CenteredNorm, Colormap, LogNorm, Normalize
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from locosweep.errors import InputError
@@ -18,6 +19,7 @@ from locosweep.registry import parameter
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
     from locosweep.result import Output, Result
@@ -31,12 +33,15 @@ __all__ = [
     "Colours",
     "axis_label",
     "colours",
+    "figure",
+    "grid",
     "hatch",
     "output_label",
     "setting",
     "simulated",
     "with_unit",
     "wrapped",
+    "zero_line",
 ]
 
 SEQUENTIAL = "viridis"
@@ -66,6 +71,21 @@ LINES: tuple[tuple[str, str | tuple[int, tuple[int, ...]], str], ...] = (
 
 _MOST_CLASSES = 12
 _NICE = (1, 2, 3, 4, 5, 6, 8, 10, 15, 20, 30, 50)
+
+
+def figure(width: float, height: float) -> Figure:
+    """Return an empty figure of a size in inches, which shares no state with pyplot."""
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def grid(ax: Axes) -> None:
+    """Draw faint grid lines."""
+    ax.grid(visible=True, linewidth=0.4, alpha=0.5)
+
+
+def zero_line(ax: Axes) -> None:
+    """Draw the zero of the ordinate behind everything else."""
+    ax.axhline(0.0, color="0.75", linewidth=0.8, zorder=0)
 
 
 def hatch(code: int) -> str:

@@ -6,8 +6,6 @@ from math import prod
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from locosweep.errors import InputError
@@ -71,20 +69,18 @@ def motion(
     if not 1 <= count <= len(style.LINES):
         raise InputError(f"{count} trajectories: a picture has 1 to {len(style.LINES)}")
     if axes is None:
-        figure = Figure(figsize=(8.0, 7.0), layout="constrained")
-        FigureCanvasAgg(figure)
-        axes = figure.subplots(3, 1, sharex=True)
+        axes = style.figure(8.0, 7.0).subplots(3, 1, sharex=True)
     if len(axes) != 3:
         raise InputError(f"axes has {len(axes)} entries: allowed are 3")
     top, middle, bottom = axes
     times = np.broadcast_to(run.t, run.x.shape).reshape(count, -1)
     fields = [getattr(run, name).reshape(count, -1) for name in ("x", "v", "force")]
     for ax, field in zip((top, middle, bottom), fields, strict=True):
-        ax.axhline(0.0, color="0.75", linewidth=0.8, zorder=0)
+        style.zero_line(ax)
         for place, (t, values) in enumerate(zip(times, field, strict=True)):
             colour, dash, _ = style.LINES[place]
             ax.plot(t, values, color=colour, linestyle=dash, linewidth=1.5, label=_name(run, place))
-        ax.grid(visible=True, linewidth=0.4, alpha=0.5)
+        style.grid(ax)
         ax.margins(x=0)
     top.set_ylabel("position $x$ [m]")
     middle.set_ylabel("speed $v$ [m/s]")
