@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
-import math
 import shlex
 import sys
 from pathlib import Path
@@ -15,6 +13,7 @@ from click.shell_completion import CompletionItem
 
 from locosweep import registry
 from locosweep.errors import InputError
+from locosweep.files.strict_json import json_text as as_json
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -324,21 +323,6 @@ def meter(label: str, unit: str = "evaluations", *, quiet: bool = False) -> Mete
 def on_terminal() -> bool:
     """Whether to show progress."""
     return sys.stderr.isatty()
-
-
-def as_json(value: object) -> str:
-    """Return strict JSON: numbers that it cannot hold become null."""
-    return json.dumps(_plain(value), indent=2, allow_nan=False, ensure_ascii=False)
-
-
-def _plain(value: object) -> object:
-    if isinstance(value, dict):
-        return {str(key): _plain(one) for key, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(one) for one in value]
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return value
 
 
 def summary(result: Result) -> dict[str, object]:

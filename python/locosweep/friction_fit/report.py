@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
-import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from locosweep.files.atomic import write_text
 from locosweep.files.folder import make_folder
+from locosweep.files.strict_json import json_text, plain
 
 if TYPE_CHECKING:
     import os
@@ -24,7 +23,7 @@ _ROWS = 10
 def as_dict(fit: FrictionFit) -> dict[str, object]:
     """Return plain numbers and text; numbers that JSON cannot hold become None."""
     data = fit.data
-    return {
+    found: dict[str, object] = {
         "schema": "locosweep.friction/1",
         "verdict": {
             "status": fit.status,
@@ -36,9 +35,9 @@ def as_dict(fit: FrictionFit) -> dict[str, object]:
         "held_out": {
             "by": data.by,
             "runs": data.held_out,
-            "rms": _number(fit.chosen.held_out_rms),
-            "shrink": _number(fit.shrink),
-            "left": {name: _number(share) for name, share in fit.left.items()},
+            "rms": fit.chosen.held_out_rms,
+            "shrink": fit.shrink,
+            "left": fit.left,
         },
         "data": {
             "runs": [run.label for run in data.runs],
@@ -46,43 +45,29 @@ def as_dict(fit: FrictionFit) -> dict[str, object]:
             "breakaways": data.breakaways,
             "normal_force": data.normal,
             "rest_speed": data.rest_speed,
-            "force_noise": _number(data.force_noise),
-            "velocity_error": _number(data.speed_error),
+            "force_noise": data.force_noise,
+            "velocity_error": data.speed_error,
         },
         "laws": [_law(law) for law in fit.laws],
         "skipped": fit.skipped,
         "notices": fit.notices,
         "provenance": fit.provenance,
     }
+    return cast("dict[str, object]", plain(found))
 
 
 def _law(law: FittedLaw) -> dict[str, object]:
+    names = ("law", "load", "offset", "gain", "rms", "held_out_rms", "sigmas", "tied")
+    described = ("value", "std", "interval", "unit", "bounded")
     return {
-        "law": law.law,
-        "load": law.load,
-        "offset": law.offset,
-        "gain": law.gain,
-        "rms": _number(law.rms),
-        "held_out_rms": _number(law.held_out_rms),
-        "sigmas": _number(law.sigmas),
-        "tied": law.tied,
-        "samples_per_independent": _number(law.memory),
+        **{name: getattr(law, name) for name in names},
+        "samples_per_independent": law.memory,
         "settled": law.settled,
         "parameters": {
-            name: {
-                "value": _number(p.value),
-                "std": None if p.std is None else _number(p.std),
-                "interval": None if p.interval is None else [_number(end) for end in p.interval],
-                "unit": p.unit,
-                "bounded": p.bounded,
-            }
-            for name, p in law.parameters.items()
+            name: {key: getattr(parameter, key) for key in described}
+            for name, parameter in law.parameters.items()
         },
     }
-
-
-def _number(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
 
 
 def as_text(fit: FrictionFit) -> str:
@@ -139,7 +124,7 @@ def save(
     from locosweep.plot.save import save_figure
 
     drawn = pictures(fit)
-    text = json.dumps(as_dict(fit), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+    text = json_text(as_dict(fit)) + "\n"
     folder, files = make_folder(folder), []
     for name, content in {"friction.json": text, "friction.md": _markdown(fit)}.items():
         write_text(folder / name, content)

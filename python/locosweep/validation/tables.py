@@ -6,13 +6,15 @@ import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from locosweep.files.strict_json import plain
 from locosweep.validation.metrics import calibration, confusion, figures, power, splits
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from locosweep.files.strict_json import plain
     from locosweep.validation.judge import Judged
-    from locosweep.validation.metrics import Figure
+from locosweep.validation.metrics import Figure
 
 __all__ = ["as_json", "as_text", "wrong_cases"]
 
@@ -64,17 +66,9 @@ def as_text(judged: Sequence[Judged]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _plain(inner) for key, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(inner) for inner in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
 def as_json(judged: Sequence[Judged], about: dict[str, Any]) -> dict[str, Any]:
     """Everything that stands in the tables, for programs."""
-    found: dict[str, Any] = _plain(
+    found: dict[str, Any] = plain(
         {
             "schema": "locosweep.blindcheck/1",
             **about,

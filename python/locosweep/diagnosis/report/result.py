@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import json
-import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
+from locosweep.files.strict_json import json_text
 
 if TYPE_CHECKING:
     import os
 
+    import numpy as np
     from numpy.typing import NDArray
 
     from locosweep.files.robot import Robot
@@ -216,19 +215,4 @@ def report_text(report: dict[str, Any]) -> str:
     >>> report_text({"before": 0.1, "after": float("nan")})
     '{\n  "before": 0.1,\n  "after": null\n}\n'
     """
-    return json.dumps(_plain(report), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
-
-
-def _plain(value: Any) -> Any:
-    """Return a value in JSON's types; NaN and infinities become null."""
-    if isinstance(value, dict):
-        return {str(key): _plain(one) for key, one in value.items()}
-    if isinstance(value, np.ndarray):
-        return _plain(value.tolist())
-    if isinstance(value, list | tuple):
-        return [_plain(one) for one in value]
-    if isinstance(value, np.generic):
-        return _plain(value.item())
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return value
+    return json_text(report) + "\n"
