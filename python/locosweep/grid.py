@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["Grid"]
+__all__ = ["Grid", "real_array"]
 
 
 class Grid:
@@ -96,6 +96,19 @@ def _read(name: str, value: Any) -> tuple[float, NDArray[np.float64] | None]:
     if hasattr(value, "magnitude") and hasattr(value, "to"):
         unit = parameter(name).unit
         value = value.to("dimensionless" if unit == "1" else unit).magnitude
+    array = real_array(name, value)
+    if array.ndim > 1:
+        raise InputError(
+            f"{name} has {array.ndim} dimensions: allowed is a number or one dimension"
+        )
+    if array.ndim == 0:
+        return float(array), None
+    array.flags.writeable = False
+    return 0.0, array
+
+
+def real_array(name: str, value: Any) -> NDArray[np.float64]:
+    """Return a copy as an array; text, truth values and masked arrays are no numbers."""
     if np.ma.isMaskedArray(value):
         raise InputError(
             f"{name} is a masked array: allowed are plain numbers (drop or fill first)"
@@ -105,13 +118,6 @@ def _read(name: str, value: Any) -> tuple[float, NDArray[np.float64] | None]:
     except ValueError as error:
         raise InputError(f"{name} is not an array of numbers: {error}") from None
     if array.dtype.kind not in "iuf":
-        raise InputError(f"{name} has type {array.dtype}: allowed are real numbers")
-    if array.ndim > 1:
-        raise InputError(
-            f"{name} has {array.ndim} dimensions: allowed is a number or one dimension"
-        )
-    array = array.astype(np.float64, order="C", copy=True)
-    if array.ndim == 0:
-        return float(array), None
-    array.flags.writeable = False
-    return 0.0, array
+        told = f"has type {array.dtype}" if array.ndim else f"is {value!r}"
+        raise InputError(f"{name} {told}: allowed is a number, or several")
+    return array.astype(np.float64, order="C", copy=True)

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import as_json, fixed, on_terminal, summary
-from locosweep.cli.saving import paths, save_picture
+from locosweep.cli.options import as_json, fixed, on_terminal, paths, save_picture, summary
 from locosweep.cli.simulation_options import refuse_idle, simulation_options
 
 if TYPE_CHECKING:

@@ -18,6 +18,8 @@ from locosweep.files.strict_json import json_text as as_json
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
+    from matplotlib.figure import Figure
+
     from locosweep.progress import Meter
     from locosweep.result import Result
     from locosweep.specs.sweep import Span
@@ -50,7 +52,9 @@ __all__ = [
     "on_terminal",
     "out_option",
     "pairs",
+    "paths",
     "robot_option",
+    "save_picture",
     "set_option",
     "summary",
     "threads_option",
@@ -284,6 +288,19 @@ def values_of(settings: Iterable[Axis]) -> dict[str, list[float]]:
             raise InputError(f"--set gives {name} twice: allowed is once, NAME=A,B,C for several")
         found[name] = list(given) if isinstance(given, tuple) else given.values(name).tolist()
     return found
+
+
+def save_picture(ctx: click.Context, figure: Figure, out: Path, result: Result) -> None:
+    """Write a picture with the command and the sweep that made it in its metadata."""
+    from locosweep.plot.save import save_figure
+    from locosweep.provenance import spec_hash
+
+    save_figure(figure, out, command=called(ctx), spec=spec_hash(result))
+
+
+def paths(*files: Path | None) -> str:
+    """Return the paths of the files that were written, a line each."""
+    return "\n".join(str(path) for path in files if path is not None)
 
 
 def called(ctx: click.Context) -> str:

@@ -8,8 +8,7 @@ from typing import Any
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import as_json
-from locosweep.cli.saving import save_picture
+from locosweep.cli.options import as_json, save_picture
 from locosweep.errors import InputError
 
 __all__ = ["plot"]

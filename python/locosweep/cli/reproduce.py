@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from locosweep.cli.options import as_json, json_option, meter, out_option, robot_option
-from locosweep.cli.saving import paths
+from locosweep.cli.options import as_json, json_option, meter, out_option, paths, robot_option
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import as_json, fixed, on_terminal, summary
+from locosweep.cli.options import as_json, fixed, on_terminal, paths, summary
 from locosweep.cli.simulation_options import refuse_beside, refuse_idle, simulation_options
 from locosweep.errors import InputError
 
@@ -96,5 +96,4 @@ def sweep(
     if save_spec is not None:
         spec.save(save_spec)
         report["spec"] = str(save_spec)
-    paths = [str(path) for path in (out, save_spec) if path is not None]
-    click.echo(as_json(report) if json_ else "\n".join(paths))
+    click.echo(as_json(report) if json_ else paths(out, save_spec))

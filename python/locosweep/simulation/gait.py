@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from locosweep import _core, memory
 from locosweep.engine import whole
 from locosweep.errors import InputError
+from locosweep.grid import real_array
 from locosweep.registry import Status, unknown
 
 if TYPE_CHECKING:
@@ -293,7 +294,7 @@ def _split(
     parts: dict[str, dict[str, list[float]]] = {"segment": {}, "joint": {}}
     for name, value in values.items():
         record = gait_parameters()[name]
-        array = _numbers(name, value)
+        array = real_array(name, value)
         if array.ndim == 0:
             shared[name] = float(array)
         elif array.ndim > 1 or record.part == "run":
@@ -302,14 +303,3 @@ def _split(
         else:
             parts[record.part][name] = array.tolist()
     return shared, parts["segment"], parts["joint"]
-
-
-def _numbers(name: str, value: Any) -> Floats:
-    try:
-        array = np.asarray(value)
-    except ValueError:
-        array = np.array(None)
-    # Text and truth values are no numbers here, though NumPy would turn them into some.
-    if array.dtype.kind not in "iuf":
-        raise InputError(f"{name} is {value!r}: allowed is a number, or several")
-    return array.astype(np.float64)
