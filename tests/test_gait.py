@@ -207,6 +207,17 @@ def test_bad_input_is_refused_in_one_line(given, words):
     assert "\n" not in str(caught.value)
 
 
+def test_a_motion_that_cannot_be_computed_is_no_bad_input(tmp_path, capsys):
+    elastic = {"joint_stiffness": 2000, "joint_damping": 5, "speed_limit": 0.05}
+    given = {**PAPER, **elastic, "time_step": 1e-9, "cycles": 1}
+    with pytest.raises(ls.SolveError, match="too_many_steps"):
+        ls.run_gait(**given)
+    spec = ls.GaitSpec("single", {name: float(value) for name, value in given.items()})
+    spec.save(tmp_path / "long.toml")
+    assert main(["gait", str(tmp_path / "long.toml"), "--out", str(tmp_path / "out")]) == 1
+    assert "too many steps" in capsys.readouterr().err
+
+
 def test_what_has_no_default_is_asked_for():
     with pytest.raises(ls.InputError, match="mu_static is not given: allowed is a number"):
         ls.run_gait(segments=4, mu_coulomb=0.3)

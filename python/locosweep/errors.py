@@ -14,7 +14,7 @@ class DataFileError(InputError):
 
 
 class SolveError(LocosweepError, RuntimeError):
-    """A computation did not reach its tolerance."""
+    """The motion asked for could not be computed: events too close, or without bounds."""
 
 
 class Cancelled(LocosweepError):

@@ -1,6 +1,6 @@
 """The command ``locosweep``.
 
-Exit codes: 0 done, 1 internal error, 2 bad input, 130 Ctrl-C, 143 terminated.
+Exit codes: 0 done, 1 internal or solver error, 2 bad input, 130 Ctrl-C, 143 terminated.
 Results go to standard output, everything else to standard error.
 """
 

@@ -8,7 +8,7 @@ import click
 
 from locosweep.cli import options
 from locosweep.cli.options import as_json, called
-from locosweep.errors import InputError
+from locosweep.errors import InputError, SolveError
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -39,8 +39,8 @@ def gait(ctx: click.Context, spec: Path, out: Path, force: bool, samples: int, j
     check_folder(out, force=force)
     try:
         run = given.run(samples=samples)
-    except InputError as error:
-        raise InputError(f"{spec}: {error}") from None
+    except (InputError, SolveError) as error:
+        raise type(error)(f"{spec}: {error}") from None
     files = _write(ctx, spec, run, out)
     told = _told(run)
     if json_:

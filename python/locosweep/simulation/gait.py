@@ -11,7 +11,7 @@ import numpy as np
 
 from locosweep import _core, memory
 from locosweep.engine import whole
-from locosweep.errors import InputError
+from locosweep.errors import InputError, SolveError
 from locosweep.grid import real_array
 from locosweep.registry import Status, unknown
 
@@ -40,6 +40,9 @@ UNITS = {
     "propulsive": "N",
 }
 """Units of the arrays of a run."""
+
+_UNSOLVED = {Status.NOT_FINITE, Status.UNRESOLVED, Status.DIVERGED, Status.TOO_MANY_STEPS}
+"""Statuses that speak of the solver, not of a robot that this gait does not move."""
 
 
 def gaits() -> list[Gait]:
@@ -214,6 +217,8 @@ def run_gait(
     InputError
         Unknown names, values out of range, sequences of another length, or a robot
         that this gait does not move; the message says why.
+    SolveError
+        The motion could not be computed.
     Cancelled
         The token was used.
 
@@ -239,7 +244,8 @@ def run_gait(
     results = dict(first.results)
     if first.status:
         status = Status(first.status)
-        raise InputError(f"gait '{gait}': {status.sentence} ({status.name.lower()})")
+        kind = SolveError if status in _UNSOLVED else InputError
+        raise kind(f"gait '{gait}': {status.sentence} ({status.name.lower()})")
     if every is None:
         every = results["time"] / (count - 1)
     if not 0 < every < math.inf:
