@@ -9,7 +9,7 @@ import numpy as np
 
 from locosweep import _core
 from locosweep.errors import InputError
-from locosweep.registry import Law, law, parameter
+from locosweep.registry import Law, law, laws, parameter
 from locosweep.simulation.trajectories import simulate
 
 if TYPE_CHECKING:
@@ -21,42 +21,48 @@ if TYPE_CHECKING:
 
 __all__ = ["EXAMPLE", "Behaviour", "Characteristic", "behaviour_of", "characteristic_of"]
 
-EXAMPLE = {
-    "mu_static": 0.45,
-    "mu_coulomb": 0.3,
-    "viscous": 2.0,
-    "stribeck_speed": 0.015,
-    "stribeck_exponent": 0.5,
-    "modelica_decay": 50.0,
-    "transition_speed": 0.004,
-    "quadratic": 40.0,
-    "power_drag": 15.0,
-    "load_friction": 0.2,
-    "viscous_load": 2.0,
-    "skin_ratio": 1.4,
-    "ripple_amplitude": 0.3,
-    "ripple_length": 0.02,
-    "patch_start": 0.02,
-    "patch_length": 0.03,
-    "patch_ratio": 1.6,
-    "track_2": 1.2,
-    "track_3": 1.5,
-    "track_4": 1.3,
-    "track_5": 0.7,
-    "track_6": 0.8,
-    "buildup": 10.0,
-    "buildup_root": 0.5,
-    "snowplough": 20.0,
-    "mixed_speed": 0.025,
+_SHOWN = {
+    "mu_static": 0.45, "mu_coulomb": 0.3, "viscous": 2.0, "stribeck_speed": 0.015,
+    "stribeck_exponent": 0.5, "modelica_decay": 50.0, "transition_speed": 0.004, "quadratic": 40.0,
+    "power_drag": 15.0, "load_friction": 0.2, "viscous_load": 2.0, "skin_ratio": 1.4,
+    "ripple_amplitude": 0.3, "ripple_length": 0.02, "patch_start": 0.02, "patch_length": 0.03,
+    "patch_ratio": 1.6, "track_2": 1.2, "track_3": 1.5, "track_4": 1.3, "track_5": 0.7,
+    "track_6": 0.8, "buildup": 10.0, "buildup_root": 0.5, "snowplough": 20.0, "mixed_speed": 0.025,
     "dwell_time": 0.2,
-}
-"""Values that make the traits of every law visible in one frame; the defaults of
-most are 0, which switches their part off."""
+}  # fmt: skip
+"""Values that make the traits of the laws visible in one frame."""
+
+_TYPICAL = {"N": 0.4, "m": 0.02, "s": 0.2, "1": 0.3}
+"""Values by unit, of that frame: half a Coulomb level, a stroke, its time, a coefficient."""
 
 _MICRO, _MILLI = 1e6, 1e3
 
 _FINE = 2e-5
 """Step in s that resolves the steep rise of smooth laws at rest."""
+
+
+def _example() -> dict[str, float]:
+    """Return values for all laws; of what is off by default and not in the table, a typical one."""
+    known = {p.name: p for law in laws() for p in law.parameters}
+    return _SHOWN | {
+        name: _typical(record.unit)
+        for name, record in known.items()
+        if name not in _SHOWN and not record.default and record.unit != "deg"
+    }
+
+
+def _typical(unit: str) -> float:
+    """Return a value in a unit such as "N s^2/m^2"."""
+    above, _, below = unit.partition("/")
+    value = 1.0
+    for sign, factors in ((1.0, above.split()), (-1.0, below.split())):
+        for base, _, power in (factor.partition("^") for factor in factors):
+            value *= _TYPICAL.get(base, 1.0) ** (sign * float(power or 1))
+    return value
+
+
+EXAMPLE = _example()
+"""Values of the parameters of all laws, by name, for pictures."""
 
 
 @dataclass(frozen=True)
