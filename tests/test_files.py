@@ -100,6 +100,8 @@ class TestRobot:
             ("[bench]\nkind = 1", ["[bench] kind", "linear, rotary"]),
             ("[surface]\nmu_coulomb = 0.3\ncoulomb_force = 1.0", ["mu_coulomb", "coulomb_force"]),
             ("robot = 1", ["robot", "[robot]"]),
+            ("[effects.slope_error]", ["[effects.slope_error]", "no d_alpha_deg"]),
+            ("[effects.coulomb_error]", ["[effects.coulomb_error]", "no d_mu"]),
             ("[robot\nmass = 1", ["not TOML"]),
             ("[robot]\nmass = 1\nmass = 2", ["not TOML"]),
             (b"\xff\xfe\x00", ["not TOML"]),

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Robot", "load_robot"]
 
+_EITHER = {"d_mu", "d_force"}
+"""The two forms of `coulomb_error`: whether the model has a force or a coefficient decides."""
+
 
 @dataclass(frozen=True)
 class Robot:
@@ -94,7 +97,7 @@ def _robot(document: dict[str, Any]) -> Robot:
 
 
 def _effect(name: str, tables: dict[str, Any]) -> dict[str, float]:
-    """Read the parameters of one effect; a mass or level that is not given is off."""
+    """Read the parameters of one effect; none has a default."""
     records = {record.name: record for record in _core.effects()}
     if name not in records:
         raise unknown("effect", name, records)
@@ -110,8 +113,9 @@ def _effect(name: str, tables: dict[str, Any]) -> dict[str, float]:
             allowed = record.allowed
             raise InputError(f"{where} is {number!r} {record.unit}: allowed is {allowed}")
         found[key] = number
-    # The two forms of one error: the file's model says which of them counts.
-    missing = [key for key in parameters if key not in found and not key.startswith("d_")]
+    missing = [key for key in parameters if key not in found]
+    if found.keys() & _EITHER and set(missing) <= _EITHER:
+        missing = []
     if missing:
         raise InputError(f"[effects.{name}] has no {missing[0]}")
     return found
