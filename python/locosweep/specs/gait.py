@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 from locosweep.errors import InputError
 from locosweep.files import toml
 from locosweep.registry import unknown
 from locosweep.simulation.gait import GaitRun, gait_parameters, gaits, run_gait
+from locosweep.specs.spec_file import SpecFile
 
 if TYPE_CHECKING:
-    import os
-
     from locosweep._core import CancelToken, GaitParameter
 
 __all__ = ["GaitSpec"]
@@ -22,7 +21,7 @@ _FORMAT = "locosweep.gait/1"
 
 
 @dataclass(frozen=True)
-class GaitSpec:
+class GaitSpec(SpecFile):
     """One robot and its gait. `to_toml` and `from_toml` keep it exactly.
 
     Attributes
@@ -71,6 +70,8 @@ class GaitSpec:
     0.02
     """
 
+    _kind = "gait file"
+
     schedule: str
     values: dict[str, float | tuple[float, ...]] = field(default_factory=dict)
     robot: str | None = None
@@ -114,38 +115,14 @@ class GaitSpec:
         return toml.write(document)
 
     @classmethod
-    def from_toml(cls, text: str, *, source: str = "gait file") -> GaitSpec:
-        """Read the text of a gait file.
+    def _of(cls, document: dict[str, Any]) -> Self:
+        return cls(*_read(document))
 
-        Parameters
-        ----------
-        text : str
-            TOML.
-        source : str
-            What to call it in messages.
+    def _beside(self, folder: Path) -> Self:
+        return replace(self, folder=folder)
 
-        Raises
-        ------
-        DataFileError
-            Not TOML, an unknown table or key (with the nearest known one), a value
-            of the wrong kind, number or range; names source, table and key.
-        """
-        with toml.refusing(source):
-            return _read(toml.parse(text, source))
-
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> GaitSpec:
-        """Read a gait file; its robot file counts from its folder."""
-        document = toml.read(path)
-        with toml.refusing(path):
-            return replace(_read(document), folder=Path(path).parent)
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a gait file, in one step; its robot file is told from there."""
-        from locosweep.files.atomic import write_text
-
-        spec = replace(self, robot=toml.moved(self.robot, self.folder, Path(path).parent))
-        write_text(path, spec.to_toml())
+    def _moved(self, folder: Path) -> Self:
+        return replace(self, robot=toml.moved(self.robot, self.folder, folder), folder=folder)
 
 
 _WORDS = ("schedule", "robot")
@@ -174,7 +151,10 @@ def _check(record: GaitParameter, value: float | tuple[float, ...]) -> None:
         record.parameter.check(one)
 
 
-def _read(document: dict[str, Any]) -> GaitSpec:
+def _read(
+    document: dict[str, Any],
+) -> tuple[str, dict[str, float | tuple[float, ...]], str | None]:
+    """Return schedule, values and robot file."""
     tables = _tables()
     toml.check_keys("key or table", document, ["format", *tables])
     toml.check_format(document, _FORMAT)
@@ -201,7 +181,7 @@ def _read(document: dict[str, Any]) -> GaitSpec:
     if "robot" not in words:
         _complete(values)
     _lengths(values)
-    return GaitSpec(words["schedule"], values, words.get("robot"))
+    return words["schedule"], values, words.get("robot")
 
 
 def _complete(values: dict[str, float | tuple[float, ...]]) -> None:

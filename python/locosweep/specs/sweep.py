@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 from locosweep.errors import InputError
 from locosweep.files import toml
 from locosweep.registry import parameter, quantities, quantity, reductions, unknown
 from locosweep.specs.simulation import SIMULATION, Simulation
 from locosweep.specs.span import Span
+from locosweep.specs.spec_file import SpecFile
 
 if TYPE_CHECKING:
-    import os
     from collections.abc import Mapping
+    from pathlib import Path
 
     from locosweep.grid import Grid
     from locosweep.result import Result
@@ -26,7 +26,7 @@ _FORMAT = "locosweep.sweep/1"
 
 
 @dataclass(frozen=True)
-class Spec:
+class Spec(SpecFile):
     """One sweep: quantities, axes, fixed values, and what is folded away.
 
     Attributes
@@ -63,6 +63,8 @@ class Spec:
     >>> float(spec.run().values)
     3.0
     """
+
+    _kind = "sweep file"
 
     quantities: tuple[str, ...]
     axes: tuple[tuple[str, Span | tuple[float, ...]], ...] = ()
@@ -165,39 +167,14 @@ class Spec:
         )
 
     @classmethod
-    def from_toml(cls, text: str, *, source: str = "sweep file") -> Spec:
-        """Read the text of a sweep file.
+    def _of(cls, document: dict[str, Any]) -> Self:
+        return cls(**_read(document))
 
-        Parameters
-        ----------
-        text : str
-            TOML.
-        source : str
-            What to call it in messages.
+    def _beside(self, folder: Path) -> Self:
+        return replace(self, simulation=self.simulation.beside(folder))
 
-        Raises
-        ------
-        DataFileError
-            Not TOML, an unknown key (with the nearest known one), a value of the
-            wrong kind, or anything that `Spec` refuses.
-        """
-        with toml.refusing(source):
-            return _read(toml.parse(text, source))
-
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Spec:
-        """Read a sweep file."""
-        document = toml.read(path)
-        with toml.refusing(path):
-            spec = _read(document)
-        return replace(spec, simulation=spec.simulation.beside(Path(path).parent))
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a sweep file, in one step."""
-        from locosweep.files.atomic import write_text
-
-        moved = replace(self, simulation=self.simulation.moved(Path(path).parent))
-        write_text(path, moved.to_toml())
+    def _moved(self, folder: Path) -> Self:
+        return replace(self, simulation=self.simulation.moved(folder))
 
 
 def simulated() -> list[str]:
@@ -223,7 +200,8 @@ _KEYS = ("format", "quantities", "over", "reduce", "q", "dtype", "simulation", "
 _SPAN_KEYS = ("from", "to", "count")
 
 
-def _read(document: Mapping[str, Any]) -> Spec:
+def _read(document: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arguments of a Spec."""
     toml.check_keys("key", document, _KEYS)
     toml.check_format(document, _FORMAT)
     if "quantities" not in document:
@@ -235,16 +213,16 @@ def _read(document: Mapping[str, Any]) -> Spec:
     axes, fixed = (toml.table(document, key) for key in ("axes", "fixed"))
     for name in (*axes, *fixed):
         parameter(name)
-    return Spec(
-        quantities=_words("quantities", document["quantities"]),
-        axes=tuple((name, _axis(f"[axes] {name}", value)) for name, value in axes.items()),
-        fixed=tuple((n, toml.number(f"[fixed] {n}", value)) for n, value in fixed.items()),
-        over=None if over is None else toml.word("over", over),
-        reduce=_words("reduce", document.get("reduce", [])),
-        q=None if q is None else toml.number("q", q),
-        dtype=toml.word("dtype", document.get("dtype", "float64")),
-        simulation=Simulation(**words),
-    )
+    return {
+        "quantities": _words("quantities", document["quantities"]),
+        "axes": tuple((name, _axis(f"[axes] {name}", value)) for name, value in axes.items()),
+        "fixed": tuple((n, toml.number(f"[fixed] {n}", value)) for n, value in fixed.items()),
+        "over": None if over is None else toml.word("over", over),
+        "reduce": _words("reduce", document.get("reduce", [])),
+        "q": None if q is None else toml.number("q", q),
+        "dtype": toml.word("dtype", document.get("dtype", "float64")),
+        "simulation": Simulation(**words),
+    }
 
 
 def _axis(where: str, value: object) -> Span | tuple[float, ...]:

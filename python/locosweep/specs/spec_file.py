@@ -1,0 +1,67 @@
+"""Specifications as TOML files: reading, writing, and paths relative to the file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+from locosweep.files import toml
+from locosweep.files.atomic import write_text
+
+if TYPE_CHECKING:
+    import os
+
+
+class SpecFile:
+    """A specification that a TOML file holds."""
+
+    _kind: ClassVar[str]
+
+    def to_toml(self) -> str:
+        """Return the text of a file."""
+        raise NotImplementedError
+
+    @classmethod
+    def _of(cls, document: dict[str, Any]) -> Self:
+        """Read the content of a file; InputError for whatever it cannot hold."""
+        raise NotImplementedError
+
+    def _beside(self, folder: Path) -> Self:
+        """Return the same, its relative paths counted from a folder."""
+        raise NotImplementedError
+
+    def _moved(self, folder: Path) -> Self:
+        """Return the same, its relative paths changed to count from a folder."""
+        raise NotImplementedError
+
+    @classmethod
+    def from_toml(cls, text: str, *, source: str | None = None) -> Self:
+        """Read the text of a file.
+
+        Parameters
+        ----------
+        text : str
+            TOML.
+        source : str, optional
+            Its name in messages.
+
+        Raises
+        ------
+        DataFileError
+            Not TOML, an unknown table or key (with the nearest known one), a value
+            of the wrong kind, number or range; names source, table and key.
+        """
+        source = cls._kind if source is None else source
+        with toml.refusing(source):
+            return cls._of(toml.parse(text, source))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read a file; paths in it count from its folder."""
+        document = toml.read(path)
+        with toml.refusing(path):
+            return cls._of(document)._beside(Path(path).parent)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a file, in one step; paths in it are told from its folder."""
+        write_text(path, self._moved(Path(path).parent).to_toml())
