@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from locosweep.progress import Progress
 
-__all__ = ["CancelToken", "sweep"]
-
 _FLOATS = {"float64": np.float64, "float32": np.float32}
 
 
@@ -193,6 +191,7 @@ def samples_of(
 
 
 def whole(name: str, value: int | None) -> int | None:
+    """Refuse what is no whole number from 1 upward; None passes."""
     if value is None:
         return None
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["Grid", "real_array"]
-
 
 class Grid:
     """Parameters of a sweep: one-dimensional values are axes, numbers are fixed.

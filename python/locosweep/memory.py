@@ -7,8 +7,6 @@ from pathlib import Path
 
 from locosweep.errors import InputError
 
-__all__ = ["check", "default_limit"]
-
 _SHARE = 0.8
 # Asking the system takes longer than a small sweep does.
 _NEGLIGIBLE = 64 << 20

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
-__all__ = ["Meter", "Progress"]
-
 
 class Progress(Protocol):
     """A callable for ``progress=``, called at most ten times a second and at the end."""

@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from locosweep.result import Result
 
-__all__ = ["spec_hash"]
-
 
 def spec_hash(*results: Result) -> str:
     """Hash what was asked for: axes, fixed values and outputs, not the values.

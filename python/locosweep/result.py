@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from locosweep.plot.heatmap import Plotter
 
-__all__ = ["Output", "Result"]
-
 
 @dataclass(frozen=True)
 class Output:

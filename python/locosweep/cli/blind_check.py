@@ -7,15 +7,14 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import as_json, called, meter
+from locosweep.cli.options import called, meter
+from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
     from locosweep.validation.judge import Judged
-
-__all__ = ["blind_check"]
 
 
 @click.command(name="blind-check")

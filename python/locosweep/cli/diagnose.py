@@ -7,15 +7,14 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import as_json, meter, pairs
+from locosweep.cli.options import meter, pairs
+from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
     from locosweep.diagnosis.report.result import Diagnosis
-
-__all__ = ["diagnose"]
 
 
 @click.command()

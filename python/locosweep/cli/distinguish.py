@@ -11,19 +11,18 @@ import click
 
 from locosweep import registry
 from locosweep.cli import options
-from locosweep.cli.options import as_json, called, meter, pairs, values_of
+from locosweep.cli.options import called, meter, pairs, values_of
 from locosweep.cli.simulation_options import chosen
 from locosweep.errors import InputError
+from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
     from locosweep.diagnosis.design.distinguish import Distinction
     from locosweep.files.robot import Robot
     from locosweep.files.runs import Run
-    from locosweep.specs.sweep import Span
+    from locosweep.specs.span import Span
 
     Setting = tuple[str, Span | tuple[float, ...]]
-
-__all__ = ["distinguish"]
 
 _TIME = "duration"
 _MOST_RUNS = 64

@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import as_json, called, meter, pairs
+from locosweep.cli.options import called, meter, pairs
 from locosweep.errors import InputError
+from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-__all__ = ["friction"]
 
 
 def _labels(option: str, given: str | None) -> list[str]:

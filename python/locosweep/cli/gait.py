@@ -7,15 +7,14 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import as_json, called
+from locosweep.cli.options import called
 from locosweep.errors import InputError, SolveError
+from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from locosweep.simulation.gait import GaitRun
-
-__all__ = ["gait"]
 
 
 @click.command()

@@ -8,19 +8,18 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import as_json, fixed, on_terminal, paths, save_picture, summary
+from locosweep.cli.options import fixed, on_terminal, paths, save_picture, summary
 from locosweep.cli.simulation_options import refuse_idle, simulation_options
+from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from locosweep.result import Result
     from locosweep.specs.simulation import Simulation
-    from locosweep.specs.sweep import Span
+    from locosweep.specs.span import Span
 
     Axis = tuple[str, Span | tuple[float, ...]]
-
-__all__ = ["heatmap"]
 
 
 @click.command(cls=options.SweepCommand)

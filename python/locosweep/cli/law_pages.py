@@ -10,8 +10,6 @@ from locosweep import registry
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-__all__ = ["markdown"]
-
 _KINDS = {
     "dry": "Sticks truly: at rest friction takes any value up to a limit. The picture shows "
     "those values as a bar at rest.",

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from locosweep.registry import Law
     from locosweep.simulation.law_data import Behaviour, Characteristic
 
-__all__ = ["overview", "page"]
-
 _AT_REST = {"dry": "holds at rest", "smooth": "creeps at rest", "bristle": "yields, then slides"}
 _BESIDE = {
     "load_friction": "level rises with\nthe drive force",

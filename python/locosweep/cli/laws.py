@@ -10,16 +10,15 @@ import click
 from locosweep import registry
 from locosweep.cli import options
 from locosweep.cli.law_pages import markdown
-from locosweep.cli.options import as_json, called, fixed, meter
+from locosweep.cli.options import called, fixed, meter
 from locosweep.cli.registry_lists import as_record, page, table
 from locosweep.errors import InputError
+from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from locosweep.simulation.law_data import Characteristic
-
-__all__ = ["laws"]
 
 _LAW = ("name", "kind", "formula", "parameters", "source", "limits", "meaning", "exact")
 

@@ -11,14 +11,13 @@ import click
 
 from locosweep import registry
 from locosweep.cli import options
-from locosweep.cli.options import as_json, fixed
+from locosweep.cli.options import fixed
 from locosweep.cli.registry_lists import table
 from locosweep.errors import InputError
+from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
-    from locosweep.specs.sweep import Span
-
-__all__ = ["optimum"]
+    from locosweep.specs.span import Span
 
 _TIE = 1e-12
 _AXIS = "segments"
@@ -81,7 +80,7 @@ def optimum(
 
 
 def _segments(text: str) -> Span:
-    from locosweep.specs.sweep import Span
+    from locosweep.specs.span import Span
 
     try:
         span = options.AXIS.convert(f"{_AXIS}={text}", None, None)[1]

@@ -13,7 +13,6 @@ from click.shell_completion import CompletionItem
 
 from locosweep import registry
 from locosweep.errors import InputError
-from locosweep.files.strict_json import json_text as as_json
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -22,45 +21,9 @@ if TYPE_CHECKING:
 
     from locosweep.progress import Meter
     from locosweep.result import Result
-    from locosweep.specs.sweep import Span
+    from locosweep.specs.span import Span
 
     Axis = tuple[str, Span | tuple[float, ...]]
-
-__all__ = [
-    "AXIS",
-    "CURVES",
-    "DRIVE",
-    "FILE",
-    "FOLDER",
-    "LAW",
-    "METHOD",
-    "PARAMETER",
-    "PICTURE",
-    "QUANTITY",
-    "REDUCTION",
-    "SETTING",
-    "TABLE",
-    "SweepCommand",
-    "as_json",
-    "called",
-    "column_option",
-    "count_option",
-    "fixed",
-    "force_option",
-    "json_option",
-    "meter",
-    "on_terminal",
-    "out_option",
-    "pairs",
-    "paths",
-    "robot_option",
-    "save_picture",
-    "set_option",
-    "summary",
-    "threads_option",
-    "unit_option",
-    "values_of",
-]
 
 _Command = TypeVar("_Command", bound="Callable[..., Any]")
 
@@ -134,7 +97,7 @@ def _number(name: str, text: str) -> float:
 
 
 def _axis(text: str) -> Axis:
-    from locosweep.specs.sweep import Span
+    from locosweep.specs.span import Span
 
     name, sign, values = text.partition("=")
     forms = "allowed are NAME=LO:HI:COUNT, NAME=A,B,C and, for whole numbers, NAME=LO:HI"

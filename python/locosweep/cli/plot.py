@@ -8,10 +8,9 @@ from typing import Any
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import as_json, save_picture
+from locosweep.cli.options import save_picture
 from locosweep.errors import InputError
-
-__all__ = ["plot"]
+from locosweep.files.strict_json import as_json
 
 
 @click.command(cls=options.SweepCommand)

@@ -9,22 +9,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from locosweep import registry
-from locosweep.cli.options import DRIVE, PARAMETER, QUANTITY, as_json, json_option
+from locosweep.cli.options import DRIVE, PARAMETER, QUANTITY, json_option
+from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
-
-__all__ = [
-    "as_record",
-    "drives",
-    "methods",
-    "page",
-    "parameters",
-    "quantities",
-    "reductions",
-    "statuses",
-    "table",
-]
 
 
 def table(rows: Iterable[Sequence[str]], heads: Sequence[str], right: str = "") -> str:

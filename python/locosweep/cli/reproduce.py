@@ -6,12 +6,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from locosweep.cli.options import as_json, json_option, meter, out_option, paths, robot_option
+from locosweep.cli.options import json_option, meter, out_option, paths, robot_option
+from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-__all__ = ["reproduce"]
 
 
 @click.command()

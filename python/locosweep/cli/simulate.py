@@ -10,19 +10,18 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import as_json, called, fixed, on_terminal, values_of
+from locosweep.cli.options import called, fixed, on_terminal, values_of
 from locosweep.cli.simulate_runs import replay
 from locosweep.cli.simulation_options import refuse_beside, refuse_idle, simulation_options
 from locosweep.errors import InputError
+from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
     from locosweep.simulation.trajectories import Trajectories
     from locosweep.specs.simulation import Simulation
-    from locosweep.specs.sweep import Span
+    from locosweep.specs.span import Span
 
     Setting = tuple[str, Span | tuple[float, ...]]
-
-__all__ = ["simulate"]
 
 _ENTRY = "final_position"
 """What a trajectory is checked as: all simulated quantities share its parameters."""

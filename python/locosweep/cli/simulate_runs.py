@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from locosweep.cli.options import as_json, meter, pairs
+from locosweep.cli.options import meter, pairs
+from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
-
-__all__ = ["replay"]
 
 
 def replay(

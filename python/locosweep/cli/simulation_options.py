@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from locosweep.specs.simulation import Simulation
 
-__all__ = ["chosen", "drive_file_option", "refuse_beside", "refuse_idle", "simulation_options"]
-
 _Command = TypeVar("_Command", bound="Callable[..., Any]")
 _LAW, _DRIVE, _TABLE = "coulomb_viscous", "constant", "table"
 

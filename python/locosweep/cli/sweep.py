@@ -8,17 +8,16 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import as_json, fixed, on_terminal, paths, summary
+from locosweep.cli.options import fixed, on_terminal, paths, summary
 from locosweep.cli.simulation_options import refuse_beside, refuse_idle, simulation_options
 from locosweep.errors import InputError
+from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from locosweep.specs.simulation import Simulation
-    from locosweep.specs.sweep import Span
-
-__all__ = ["sweep"]
+    from locosweep.specs.span import Span
 
 
 @click.command(cls=options.SweepCommand)

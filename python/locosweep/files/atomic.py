@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     import polars as pl
 
-__all__ = ["check_place", "replacing", "write_frame", "write_text"]
-
 
 def check_place(path: str | os.PathLike[str]) -> Path:
     """Refuse a path that cannot become a file: a folder, or in none that exists."""

@@ -18,19 +18,6 @@ if TYPE_CHECKING:
     import polars as pl
     from numpy.typing import NDArray
 
-__all__ = [
-    "UNITS",
-    "check_complete",
-    "check_rising",
-    "check_units",
-    "checksum",
-    "label_of",
-    "number_column",
-    "number_columns",
-    "read_frame",
-    "rows_by_run",
-]
-
 UNITS = {
     "m": 1.0,
     "cm": 1e-2,

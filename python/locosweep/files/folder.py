@@ -14,8 +14,6 @@ from locosweep.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
 
-__all__ = ["check_folder", "filling", "make_folder"]
-
 
 def make_folder(path: str | os.PathLike[str]) -> Path:
     """Make a folder where there is none; InputError if that fails."""

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from locosweep.result import Result
 
-__all__ = ["load", "save_result"]
-
 _FORMAT = "locosweep.result/1"
 
 

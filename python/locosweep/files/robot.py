@@ -13,8 +13,6 @@ from locosweep.registry import unknown
 if TYPE_CHECKING:
     import os
 
-__all__ = ["Robot", "load_robot"]
-
 _EITHER = {"d_mu", "d_force"}
 """The two forms of `coulomb_error`: whether the model has a force or a coefficient decides."""
 

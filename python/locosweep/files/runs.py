@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     import polars as pl
     from numpy.typing import NDArray
 
-__all__ = ["CHANNELS", "Run", "load_runs", "runs_from_frame"]
-
 CHANNELS = {
     "x": "displacement of the head",
     "x_rear": "displacement of the anchored body",

@@ -6,10 +6,8 @@ import json
 import math
 from typing import Any
 
-__all__ = ["json_text", "plain"]
 
-
-def json_text(value: object) -> str:
+def as_json(value: object) -> str:
     """Return indented JSON; the same value gives the same bytes."""
     return json.dumps(plain(value), indent=2, allow_nan=False, ensure_ascii=False)
 

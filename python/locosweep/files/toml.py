@@ -16,20 +16,6 @@ if TYPE_CHECKING:
 
     from locosweep._core import Parameter
 
-__all__ = [
-    "check_format",
-    "check_keys",
-    "moved",
-    "number",
-    "parse",
-    "read",
-    "refusing",
-    "table",
-    "value_of",
-    "word",
-    "write",
-]
-
 
 def read(path: str | os.PathLike[str]) -> dict[str, Any]:
     """Return the content of a TOML file; DataFileError if it is not one."""

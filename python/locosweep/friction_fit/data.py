@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     import polars as pl
     from numpy.typing import NDArray
 
-__all__ = ["COLUMNS", "FrictionRun", "read_friction"]
-
 COLUMNS = {
     "run": "label of the run",
     "t": "time [s]",

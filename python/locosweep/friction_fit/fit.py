@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from locosweep._core import CancelToken, FrictionOutcome
     from locosweep.progress import Progress
 
-__all__ = ["fit_friction"]
-
 _SCOUTS = ("coulomb", "coulomb_viscous", "stribeck")
 """Laws that decide how load and sensor enter, before the others are fitted."""
 

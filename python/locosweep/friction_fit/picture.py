@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from locosweep.friction_fit.result import FittedLaw, FrictionFit
 
-__all__ = ["characteristic_figure", "force_figure", "law_figure", "pictures", "residual_figure"]
-
 _SHOWN = 4000
 """Samples of a cloud."""
 _BINS = 12

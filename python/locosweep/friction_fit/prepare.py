@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     from locosweep.friction_fit.data import FrictionRun
 
-__all__ = ["Prepared", "PreparedRun", "fitted_only", "prepare"]
-
 _MOST_SAMPLES = 12_000
 """Samples of all runs that motion is kept at: bristle laws are integrated along it."""
 _MOST_ROWS = 3_000

@@ -6,15 +6,13 @@ from typing import TYPE_CHECKING, cast
 
 from locosweep.files.atomic import write_text
 from locosweep.files.folder import make_folder
-from locosweep.files.strict_json import json_text, plain
+from locosweep.files.strict_json import as_json, plain
 
 if TYPE_CHECKING:
     import os
     from pathlib import Path
 
     from locosweep.friction_fit.result import FittedLaw, FrictionFit
-
-__all__ = ["as_dict", "as_text", "save"]
 
 _ROWS = 10
 """Laws in the text table."""
@@ -124,7 +122,7 @@ def save(
     from locosweep.plot.save import save_figure
 
     drawn = pictures(fit)
-    text = json_text(as_dict(fit)) + "\n"
+    text = as_json(as_dict(fit)) + "\n"
     folder, files = make_folder(folder), []
     for name, content in {"friction.json": text, "friction.md": _markdown(fit)}.items():
         write_text(folder / name, content)

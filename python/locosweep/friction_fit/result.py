@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from locosweep._core import Law
     from locosweep.friction_fit.prepare import Prepared
 
-__all__ = ["FittedLaw", "FittedParameter", "FrictionFit"]
-
 _MOST = 1e3
 """Largest friction coefficient of the registry."""
 

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from locosweep.friction_fit.prepare import Prepared
     from locosweep.friction_fit.result import FittedLaw
 
-__all__ = ["choose", "left_over", "schwarz", "shrink_of", "summary_of"]
-
 _REFUTED = 10.0
 """Difference of the Schwarz criterion that is very strong evidence (Kass and Raftery 1995)."""
 

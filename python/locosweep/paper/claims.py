@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
     from locosweep.files.robot import Robot
 
-__all__ = ["CLAIMS", "VARIANTS", "Row", "Verdict", "crossing", "judge", "robot_rows"]
-
 Verdict = Literal["agrees", "differs", "ambiguous in the paper"]
 
 VARIANTS = {

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     Drawn = tuple[Figure, list[Result]]
 
-__all__ = ["FIGURES"]
-
 
 def _figure(title: str, panels: int, width: float = 13.0) -> tuple[Figure, list[Axes]]:
     figure = style.figure(width, 5.6)

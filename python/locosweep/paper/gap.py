@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     import os
     from pathlib import Path
 
-__all__ = ["paper_gap"]
-
 _NOMINAL = """\
 # The head segment of the paper's robot, as its designer would describe it.
 [robot]

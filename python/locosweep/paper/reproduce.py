@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 
     from locosweep.progress import Progress
 
-__all__ = ["Report", "Row", "reproduce"]
-
 _PAPER = (
     "Virgala, Gmiterko, Frankovsky: Experimental Analysis of Friction Effects Affecting the Snake "
     "Robot Segment during Rectilinear Locomotion, American Journal of Mechanical Engineering "

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["SURFACE_CLAIMS", "SURFACE_FIGURES"]
-
 _GROUND = {"mu_static": 0.3, "mu_coulomb": 0.15}
 """Of Figure 5: with Figure 2's 0.3 the drive would hardly exceed friction."""
 

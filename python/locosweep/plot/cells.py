@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["colour_bar", "contours", "edges", "hatch_cells"]
-
 _INK = "0.35"
 
 

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["force_power", "joint_forces", "line", "space_time", "space_time_figure"]
-
 _STATES = (
     (0, "anchored", "#b9d3e6", None),
     (1, "slides forward", "#e69f00", None),

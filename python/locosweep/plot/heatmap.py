@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Plotter"]
-
 _RASTER_FROM = 10_000
 """Cells from which a heat map is stored as an image inside SVG and PDF."""
 _MOST_CELLS = 600

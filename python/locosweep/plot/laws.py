@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     from locosweep.simulation.law_data import Behaviour, Characteristic
 
-__all__ = ["KIND_COLOURS", "behaviour", "characteristic", "frame_of"]
-
 KIND_COLOURS = {"dry": "#0072b2", "smooth": "#d55e00", "bristle": "#009e73"}
 """Colours of Okabe and Ito."""
 

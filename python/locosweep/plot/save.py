@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-__all__ = ["save_figure"]
-
 _DPI = 150
 _KINDS = ("png", "svg", "pdf")
 

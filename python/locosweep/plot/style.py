@@ -24,26 +24,6 @@ if TYPE_CHECKING:
 
     from locosweep.result import Output, Result
 
-__all__ = [
-    "DIVERGING",
-    "HATCHES",
-    "LINES",
-    "NO_VALUE",
-    "SEQUENTIAL",
-    "Colours",
-    "axis_label",
-    "colours",
-    "figure",
-    "grid",
-    "hatch",
-    "output_label",
-    "setting",
-    "simulated",
-    "with_unit",
-    "wrapped",
-    "zero_line",
-]
-
 SEQUENTIAL = "viridis"
 DIVERGING = "RdBu_r"
 NO_VALUE = "0.87"

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["motion"]
-
 _REST = "0.85"
 _LANE = 0.045
 """Height of a bar that shows rest, in shares of the axes."""

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Value = float | Sequence[float]
 
-__all__ = ["UNITS", "GaitRun", "gait_parameters", "gaits", "run_gait"]
-
 UNITS = {
     "t": "s",
     "phase": "1",

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["EXAMPLE", "Behaviour", "Characteristic", "behaviour_of", "characteristic_of"]
-
 _SHOWN = {
     "mu_static": 0.45, "mu_coulomb": 0.3, "viscous": 2.0, "stribeck_speed": 0.015,
     "stribeck_exponent": 0.5, "modelica_decay": 50.0, "transition_speed": 0.004, "quadratic": 40.0,

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from locosweep.files.runs import Run
     from locosweep.progress import Progress
 
-__all__ = ["effect", "effect_values", "effects", "motor_of", "nominal_of", "replay_runs"]
-
 
 @cache
 def _effects() -> dict[str, _core.Effect]:

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from locosweep._core import CancelToken
     from locosweep.progress import Progress
 
-__all__ = ["Trajectories", "simulate"]
-
 _FIELDS = 4
 _ADAPTIVE, _FIXED = "dormand_prince", "runge_kutta"
 

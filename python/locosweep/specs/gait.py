@@ -15,8 +15,6 @@ from locosweep.specs.spec_file import SpecFile
 if TYPE_CHECKING:
     from locosweep._core import CancelToken, GaitParameter
 
-__all__ = ["GaitSpec"]
-
 _FORMAT = "locosweep.gait/1"
 
 

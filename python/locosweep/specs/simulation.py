@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     Samples = tuple[NDArray[np.float64], NDArray[np.float64]]
 
-__all__ = ["SIMULATION", "Simulation", "read_drive"]
-
 SIMULATION = ("law", "drive", "method", "drive_file", "gait")
 _TABLE = "table"
 _COLUMNS = ("t", "drive")

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["Span"]
-
 _MOST = 10_000_000
 """Values that one axis may have."""
 

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from locosweep.grid import Grid
     from locosweep.result import Result
 
-__all__ = ["Span", "Spec"]
-
 _FORMAT = "locosweep.sweep/1"
 
 

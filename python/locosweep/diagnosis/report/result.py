@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from locosweep.files.strict_json import json_text
+from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
     import os
@@ -215,4 +215,4 @@ def report_text(report: dict[str, Any]) -> str:
     >>> report_text({"before": 0.1, "after": float("nan")})
     '{\n  "before": 0.1,\n  "after": null\n}\n'
     """
-    return json_text(report) + "\n"
+    return as_json(report) + "\n"
