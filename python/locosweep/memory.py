@@ -1,4 +1,4 @@
-"""How much memory a call may take."""
+"""Limit of the memory that a call may take."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which sweep a picture or table shows, as one hash."""
+"""Hash of the sweeps that a picture or table shows."""
 
 from __future__ import annotations
 

@@ -183,7 +183,7 @@ def unknown(kind: str, given: str, known: Iterable[str]) -> InputError:
 
 
 class Status(IntEnum):
-    """Why a point has no value; 0 is ok, and only then the value is a number."""
+    """Reason for which a point has no value; 0 is ok, and only then the value is a number."""
 
     OK = 0
     SLIDES_BACK = 1

@@ -1,4 +1,4 @@
-"""What a sweep returns: values with their axes, statuses, frames, files, plots."""
+"""Result of a sweep: values with their axes, statuses, frames, files, plots."""
 
 from __future__ import annotations
 

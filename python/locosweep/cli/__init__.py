@@ -45,7 +45,7 @@ __all__ = ["main"]
 
 _INTERNAL, _INPUT, _INTERRUPTED, _TERMINATED = 1, 2, 130, 143
 _pressed = threading.Event()
-"""Whether Ctrl-C came."""
+"""Set by Ctrl-C."""
 
 
 def _show_version(ctx: click.Context, _: click.Parameter, value: bool) -> None:
@@ -84,7 +84,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _pressed.clear()
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, _terminate)
-        # What ignores Ctrl-C, as in the background of a script, goes on ignoring it.
+        # A process that ignores Ctrl-C, as in the background of a script, goes on ignoring it.
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
             signal.signal(signal.SIGINT, _interrupt)
     try:

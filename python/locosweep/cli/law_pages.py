@@ -17,7 +17,7 @@ _KINDS = {
     "bristle": "The contact has an inner deflection: it gives a little before it slides, with "
     "hysteresis.",
 }
-"""What each kind of law does at rest."""
+"""Behaviour at rest, by kind of law."""
 
 _HEAD = """# Friction laws
 

@@ -301,7 +301,7 @@ def meter(label: str, unit: str = "evaluations", *, quiet: bool = False) -> Mete
 
 
 def on_terminal() -> bool:
-    """Whether to show progress."""
+    """Return whether progress is shown."""
     return sys.stderr.isatty()
 
 

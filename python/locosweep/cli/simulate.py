@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     Setting = tuple[str, Span | tuple[float, ...]]
 
 _ENTRY = "final_position"
-"""What a trajectory is checked as: all simulated quantities share its parameters."""
+"""Quantity that a trajectory is checked as: all simulated ones share its parameters."""
 
 _LEDGER = "energy_residual"
 

@@ -1,4 +1,4 @@
-"""What the commands that simulate share: --law, --drive, --method, --drive-file."""
+"""Options of the commands that simulate: --law, --drive, --method, --drive-file, --gait."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ CHANNELS = {
     "v": "velocity of the head",
     "power": "electric power",
 }
-"""What may be measured, beside time and drive."""
+"""Measured channels, beside time and drive."""
 
 _COLUMNS = ("run", "t", "drive", *CHANNELS, "slope_deg")
 

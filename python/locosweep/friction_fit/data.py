@@ -28,7 +28,7 @@ COLUMNS = {
     "drive": "force of the drive [N], from which friction follows where the mass is known",
     "load": "load that presses the surfaces together [N]",
 }
-"""What a data file may hold."""
+"""Columns of a data file."""
 
 _NUMBERS = tuple(COLUMNS)[1:]
 

@@ -35,7 +35,7 @@ _SCOUTED_ROWS = 600
 _CONFIDENCE = 0.95
 
 _NOTHING_LEFT = 1.1
-"""What laws without bristles leave over the noise, up to which bristles explain no more."""
+"""Residual over noise up to which laws without bristles suffice, so that none with are fitted."""
 
 
 def fit_friction(
@@ -181,7 +181,7 @@ def _terms(
     data: Prepared,
     run: Callable[[_core.FrictionData, list[_core.FrictionCandidate]], list[FrictionOutcome]],
 ) -> tuple[str, bool, bool]:
-    """How load and sensor enter, by the Schwarz criterion over a few simple laws.
+    """Choose how load and sensor enter, by the Schwarz criterion over a few simple laws.
 
     Told on what is fitted to alone, of which every load counts: one load held out
     between the others cannot tell an offset from a share of the load. Pieces of data are

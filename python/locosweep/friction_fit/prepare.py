@@ -298,7 +298,7 @@ def _spikes(force: NDArray[np.float64]) -> NDArray[np.int64]:
     low, high = float(others.min()), float(others.max())
     # A break-away and a turn stand alone too, but not that far beyond sliding.
     lone = lone[(force[lone] < 2 * low - high) | (force[lone] > 2 * high - low)]
-    # What happens often is no fault.
+    # A fault of the sensor is rare.
     return lone if lone.size <= 0.002 * force.size + 1 else lone[:0]
 
 
@@ -331,7 +331,7 @@ def _rests(still: NDArray[np.bool_]) -> list[int]:
 
 
 def _breaks(motion: _Motion, still: NDArray[np.bool_], end: int) -> bool:
-    """Whether the force that ended a rest is what friction held.
+    """Return whether a rest ended at the break-away force.
 
     Where the motion is imposed, a rest may end at any force, and friction only then
     builds up.

@@ -1,4 +1,4 @@
-"""What a fit of friction laws leaves."""
+"""Result of a fit of friction laws."""
 
 from __future__ import annotations
 

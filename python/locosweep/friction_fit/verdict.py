@@ -1,4 +1,4 @@
-"""Which law the data ask for, which tie with it, and what it leaves."""
+"""Verdict of a fit: the law chosen, its ties, and the structure of its residual."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _BINS = 12
 _MUCH_LEFT = 0.1
 """Share of what is left from which a variable is named."""
 _NEAR_NOISE = 1.5
-"""What is left over the noise, up to which nothing more is to be found."""
+"""Residual over noise up to which nothing more is to be found."""
 
 
 def schwarz(rms: float, pieces: float, parameters: int) -> float:

@@ -1,4 +1,4 @@
-"""What the paper's text states, beside what comes out here.
+"""Claims of the paper, each beside the value computed here.
 
 Every number is computed by the engine when asked for, and every verdict is a
 comparison with the stated value.

@@ -37,11 +37,11 @@ position_resolution = 5e-6  # m, paper
 """
 _MASS, _MU, _GRAVITY = 0.271, 0.2, 9.81
 _LIMIT = 0.85
-"""What the actuator gives at 10 V, paper, N."""
+"""Force of the actuator at 10 V in N, from the paper."""
 _BUILDUP = 6.0
 """Lubricant that piles up before the segment, assumed, N/m."""
 _ANCHORS = 3 * 0.5 * _MASS * _GRAVITY
-"""What three anchors hold, N: the highest level that is commanded."""
+"""Static friction of three anchors in N: the highest level that is commanded."""
 _LEVELS = (
     (0.62, 0.70, 0.78, 0.84),
     (0.60, 0.80, 1.00, 0.75),

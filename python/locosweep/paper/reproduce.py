@@ -69,7 +69,7 @@ _SIGNS = {"agrees": "✓", "differs": "✗", "ambiguous in the paper": "?"}
 
 @dataclass(frozen=True)
 class Report:
-    """What `reproduce` found and wrote.
+    """Claims compared and files written by `reproduce`.
 
     Attributes
     ----------

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _GROUND = {"mu_static": 0.3, "mu_coulomb": 0.15}
-"""Of Figure 5: with Figure 2's 0.3 the drive would hardly exceed friction."""
+"""Friction coefficients of Figure 5: with Figure 2's 0.3 the drive would hardly exceed friction."""
 
 _SEGMENTS, _STROKE = 4, 0.02
 _SURFACES = {

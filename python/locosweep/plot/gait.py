@@ -31,7 +31,7 @@ _STATES = (
 
 _MM = 1000.0
 _WIDTH = 11.0
-"""Of a figure, in inches."""
+"""Width of a figure in inches."""
 _MANY = 12
 """Segments beyond which not each one is labelled."""
 

@@ -1,4 +1,4 @@
-"""How pictures look: words, units, colours, hatches and line styles."""
+"""Style of all pictures: words, units, colours, hatches and lines."""
 
 from __future__ import annotations
 
@@ -154,7 +154,7 @@ def colours(
 
 
 def _both_signs(low: float, high: float) -> bool:
-    """Whether zero is worth the middle of the colours: not for a trace of one sign."""
+    """Return whether zero becomes the middle of the colours: not for a trace of one sign."""
     return low < 0 < high and min(-low, high) > 0.01 * max(-low, high)
 
 

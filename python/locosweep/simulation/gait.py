@@ -81,7 +81,7 @@ def gait_parameters() -> dict[str, GaitParameter]:
 
 @dataclass(frozen=True)
 class GaitRun:
-    """What a robot of N segments did. Segment 0 is the head; joint j joins j and j + 1.
+    """Motion of a robot of N segments. Segment 0 is the head; joint j joins j and j + 1.
 
     Attributes
     ----------
@@ -249,7 +249,7 @@ def run_gait(
     if not 0 < every < math.inf:
         raise InputError(f"every is {every!r} s: allowed is a number above 0")
     segments = len(first.slip)
-    # Of a sample eight numbers are shared, four belong to each segment.
+    # Eight numbers of a sample are shared, four belong to each segment.
     needed = 8 * (4 * segments + 8) * (results["time"] / every + 2)
     memory.check(int(min(needed, 2.0**62)), memory_limit, "the trace", "keep fewer samples")
     trace = _core.gait_run(gait, *lists, every, token)

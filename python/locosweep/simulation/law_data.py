@@ -1,4 +1,4 @@
-"""What pictures of friction laws show, as numbers: characteristics and behaviour."""
+"""Characteristics and behaviour of friction laws, as numbers for pictures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a simulation is told by name or file: law, drive, method and drive samples."""
+"""Choice of a simulation by name or file: law, drive, method and drive samples."""
 
 from __future__ import annotations
 
@@ -73,14 +73,14 @@ class Simulation:
 
     @property
     def given(self) -> list[str]:
-        """Which of them are given."""
+        """Names of those that are given."""
         return [name for name in SIMULATION if getattr(self, name) is not None]
 
     def options(self) -> dict[str, Any]:
         """Return the arguments of `sweep` and `simulate`; reads the drive file."""
         table = None if self.drive_file is None else read_drive(self.folder / self.drive_file)
         found = {"law": self.law, "drive": self.drive, "method": self.method, "table": table}
-        # What simulates no whole robot takes no gait.
+        # Only simulations of whole robots take a gait.
         return found if self.gait is None else {**found, "gait": self.gait}
 
     def beside(self, folder: Path) -> Simulation:
