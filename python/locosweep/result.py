@@ -160,8 +160,8 @@ class Result:
                 raise InputError(f"the statuses of {name} are not in this result")
             codes = np.empty(self.shape, np.uint8)
             memory.check(codes.nbytes, None, "the status array")
-            place = [o.name for o in self.outputs].index(name)
-            self._job.run([(place, codes)], _core.threads_to_use())
+            index = [o.name for o in self.outputs].index(name)
+            self._job.run([(index, codes)], _core.threads_to_use())
             self._statuses[name] = codes
         return self._statuses[name]
 
@@ -179,8 +179,8 @@ class Result:
         width = 8 * len(self.axes) + 12 * len(self.outputs)
         memory.check(cells * width, None, "the table")
         columns: dict[str, Any] = {}
-        for place, (name, axis) in enumerate(self.axes.items()):
-            view = axis.reshape([-1 if i == place else 1 for i in range(len(self.axes))])
+        for dimension, (name, axis) in enumerate(self.axes.items()):
+            view = axis.reshape([-1 if i == dimension else 1 for i in range(len(self.axes))])
             columns[name] = np.broadcast_to(view, self.shape).ravel()
         names = [status.name.lower() for status in Status]
         words = pl.Series(names, dtype=pl.Enum(names))

@@ -100,7 +100,7 @@ def _heatmap(result: Result, x: str, y: str, *, star: bool) -> Figure:
 
     panels = len(result.outputs)
     figure = style.figure(6.8 * panels, 5.0)
-    for place, output in enumerate(result.outputs):
-        ax = figure.add_subplot(1, panels, place + 1)
+    for i, output in enumerate(result.outputs):
+        ax = figure.add_subplot(1, panels, i + 1)
         result.plot.heatmap(x, y, output.name, ax=ax, mark_optimum=star)
     return figure

@@ -56,19 +56,19 @@ def overview(
     rows = -(-(len(seen) + 1) // _COLUMNS)
     figure = style.figure(2.9 * _COLUMNS, 2.35 * rows)
     grid = figure.subplots(rows, _COLUMNS, sharex=True, sharey=True, squeeze=False)
-    for place, ax in enumerate(grid.flat):
-        if place >= len(seen):
+    for i, ax in enumerate(grid.flat):
+        if i >= len(seen):
             ax.set_axis_off()
             continue
-        law = laws[place]
-        characteristic(seen[place], ax=ax, frame=frame, legend=False)
+        law = laws[i]
+        characteristic(seen[i], ax=ax, frame=frame, legend=False)
         ax.set_title(law.name, fontsize=11, color=KIND_COLOURS[law.kind], fontweight="bold")
         notes = [_BESIDE[p.name] for p in law.parameters if p.name in _BESIDE]
         ax.text(0.97, 0.05, "".join(notes[:1]), transform=ax.transAxes, ha="right", va="bottom",
                 fontsize=9, color="0.25")  # fmt: skip
         ax.set(xlabel="", ylabel="")
-        below = place + _COLUMNS
-        ax.tick_params(labelbottom=below >= len(seen), labelleft=place % _COLUMNS == 0)
+        below = i + _COLUMNS
+        ax.tick_params(labelbottom=below >= len(seen), labelleft=i % _COLUMNS == 0)
     handles = [
         Line2D([], [], color=colour, linewidth=2.5, label=f"{kind}: {_AT_REST[kind]}")
         for kind, colour in KIND_COLOURS.items()

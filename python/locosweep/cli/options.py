@@ -133,14 +133,14 @@ class _Output(click.ParamType[Path]):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
         """Refuse other endings and folders that do not exist."""
-        from locosweep.files.atomic import check_place
+        from locosweep.files.atomic import check_file_name
 
         path = Path(value)
         if path.suffix[1:].lower() not in self.kinds:
             allowed = ", ".join(f".{kind}" for kind in self.kinds)
             self.fail(f"'{value}' ends in '{path.suffix}': allowed are {allowed}", param, ctx)
         try:
-            check_place(path)
+            check_file_name(path)
         except InputError as error:
             self.fail(str(error), param, ctx)
         return path

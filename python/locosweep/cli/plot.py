@@ -59,17 +59,17 @@ def plot(
         out = Path(f"{file.stem}.png")
         options.PICTURE.convert(out, None, ctx)
     result = load(file)
-    places: dict[str, Any] = dict(at)
-    if len(places) < len(at):
+    fixed_at: dict[str, Any] = dict(at)
+    if len(fixed_at) < len(at):
         raise InputError("--at gives an axis twice: allowed is one value each")
-    free = [name for name, axis in result.axes.items() if name not in places and len(axis) > 1]
+    free = [name for name, axis in result.axes.items() if name not in fixed_at and len(axis) > 1]
     if by is not None or (y is None and len(free) < 2):
         rest = [name for name in free or result.axes if name != by]
         if x is None and not rest:
             raise InputError(f"{file} has no axis left to draw along")
-        ax = result.plot.curves(x or rest[-1], value=value, by=by, **places)
+        ax = result.plot.curves(x or rest[-1], value=value, by=by, **fixed_at)
     else:
-        ax = result.plot.heatmap(x, y, value, **places)
+        ax = result.plot.heatmap(x, y, value, **fixed_at)
     figure = ax.get_figure(root=True)
     if figure is None:
         raise AssertionError("axes without a figure")

@@ -25,12 +25,12 @@ def replay(
     json_: bool = False,
 ) -> None:
     """Replay the runs and write what the sensors would read."""
-    from locosweep.files.atomic import check_place, write_frame
+    from locosweep.files.atomic import check_file_name, write_frame
     from locosweep.files.robot import load_robot
     from locosweep.files.runs import load_runs
     from locosweep.simulation.replay import replay_runs
 
-    check_place(out)
+    check_file_name(out)
     robot = load_robot(model)
     named = pairs("--column", columns)
     # A start may be given instead of measured: x is not needed to be driven.

@@ -66,7 +66,7 @@ def sweep(
     json_: bool,
 ) -> None:
     """Evaluate quantities on a grid and write a Parquet file."""
-    from locosweep.files.atomic import check_place
+    from locosweep.files.atomic import check_file_name
     from locosweep.specs.sweep import Spec
 
     if spec_file is not None:
@@ -85,7 +85,7 @@ def sweep(
         raise InputError("--out is missing: allowed is a file that ends in .parquet")
     report: dict[str, object] = {"file": None, "spec": None}
     if save_spec is not None:
-        check_place(save_spec)
+        check_file_name(save_spec)
         # Refused now rather than when the file is run.
         spec.grid()
     if out is not None:

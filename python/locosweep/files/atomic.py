@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import polars as pl
 
 
-def check_place(path: str | os.PathLike[str]) -> Path:
+def check_file_name(path: str | os.PathLike[str]) -> Path:
     """Refuse a path that cannot become a file: a folder, or in none that exists."""
     path = Path(path)
     if "\0" in str(path):
@@ -34,7 +34,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
 
     Nothing half-written is left under the final name, whatever happens.
     """
-    path = check_place(path)
+    path = check_file_name(path)
     try:
         handle, name = tempfile.mkstemp(suffix=path.suffix, prefix=".locosweep-", dir=path.parent)
     except OSError as error:

@@ -91,8 +91,8 @@ def filling(
         if not there:
             path.parent.mkdir(parents=True, exist_ok=True)
         # Inside a folder that exists: its parent may not be ours to write.
-        place = path if there else path.parent
-        temporary = Path(tempfile.mkdtemp(prefix=".locosweep-", dir=place))
+        parent = path if there else path.parent
+        temporary = Path(tempfile.mkdtemp(prefix=".locosweep-", dir=parent))
     except OSError as error:
         raise InputError(f"{path}: cannot write: {error.strerror or error}") from None
     try:

@@ -78,17 +78,17 @@ def _robot(document: dict[str, Any]) -> Robot:
         content = toml.table(document, table)
         toml.check_keys(f"key in [{table}]", content, [key for t, key in known if t == table])
         for key, value in content.items():
-            where, place = f"[{table}] {key}", (table, key)
-            if place in choices:
-                if value not in choices[place]:
-                    allowed = ", ".join(choices[place])
+            where, entry = f"[{table}] {key}", (table, key)
+            if entry in choices:
+                if value not in choices[entry]:
+                    allowed = ", ".join(choices[entry])
                     raise InputError(f"{where} is {value!r}: allowed is {allowed}")
                 robot.other[f"{table}.{key}"] = value
-            elif place in parameters:
-                record = parameters[place]
+            elif entry in parameters:
+                record = parameters[entry]
                 robot.parameters[record.name] = toml.value_of(where, record, value)
             else:
-                robot.other[f"{table}.{key}"] = toml.value_of(where, records[place], value)
+                robot.other[f"{table}.{key}"] = toml.value_of(where, records[entry], value)
     if "surface.coulomb_force" in robot.other and "mu_coulomb" in robot.parameters:
         raise InputError("[surface] has mu_coulomb and coulomb_force: give one")
     return robot

@@ -139,8 +139,8 @@ def moved(file: str | None, old: Path, new: Path) -> str | None:
     """Return a path that is relative to the folder `old` as one relative to `new`."""
     if file is None or Path(file).is_absolute() or old.resolve() == new.resolve():
         return file
-    place = (old / file).resolve()
+    target = (old / file).resolve()
     try:
-        return Path(os.path.relpath(place, new.resolve())).as_posix()
+        return Path(os.path.relpath(target, new.resolve())).as_posix()
     except ValueError:  # another drive of Windows
-        return place.as_posix()
+        return target.as_posix()

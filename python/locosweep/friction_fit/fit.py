@@ -250,7 +250,7 @@ def _ranked(
     starts = np.cumsum([0, *data.lengths])
     lengths = [int(seen[a:b].sum()) for a, b in pairwise(starts)]
     residuals = [np.ascontiguousarray((force - h)[seen]) for h in held]
-    places = _core.rank_fits(residuals, [n for n in lengths if n])
+    ranks = _core.rank_fits(residuals, [n for n in lengths if n])
     fitted = [
         FittedLaw(
             law=candidate.law,
@@ -269,9 +269,7 @@ def _ranked(
             predicted=outcome.predicted,
             held_out=outcome.held_out,
         )
-        for candidate, outcome, (rms, sigmas, tied) in zip(
-            candidates, outcomes, places, strict=True
-        )
+        for candidate, outcome, (rms, sigmas, tied) in zip(candidates, outcomes, ranks, strict=True)
     ]
     return sorted(fitted, key=lambda law: (not np.isfinite(law.held_out_rms), law.held_out_rms))
 

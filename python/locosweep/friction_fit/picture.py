@@ -123,8 +123,8 @@ def law_figure(fit: FrictionFit) -> Figure:
         laws[-1] = fit.chosen
     figure = style.figure(7.6, 1.4 + 0.3 * len(laws))
     ax = figure.subplots()
-    place = np.arange(len(laws))[::-1]
-    for at, law in zip(place, laws, strict=True):
+    heights = np.arange(len(laws))[::-1]
+    for at, law in zip(heights, laws, strict=True):
         colour, hatch = ("#0072b2", "") if law.tied else ("0.75", "")
         if law is fit.chosen:
             colour, hatch = "#d55e00", "//"
@@ -137,7 +137,7 @@ def law_figure(fit: FrictionFit) -> Figure:
                 va="center", fontsize=7.5, zorder=5,
                 bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0})  # fmt: skip
     ax.axvline(fit.noise, color="black", linestyle="--", linewidth=1.2, label="sensor noise")
-    ax.set_yticks(place, [law.name for law in laws], fontsize=8)
+    ax.set_yticks(heights, [law.name for law in laws], fontsize=8)
     widest = max(law.held_out_rms for law in laws)
     ax.set_xlim(0, 1.5 * widest)
     ax.set_xlabel("root mean square left on samples held out [N]")

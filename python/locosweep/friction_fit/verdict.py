@@ -122,14 +122,14 @@ def _cells(values: NDArray[np.float64]) -> NDArray[np.int64]:
 
 def _explained(residual: NDArray[np.float64], cell: NDArray[np.int64], memory: float) -> float:
     """Return the adjusted share of the variance between cells."""
-    _, place = np.unique(cell, return_inverse=True)
-    count = np.bincount(place)
-    mean = np.bincount(place, residual) / count
+    _, bins = np.unique(cell, return_inverse=True)
+    count = np.bincount(bins)
+    mean = np.bincount(bins, residual) / count
     middle = residual - residual.mean()
     whole = float(middle @ middle)
     if whole == 0.0:
         return 0.0
-    inside = residual - mean[place]
+    inside = residual - mean[bins]
     share = float(inside @ inside) / whole
     independent = max(residual.size / memory, 2.0)
     if independent <= count.size + 1:

@@ -93,9 +93,9 @@ def paper_gap(folder: str | os.PathLike[str]) -> tuple[Path, Path]:
     runs: list[Any] = []
     jobs: list[Any] = []
     for i, levels in enumerate(_LEVELS):
-        place = np.minimum((t / cycle).astype(int), 3)
-        pushes = (t - place * cycle) >= _PAUSE
-        runs.append((t, np.where(pushes, np.array(levels)[place], 0.0), 0.0))
+        step = np.minimum((t / cycle).astype(int), 3)
+        pushes = (t - step * cycle) >= _PAUSE
+        runs.append((t, np.where(pushes, np.array(levels)[step], 0.0), 0.0))
         jobs.append((i, rig, effects, (0.0, 0.0), _STEP, _SEED + i))
     generator = np.random.default_rng(_SEED)
     frames = []

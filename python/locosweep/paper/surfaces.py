@@ -208,8 +208,8 @@ def _drawn(number: int, title: str, name: str, label: str, scale: float) -> tupl
     figure = style.figure(9.0, 5.6)
     ax = figure.subplots()
     heads = _heads()
-    for place, (surface, head) in enumerate(heads.items()):
-        line(head.t, scale * getattr(head, name), ax, label=label, place=place,
+    for rank, (surface, head) in enumerate(heads.items()):
+        line(head.t, scale * getattr(head, name), ax, label=label, rank=rank,
              name=f"head, {surface}: 20 mm after {head.arrival:.4f} s")  # fmt: skip
         ax.plot(head.t[-1], scale * getattr(head, name)[-1], "o", color=ax.lines[-1].get_color())
     ax.set(xlabel="time $t$ [s]", xlim=(0, 1.03 * max(h.arrival for h in heads.values())))

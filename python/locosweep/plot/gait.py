@@ -67,17 +67,17 @@ def space_time(run: GaitRun, ax: Axes) -> Axes:
     room = 1.1 * reach - nearest
     half = 0.4 * reach
     for i in range(count):
-        place = x[:, i] - i * room
+        middle = x[:, i] - i * room
         for state, _, colour, hatch in _STATES:
             # A sample belongs to the stretch that it begins.
             here = _with_ends(run.sliding[:, i] == state)
             ax.fill_between(
-                run.t, place - half, place + half, where=here, facecolor=colour, hatch=hatch,
+                run.t, middle - half, middle + half, where=here, facecolor=colour, hatch=hatch,
                 edgecolor="white" if hatch else "none", linewidth=0.0,
             )  # fmt: skip
-        ax.plot(run.t, place, color="0.15", linewidth=0.9)
+        ax.plot(run.t, middle, color="0.15", linewidth=0.9)
         if count <= _MANY or i % 4 == 0 or i == count - 1:
-            ax.annotate(_name(i, count), (run.t[-1], place[-1]), xytext=(5, 0), fontsize=8,
+            ax.annotate(_name(i, count), (run.t[-1], middle[-1]), xytext=(5, 0), fontsize=8,
                         textcoords="offset points", va="center", annotation_clip=False)  # fmt: skip
     _cycles(run, ax)
     ax.set(xlabel="time $t$ [s]", ylabel=f"position [mm], segments drawn {room:.3g} mm apart")
@@ -110,10 +110,10 @@ def _cycles(run: GaitRun, ax: Axes) -> None:
         ax.axvline(run.t[i], color="0.35", linewidth=0.8, linestyle=(0, (1, 2)), zorder=3)
 
 
-def line(t: Floats, values: Floats, ax: Axes, *, label: str, place: int = 0,
+def line(t: Floats, values: Floats, ax: Axes, *, label: str, rank: int = 0,
          name: str | None = None) -> Axes:  # fmt: skip
-    """Draw one number over time; ``label`` has its unit, ``place`` picks its look."""
-    colour, dash, _ = style.LINES[place]
+    """Draw one number over time; ``label`` has its unit, ``rank`` picks its look."""
+    colour, dash, _ = style.LINES[rank]
     style.zero_line(ax)
     ax.plot(t, values, color=colour, linestyle=dash, linewidth=1.6, label=name)
     ax.set_ylabel(label)

@@ -121,7 +121,7 @@ class Plotter:
             values, codes = values.T, codes.T
         (xs, columns), (ys, rows) = (_centres(name, self.result.axes[name]) for name in (x, y))
         best = _highest(values, rows, columns)
-        place = None if best is None else ((x, float(xs[best[1]])), (y, float(ys[best[0]])))
+        peak = None if best is None else ((x, float(xs[best[1]])), (y, float(ys[best[0]])))
         extremes = [float(fold.reduce(values, axis=None)) for fold in (np.fmin, np.fmax)]
         (xs, columns), (ys, rows) = _drawn(xs, columns), _drawn(ys, rows)
         values, codes = values[np.ix_(rows, columns)], codes[np.ix_(rows, columns)]
@@ -146,10 +146,10 @@ class Plotter:
         if finite.size:
             cells.colour_bar(ax, mesh, finite, shown, output)
             cells.contours(ax, xs, ys, values, levels, shown.norm, output)
-        if mark_optimum and place is not None and not output.integer:
-            where = ", ".join(style.setting(name, at_) for name, at_ in place)
+        if mark_optimum and peak is not None and not output.integer:
+            where = ", ".join(style.setting(name, at_) for name, at_ in peak)
             label = f"highest: {style.with_unit(extremes[1], output.unit)} at {where}"
-            star = ax.plot(place[0][1], place[1][1], "*", ls="none", label=label)[0]
+            star = ax.plot(peak[0][1], peak[1][1], "*", ls="none", label=label)[0]
             star.set(markersize=14, markerfacecolor="white", markeredgecolor="black", clip_on=False)
             handles.append(star)
         handles += cells.hatch_cells(ax, codes, x_edges, y_edges)
@@ -282,14 +282,14 @@ class Plotter:
     def _lines(self, by: str, wanted: float | Sequence[float] | None) -> list[float]:
         axis = self.result.axes[by]
         some = axis if wanted is None else np.atleast_1d(np.asarray(wanted, dtype=object))
-        places = [_place(by, axis, value) for value in some]
-        if not 1 <= len(places) <= len(style.LINES):
+        indices = [_index_of(by, axis, value) for value in some]
+        if not 1 <= len(indices) <= len(style.LINES):
             most = len(style.LINES)
             raise InputError(
-                f"{by} would give {len(places)} lines: allowed are 1 to {most}, "
+                f"{by} would give {len(indices)} lines: allowed are 1 to {most}, "
                 f"choose some with {by}=[...]"
             )
-        return [float(axis[place]) for place in places]
+        return [float(axis[index]) for index in indices]
 
     def _cut(
         self, keep: tuple[str, ...], at: Mapping[str, object], hide: str | None = None
@@ -310,10 +310,10 @@ class Plotter:
             if name in keep:
                 index.append(slice(None))
                 continue
-            place = _place(name, axis, at[name]) if name in at else 0
-            index.append(place)
+            at_index = _index_of(name, axis, at[name]) if name in at else 0
+            index.append(at_index)
             if name != hide:
-                words.append(style.setting(name, float(axis[place])))
+                words.append(style.setting(name, float(axis[at_index])))
         return tuple(index), ", ".join(filter(None, [style.simulated(self.result), *words]))
 
     def _slice(
@@ -325,7 +325,7 @@ class Plotter:
         return values, self.result.status_of(output.name)[index]
 
 
-def _place(name: str, axis: Floats, wanted: object) -> int:
+def _index_of(name: str, axis: Floats, wanted: object) -> int:
     """Index of an axis value that was given as a number."""
     if isinstance(wanted, bool) or not isinstance(wanted, Real):
         raise InputError(f"{name} is {wanted!r}: allowed is one number, {_few(axis)}")
@@ -351,12 +351,12 @@ def _centres(name: str, axis: Floats) -> tuple[Floats, NDArray[np.intp]]:
     return np.unique(axis, return_index=True)
 
 
-def _drawn(centres: Floats, places: NDArray[np.intp]) -> tuple[Floats, NDArray[np.intp]]:
+def _drawn(centres: Floats, order: NDArray[np.intp]) -> tuple[Floats, NDArray[np.intp]]:
     """Choose the cells along an axis that are drawn: all, or evenly some with both ends."""
     if len(centres) <= _MOST_CELLS:
-        return centres, places
+        return centres, order
     chosen = np.linspace(0, len(centres) - 1, _MOST_CELLS).round().astype(np.intp)
-    return centres[chosen], places[chosen]
+    return centres[chosen], order[chosen]
 
 
 def _highest(
@@ -396,13 +396,13 @@ def _dress(ax: Axes, title: str, below: Sequence[Artist], beside: Sequence[Artis
 def _legend(
     ax: Axes,
     handles: Sequence[Artist],
-    place: Literal["upper left", "upper center"],
+    corner: Literal["upper left", "upper center"],
     anchor: tuple[float, float],
     distance: float,
 ) -> Legend:
     return ax.legend(
         handles=handles,
-        loc=place,
+        loc=corner,
         bbox_to_anchor=anchor,
         borderaxespad=distance,
         fontsize=8,

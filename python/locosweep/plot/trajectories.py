@@ -75,9 +75,9 @@ def motion(
     fields = [getattr(run, name).reshape(count, -1) for name in ("x", "v", "force")]
     for ax, field in zip((top, middle, bottom), fields, strict=True):
         style.zero_line(ax)
-        for place, (t, values) in enumerate(zip(times, field, strict=True)):
-            colour, dash, _ = style.LINES[place]
-            ax.plot(t, values, color=colour, linestyle=dash, linewidth=1.5, label=_name(run, place))
+        for rank, (t, values) in enumerate(zip(times, field, strict=True)):
+            colour, dash, _ = style.LINES[rank]
+            ax.plot(t, values, color=colour, linestyle=dash, linewidth=1.5, label=_name(run, rank))
         style.grid(ax)
         ax.margins(x=0)
     top.set_ylabel("position $x$ [m]")
@@ -94,15 +94,15 @@ def motion(
     return top, middle, bottom
 
 
-def _name(run: Trajectories, place: int) -> str:
+def _name(run: Trajectories, rank: int) -> str:
     """Say which point of the grid a curve is."""
     shape = run.x.shape[:-1]
-    index = np.unravel_index(place, shape) if shape else ()
+    index = np.unravel_index(rank, shape) if shape else ()
     words = [
         style.setting(name, float(values[i]))
         for (name, values), i in zip(run.axes.items(), index, strict=True)
     ]
-    lost = "" if np.isfinite(run.x.reshape(-1, run.x.shape[-1])[place]).all() else ": no value"
+    lost = "" if np.isfinite(run.x.reshape(-1, run.x.shape[-1])[rank]).all() else ": no value"
     return ", ".join(words) + lost
 
 
@@ -123,9 +123,9 @@ def _shade(axes: tuple[Axes, Axes, Axes], times: Floats, way: Floats) -> None:
     low, high = middle.get_ylim()
     room = _LANE * (len(spells) + 2)
     middle.set_ylim(low - (high - low) * room / (1 - room), high)
-    for place, spell in enumerate(spells):
-        colour, _, _ = style.LINES[place]
-        height = _LANE * (len(spells) - place)
+    for rank, spell in enumerate(spells):
+        colour, _, _ = style.LINES[rank]
+        height = _LANE * (len(spells) - rank)
         middle.broken_barh(spell, (height - 0.4 * _LANE, 0.7 * _LANE), color=colour, alpha=0.75,
                            linewidth=0, transform=middle.get_xaxis_transform())  # fmt: skip
     middle.annotate(

@@ -65,8 +65,8 @@ class Trajectories:
         shape = self.x.shape
         index = np.indices(shape[:-1])
         columns = {
-            name: np.repeat(values[place.ravel()], shape[-1])
-            for (name, values), place in zip(self.axes.items(), index, strict=True)
+            name: np.repeat(values[along.ravel()], shape[-1])
+            for (name, values), along in zip(self.axes.items(), index, strict=True)
         }
         columns["t"] = np.broadcast_to(self.t, shape).ravel()
         for name in ("x", "v", "force", "way"):
@@ -162,8 +162,8 @@ def simulate(
     values = dict(job.fixed)
     axes = {name: grid.axes[name] for name in job.axes}
     if "duration" in axes:
-        place = list(axes).index("duration")
-        durations = axes["duration"].reshape([-1 if i == place else 1 for i in range(len(shape))])
+        axis = list(axes).index("duration")
+        durations = axes["duration"].reshape([-1 if i == axis else 1 for i in range(len(shape))])
         t = np.broadcast_to(durations * shares, shape).copy()
     else:
         t = values["duration"] * shares

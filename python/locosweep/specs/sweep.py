@@ -82,9 +82,9 @@ class Spec(SpecFile):
             if name not in reductions():
                 raise unknown("reduction", name, reductions())
         given = [name for name, _ in (*self.axes, *self.fixed)]
-        for place, name in enumerate(given):
+        for i, name in enumerate(given):
             parameter(name)
-            if name in given[:place]:
+            if name in given[:i]:
                 raise InputError(f"{name} is given twice: allowed is one axis or one value")
         for name, values in self.axes:
             if isinstance(values, tuple):
@@ -183,8 +183,8 @@ def simulated() -> list[str]:
 def _names(key: str, names: tuple[str, ...], *, empty: bool) -> None:
     if not names and not empty:
         raise InputError(f"{key} is empty: name at least one")
-    for place, name in enumerate(names):
-        if name in names[:place]:
+    for i, name in enumerate(names):
+        if name in names[:i]:
             raise InputError(f"{key} names '{name}' twice")
 
 
