@@ -75,8 +75,7 @@ def load_robot(path: str | os.PathLike[str]) -> Robot:
     choices = {(table, key): words for table, key, words in _core.file_choices()}
     known = [*records, *others, *choices]
     robot = Robot()
-    for name, content in _effect_tables(path, document.pop("effects", {})):
-        robot.effects[name] = _effect(path, name, content)
+    effects = _effect_tables(path, document.pop("effects", {}))
     for table, content in document.items():
         tables = list(dict.fromkeys(t for t, _ in known))
         if table not in tables:
@@ -103,6 +102,9 @@ def load_robot(path: str | os.PathLike[str]) -> Robot:
                 raise DataFileError(f"{path}: {unknown(f'key in [{table}]', key, keys)}")
     if "surface.coulomb_force" in robot.other and "mu_coulomb" in robot.parameters:
         raise DataFileError(f"{path}: [surface] has mu_coulomb and coulomb_force: give one")
+    level = "coulomb_force" if "surface.coulomb_force" in robot.other else "mu_coulomb"
+    for name, content in effects:
+        robot.effects[name] = _effect(path, name, content, level)
     return robot
 
 
@@ -112,31 +114,32 @@ def _effect_tables(path: Path, tables: object) -> list[tuple[str, object]]:
     return list(tables.items())
 
 
-def _effect(path: Path, name: str, content: object) -> dict[str, float]:
-    """Read the parameters of one effect; a mass or level that is not given is off."""
+def _effect(path: Path, name: str, content: object, level: str) -> dict[str, float]:
+    """Read the parameters of one effect, beside a Coulomb level that is given as `level`."""
     records = {record.name: record for record in _core.effects()}
     if name not in records:
         raise DataFileError(f"{path}: {unknown('effect', name, records)}")
+    where = f"[effects.{name}]"
     if not isinstance(content, dict):
-        raise DataFileError(f"{path}: effects.{name} is not a table: write [effects.{name}]")
+        raise DataFileError(f"{path}: effects.{name} is not a table: write {where}")
     parameters = {p.name: p for p in records[name].parameters}
     found = {}
     for key, value in content.items():
         if key not in parameters:
-            where = f"key in [effects.{name}]"
-            raise DataFileError(f"{path}: {unknown(where, key, parameters)}")
-        number = _number(path, (f"effects.{name}", key), value)
-        low, high = parameters[key].range
-        if not low <= number <= high:
+            raise DataFileError(f"{path}: {unknown(f'key in {where}', key, parameters)}")
+        try:
+            found[key] = parameters[key].check(_number(path, (f"effects.{name}", key), value))
+        except InputError as error:
+            raise DataFileError(f"{path}: {where} {error}") from None
+    for fit in records[name].fits:
+        used = fit.only_with in (None, level)
+        if used and fit.name not in found:
+            raise DataFileError(f"{path}: {where} has no {fit.name}")
+        if not used and fit.name in found:
             raise DataFileError(
-                f"{path}: [effects.{name}] {key} is {number!r} {parameters[key].unit}: "
-                f"allowed is {parameters[key].allowed}"
+                f"{path}: {where} has {fit.name}, which goes with {fit.only_with}: "
+                f"the model's Coulomb level is given as {level}"
             )
-        found[key] = number
-    # The two forms of one error: the file's model says which of them counts.
-    missing = [key for key in parameters if key not in found and not key.startswith("d_")]
-    if missing:
-        raise DataFileError(f"{path}: [effects.{name}] has no {missing[0]}")
     return found
 
 
