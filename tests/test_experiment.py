@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 from locosweep.diagnosis import diagnose
 from locosweep.diagnosis.design import next_experiment as experiment
 from locosweep.diagnosis.design.menu import MENU
-from locosweep.diagnosis.effects.starts import scale_of
+from locosweep.diagnosis.effects.scale import scale_of
 from locosweep.diagnosis.estimate.least_squares import Nuisances, fit_all, point_of, start_fits
 from locosweep.diagnosis.estimate.problem import Problem
 from locosweep.diagnosis.select.search import Search

@@ -9,7 +9,7 @@ import polars as pl
 import pytest
 
 from locosweep.diagnosis import diagnose
-from locosweep.diagnosis.effects.starts import scale_of
+from locosweep.diagnosis.effects.scale import scale_of
 from locosweep.diagnosis.estimate.least_squares import Nuisances, fit_all, start_fits
 from locosweep.diagnosis.estimate.problem import Problem
 from locosweep.diagnosis.select.law_mismatch import carried_by, carries

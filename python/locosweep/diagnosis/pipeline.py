@@ -15,7 +15,8 @@ from locosweep.diagnosis.data.checks import check_runs, usable
 from locosweep.diagnosis.data.holdout import hold_out
 from locosweep.diagnosis.data.regimes import regimes_of
 from locosweep.diagnosis.design.next_experiment import next_experiment
-from locosweep.diagnosis.effects.starts import candidates, scale_of
+from locosweep.diagnosis.effects.catalogue import candidates
+from locosweep.diagnosis.effects.scale import scale_of
 from locosweep.diagnosis.estimate.initial_state import moving_starts
 from locosweep.diagnosis.estimate.least_squares import Nuisances, point_of
 from locosweep.diagnosis.estimate.nominal import gaps_of
@@ -48,7 +49,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable, Mapping, Sequence
 
-    from locosweep.diagnosis.effects.starts import Scale
+    from locosweep.diagnosis.effects.scale import Scale
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.estimate.problem import Point
     from locosweep.diagnosis.select.nearest import Nearest
@@ -138,7 +139,7 @@ def diagnose(
         problem = problem_of(uncut, plan, warnings)
         scale = scale_in_windows(scale, robot, problem)
         shots = ShotReport(uncut, plan)
-    names, left_out = candidates(robot, records, scale)
+    names, left_out = candidates(robot, {c for run in records for c in run.channels})
     spread = _spread(robot)
     search = _search_of(problem, spread, scale, names, say, judges=not by_user)
     choice = choose(search, max_effects)

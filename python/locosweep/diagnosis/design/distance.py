@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep import _core
-from locosweep.diagnosis.effects.families import Rig, families
+from locosweep.diagnosis.effects.catalogue import families
+from locosweep.diagnosis.effects.scale import Scale, level_of
 from locosweep.simulation.replay import effect_values, nominal_of
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from locosweep.diagnosis.effects.families import Family
+    from locosweep.diagnosis.effects.catalogue import Family
     from locosweep.files.robot import Robot
     from locosweep.files.runs import Run
 
@@ -105,13 +106,13 @@ class Plan:
         self._origin = np.zeros((1, self.samples * len(self.noise)))
         self.readings = self._read(nothing, self.starts)
         self._origin = self._whitened(self.readings)
-        self.rig = self._rig()
+        self.scale = self._scale()
         self.directions = self._starting()
 
     @property
     def families(self) -> dict[str, Family]:
         """Families of all effects at this rig's sizes."""
-        return families(self.rig, force_level="coulomb_force" in self.nominal)
+        return families(self.scale)
 
     def signals(self, models: Sequence[tuple[str, Mapping[str, float]]]) -> Floats:
         """Return what effects change in the readings, a row a model, projected.
@@ -147,24 +148,29 @@ class Plan:
     def _whitened(self, readings: Mapping[str, Floats]) -> Floats:
         return np.concatenate([readings[c] / sd for c, sd in self.noise.items()], axis=1)
 
-    def _rig(self) -> Rig:
+    def _scale(self) -> Scale:
         nominal, tiny = self.nominal, 1e-12
         weight = nominal["mass"] * nominal["gravity"]
         flat = weight * float(np.cos(np.radians(nominal["slope_deg"])))
-        level = nominal.get("coulomb_force", nominal.get("mu_coulomb", 0.0) * flat)
         force = max(float(np.abs(self.readings["force"]).max(initial=0.0)), tiny)
         x = np.split(self.readings["x"][0], np.cumsum(self.lengths)[:-1])
         seconds = max(float(t[-1] - t[0]) for t, _, _ in self.runs)
-        return Rig(
+        level = max(level_of(nominal), 1e-3 * force)
+        return Scale(
             mass=nominal["mass"],
-            level=max(level, 1e-3 * force),
+            level=level,
+            least_level=level,
             force=force,
             weight=max(weight, tiny),
             grip=max((nominal["segments"] - 1.0) * flat, tiny),
             speed=max(float(np.abs(self.readings["v"]).max(initial=0.0)), tiny),
             travel=max(*(float(np.ptp(one)) for one in x), tiny),
             duration=seconds,
+            interval=float(np.median([np.median(np.diff(t)) for t, _, _ in self.runs])),
             viscous=nominal["viscous"],
+            has_force_level="coulomb_force" in nominal,
+            rotary="gravity_torque" in nominal,
+            replayed=seconds,
         )
 
     def _starting(self) -> Floats:
@@ -182,7 +188,7 @@ class Plan:
         nothing = np.zeros(_core.effect_parameter_count())
         for r, (a, b) in enumerate(pairwise(edges)):
             nudged = self.starts.copy()
-            nudged[r, 1] += _NUDGE * self.rig.speed
+            nudged[r, 1] += _NUDGE * self.scale.speed
             moved = self._whitened(self._read([((), nothing)], nudged)) - self._origin
             # Other runs start as before.
             own = np.zeros(self.samples, dtype=bool)

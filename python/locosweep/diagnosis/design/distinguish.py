@@ -10,6 +10,7 @@ import numpy as np
 
 from locosweep import _core
 from locosweep.diagnosis.design.distance import Plan, refit, strengths
+from locosweep.diagnosis.effects.catalogue import candidates
 from locosweep.engine import whole
 from locosweep.errors import InputError
 from locosweep.files.robot import Robot, load_robot
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import ArrayLike, NDArray
 
-    from locosweep.diagnosis.effects.families import Family
+    from locosweep.diagnosis.effects.catalogue import Family
     from locosweep.progress import Progress
 
     Floats = NDArray[np.float64]
@@ -209,7 +210,8 @@ def distinguish(
     if not any(np.ptp(plan.readings["x"][0, a:b]) > 0.0 for a, b in _spans(plan.lengths)):
         raise InputError("the head does not move under these drives: allowed are drives that "
                          "exceed its friction")  # fmt: skip
-    families, unseen = _meaningful(plan, robot)
+    names_here, unseen = candidates(robot, plan.noise)
+    families = {name: plan.families[name] for name in names_here}
     signed = [(family, sign) for family in families.values() for sign in family.signs]
     seen = strengths(plan, signed, SEEN)
     strong = strengths(plan, signed, size)
@@ -309,16 +311,3 @@ def _noise(
             raise InputError(f"noise of {name} is {deviation!r}: allowed is a number above 0")
         found[name] = total
     return found
-
-
-def _meaningful(plan: Plan, robot: Robot) -> tuple[dict[str, Family], dict[str, str]]:
-    """Families of the effects that have a meaning here, and why others have none."""
-    unseen = {}
-    bench = "bench.kind" in robot.other or plan.nominal["segments"] <= 1.0
-    if bench:
-        unseen["anchor_slip"] = "there is no anchored body"
-    elif "x_rear" not in plan.noise:
-        unseen["anchor_slip"] = "the body's motion is not measured (x_rear)"
-    if "gravity_torque" in plan.nominal:
-        unseen["slope_error"] = "a rotary bench has no slope"
-    return {n: f for n, f in plan.families.items() if n not in unseen}, unseen

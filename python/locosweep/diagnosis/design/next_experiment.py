@@ -14,7 +14,7 @@ from scipy.stats import norm
 
 from locosweep.diagnosis.data.noise import Noise
 from locosweep.diagnosis.design.menu import FORCE_NOISE, MENU, PAYLOAD
-from locosweep.diagnosis.effects.starts import starts_of
+from locosweep.diagnosis.effects.catalogue import starts_of
 from locosweep.diagnosis.estimate.least_squares import (
     Fit,
     evaluate,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.diagnosis.data.noise import Noise
-from locosweep.diagnosis.effects.starts import scale_of
+from locosweep.diagnosis.effects.scale import scale_of
 from locosweep.diagnosis.estimate.free_run import free_errors
 from locosweep.diagnosis.estimate.problem import Problem
 from locosweep.diagnosis.estimate.shooting import ShotProblem, cut
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from locosweep.diagnosis.effects.starts import Scale
+    from locosweep.diagnosis.effects.scale import Scale
     from locosweep.diagnosis.select.search import Search
     from locosweep.files.robot import Robot
 

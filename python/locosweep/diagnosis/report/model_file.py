@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from locosweep import _core
-from locosweep.diagnosis.effects.starts import level_of
+from locosweep.diagnosis.effects.scale import level_of
 from locosweep.files.robot import Robot, load_robot
 from locosweep.simulation.replay import effect, nominal_of
 

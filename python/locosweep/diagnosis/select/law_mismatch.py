@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from locosweep.diagnosis.effects.catalogue import VARIABLES
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all
-from locosweep.diagnosis.estimate.motion import VARIABLES
 from locosweep.diagnosis.select.nonparametric import Flexible
 from locosweep.diagnosis.select.score import GAIN
 from locosweep.diagnosis.select.whiteness import lack_of, noise_level

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.diagnosis.effects.starts import parameters_of, starts_of
+from locosweep.diagnosis.effects.catalogue import parameters_of, starts_of
 from locosweep.diagnosis.estimate.least_squares import (
     Fit,
     Model,
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from locosweep.diagnosis.effects.starts import Scale
+    from locosweep.diagnosis.effects.scale import Scale
     from locosweep.diagnosis.estimate.problem import Problem
 
 __all__ = ["Search"]

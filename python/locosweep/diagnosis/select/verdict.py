@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from locosweep.diagnosis.effects.catalogue import VARIABLES
 from locosweep.diagnosis.estimate.least_squares import Fit, point_of
-from locosweep.diagnosis.estimate.motion import VARIABLES
 from locosweep.diagnosis.select.law_mismatch import (
     UNLISTED,
     bent_from,
