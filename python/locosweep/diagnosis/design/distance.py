@@ -17,6 +17,7 @@ import numpy as np
 from locosweep import _core
 from locosweep.diagnosis.effects.catalogue import families
 from locosweep.diagnosis.effects.scale import Scale, level_of
+from locosweep.files.channels import OFFSETS, REPLAYED
 from locosweep.simulation.replay import effect_values, nominal_of
 
 if TYPE_CHECKING:
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Plan", "project", "refit", "strengths"]
 
-_CHANNELS = ("x", "v", "x_rear", "force")
 _BATCH = 3_000_000
 """Samples of one call: some 100 MB of readings."""
 
@@ -91,7 +91,7 @@ class Plan:
     ) -> None:
         self.robot = robot
         self.nominal = nominal_of(robot)
-        self.noise = {name: noise[name] for name in _CHANNELS if name in noise}
+        self.noise = {name: noise[name] for name in REPLAYED if name in noise}
         self.threads = threads
         slope = self.nominal["slope_deg"]
         self.runs = [
@@ -142,7 +142,7 @@ class Plan:
         found = self._replay.run(columns, values, shares, begin, self.threads)
         return {
             name: field.reshape(len(models), -1)
-            for name, field in zip(_CHANNELS, found, strict=True)
+            for name, field in zip(REPLAYED, found, strict=True)
         }
 
     def _whitened(self, readings: Mapping[str, Floats]) -> Floats:
@@ -178,7 +178,7 @@ class Plan:
         edges = np.concatenate([[0], np.cumsum(self.lengths)])
         found = []
         for place, name in enumerate(self.noise):
-            if name not in ("x", "x_rear"):
+            if name not in OFFSETS:
                 continue
             for a, b in pairwise(edges):
                 row = np.zeros(self._origin.shape[1])

@@ -13,6 +13,7 @@ from locosweep.diagnosis.design.distance import Plan, refit, strengths
 from locosweep.diagnosis.effects.catalogue import candidates
 from locosweep.engine import whole
 from locosweep.errors import InputError
+from locosweep.files.channels import CHANNELS, REPLAYED
 from locosweep.files.robot import Robot, load_robot
 from locosweep.files.runs import Run, load_runs
 from locosweep.registry import unknown
@@ -39,9 +40,6 @@ SEEN = 6.0
 
 APART = 3.0
 """Distance, in sigmas, from which two effects are told apart."""
-
-_KINDS = {"x": "position", "x_rear": "position", "v": "velocity", "force": "force"}
-"""What the [sensor] table calls the noise of a channel."""
 
 
 @dataclass(frozen=True)
@@ -293,13 +291,13 @@ def _noise(
     """Return each channel's standard deviation, quantisation included."""
     stated = dict(noise or {})
     for name in (*(channels or ()), *stated):
-        if name not in _KINDS:
-            raise unknown("channel", name, _KINDS)
-    measured = [name for name in _KINDS if any(name in run.channels for run in runs)]
+        if name not in REPLAYED:
+            raise unknown("channel", name, REPLAYED)
+    measured = [name for name in REPLAYED if any(name in run.channels for run in runs)]
     chosen = list(dict.fromkeys(channels or [*(measured or ["x"]), *stated]))
     found = {}
     for name in chosen:
-        kind = _KINDS[name]
+        kind = CHANNELS[name].sensor
         sd = stated.get(name, robot.other.get(f"sensor.{kind}_noise"))
         step = 0.0 if name in stated else robot.other.get(f"sensor.{kind}_resolution", 0.0)
         if sd is None and not step:

@@ -15,6 +15,7 @@ import numpy as np
 
 from locosweep import _core
 from locosweep.diagnosis.estimate.problem import LOST, Problem
+from locosweep.files.channels import CHANNELS
 from locosweep.files.runs import Run
 
 if TYPE_CHECKING:
@@ -326,7 +327,7 @@ class ShotProblem(Problem):
         for c in self.channels:
             y, w = self.measured[c][picked], self.weights[c][picked]
             e = np.where(w > 0.0, y, 0.0) - found[c]
-            if c == "x_rear":
+            if CHANNELS[c].from_rest:
                 e -= np.repeat(self.rest[c][chosen], self.lengths[chosen])
             rows[c] = e * w
         return self._project(rows, chosen, most)

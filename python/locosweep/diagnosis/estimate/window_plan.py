@@ -23,6 +23,7 @@ from locosweep.diagnosis.estimate.windows import (
     tiles,
 )
 from locosweep.errors import DataFileError
+from locosweep.files.channels import CHANNELS
 from locosweep.files.runs import Run
 
 if TYPE_CHECKING:
@@ -215,7 +216,7 @@ def thinned(run: Run, interval: float) -> Run:
         bottom = np.add.reduceat(np.where(ok, width, 0.0), starts)
         return np.where(bottom > 0.0, top / np.where(bottom > 0.0, bottom, 1.0), np.nan)
 
-    channels = {c: mean(y) if c in ("force", "power") else y[starts]
+    channels = {c: mean(y) if CHANNELS[c].averaged else y[starts]
                 for c, y in run.channels.items()}  # fmt: skip
     return Run(run.label, run.t[starts], mean(run.drive), channels, run.slope_deg)
 
