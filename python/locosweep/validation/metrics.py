@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.stats import binomtest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -18,7 +19,6 @@ __all__ = ["Figure", "calibration", "confusion", "figures", "power", "splits", "
 
 PLAIN = 10.0
 """Size from which a cause must be named, in standard deviations."""
-_Z = 1.959963984540054
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Figure:
 
 
 def wilson(hits: int, count: int) -> tuple[float, float]:
-    """95 % interval of a share.
+    """Return the 95 % interval of a share, after Wilson.
 
     Examples
     --------
@@ -60,10 +60,8 @@ def wilson(hits: int, count: int) -> tuple[float, float]:
     """
     if count == 0:
         return math.nan, math.nan
-    share, z2 = hits / count, _Z * _Z / count
-    middle = (share + z2 / 2.0) / (1.0 + z2)
-    half = _Z * math.sqrt(share * (1.0 - share) / count + z2 / count / 4.0) / (1.0 + z2)
-    return max(0.0, middle - half), min(1.0, middle + half)
+    interval = binomtest(hits, count).proportion_ci(0.95, "wilson")
+    return float(interval.low), float(interval.high)
 
 
 def _share(
