@@ -12,7 +12,7 @@ import pytest
 import locosweep as ls
 from locosweep import _core, measured
 from locosweep.diagnosis.data.noise import noise_of
-from locosweep.diagnosis.design.distance import Plan
+from locosweep.diagnosis.design.distance import PlannedRuns
 from locosweep.diagnosis.effects.table import markdown
 from locosweep.diagnosis.estimate.problem import Problem
 from locosweep.diagnosis.report import figures_style
@@ -98,7 +98,7 @@ def test_a_diagnosis_fits_it(name):
 
 def test_an_experiment_may_plan_it_where_it_is_replayed(name):
     if name in REPLAYED:
-        assert list(Plan(ROBOT, [Run("0", T, DRIVE)], {name: 1e-3}).noise) == [name]
+        assert list(PlannedRuns(ROBOT, [Run("0", T, DRIVE)], {name: 1e-3}).noise) == [name]
         return
     with pytest.raises(InputError, match="unknown channel"):
         ls.distinguish(ROBOT, {"a": (T, DRIVE)}, noise={name: 1e-3})

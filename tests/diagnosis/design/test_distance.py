@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from locosweep.diagnosis.design.distance import Plan, project, refit, strengths
+from locosweep.diagnosis.design.distance import PlannedRuns, project, refit, strengths
 from locosweep.files.robot import Robot
 from locosweep.files.runs import Run
 
@@ -20,7 +20,7 @@ def planned(*drives):
 
 class TestPlan:
     def test_directions_are_orthonormal_and_taken_out(self):
-        plan = Plan(ROBOT, planned(PUSH, BOTH), NOISE)
+        plan = PlannedRuns(ROBOT, planned(PUSH, BOTH), NOISE)
         rows = plan.directions
         assert rows.shape == (4, 2 * T.size)
         np.testing.assert_allclose(rows @ rows.T, np.eye(4), atol=1e-9)
@@ -29,23 +29,23 @@ class TestPlan:
         assert project(project(signals, rows), rows) == pytest.approx(project(signals, rows))
 
     def test_nominal_effects_have_no_signal(self):
-        plan = Plan(ROBOT, planned(PUSH), NOISE)
+        plan = PlannedRuns(ROBOT, planned(PUSH), NOISE)
         off = [("viscous_friction", {"c": 0.0}), ("drive_gain_error", {"e": 0.0})]
         assert np.abs(plan.signals(off)).max() == 0.0
 
     def test_a_shift_of_the_start_is_no_signal(self):
-        plan = Plan(ROBOT, planned(PUSH), NOISE)
+        plan = PlannedRuns(ROBOT, planned(PUSH), NOISE)
         assert np.linalg.norm(project(np.full((1, T.size), 5.0), plan.directions)) < 1e-9
 
     def test_signals_are_in_units_of_the_noise(self):
         drift = ("sensor_drift", {"b": 1e-3})
         fine, coarse = (
-            Plan(ROBOT, planned(PUSH), {"x": sd}).signals([drift]) for sd in (1e-5, 1e-4)
+            PlannedRuns(ROBOT, planned(PUSH), {"x": sd}).signals([drift]) for sd in (1e-5, 1e-4)
         )
         assert np.linalg.norm(fine) == pytest.approx(10 * np.linalg.norm(coarse), rel=1e-3)
 
     def test_strengths_have_the_length_asked_for(self):
-        plan = Plan(ROBOT, planned(BOTH), NOISE)
+        plan = PlannedRuns(ROBOT, planned(BOTH), NOISE)
         families = plan.families
         asked = [(f, sign) for f in families.values() for sign in f.signs if f.least < 1e-3]
         for (family, sign), theta in zip(asked, strengths(plan, asked, 6.0), strict=True):
@@ -57,7 +57,7 @@ class TestPlan:
                 assert size == pytest.approx(6.0, rel=0.15), family.name
 
     def test_a_refit_finds_the_effect_itself(self):
-        plan = Plan(ROBOT, planned(BOTH), NOISE)
+        plan = PlannedRuns(ROBOT, planned(BOTH), NOISE)
         for name in ("viscous_friction", "drive_lag", "friction_drift", "lubricant_buildup"):
             family = plan.families[name]
             (theta,) = strengths(plan, [(family, 1.0)], 30.0)
@@ -68,7 +68,7 @@ class TestPlan:
             assert best[0] == pytest.approx(theta[0], rel=0.1), name
 
     def test_what_a_rival_cannot_imitate_is_all_left(self):
-        plan = Plan(ROBOT, planned(BOTH), NOISE)
+        plan = PlannedRuns(ROBOT, planned(BOTH), NOISE)
         family = plan.families["drive_gain_error"]
         (theta,) = strengths(plan, [(family, 1.0)], 10.0)
         signal = plan.signals([(family.name, family.parameters(theta))])

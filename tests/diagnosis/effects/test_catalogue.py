@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from locosweep import _core
-from locosweep.diagnosis.design.distance import Plan
+from locosweep.diagnosis.design.distance import PlannedRuns
 from locosweep.diagnosis.effects import catalogue
 from locosweep.diagnosis.effects.scale import Scale, scale_of
 from locosweep.diagnosis.effects.table import markdown
@@ -166,7 +166,7 @@ class TestMagnitudes:
 
     def test_an_effect_is_felt(self, name):
         run = Run("0", T, DRIVE)
-        plan = Plan(ROBOT, [run], {"x": 1e-5, "v": 1e-3, "x_rear": 1e-5, "force": 1e-3})
+        plan = PlannedRuns(ROBOT, [run], {"x": 1e-5, "v": 1e-3, "x_rear": 1e-5, "force": 1e-3})
         family = plan.families[name]
         start = family.starts()[-1]
         given = [s.coordinate(v) for s, v in zip(family.shapes, start, strict=True)]

@@ -1,4 +1,4 @@
-"""How far apart the signals of effects lie in planned or measured runs, in sigmas.
+"""Pairwise model-discrimination (T-optimality) distances between effects, in sigmas.
 
 Signals are what an effect changes in the readings, in units of their noise, with
 each run's start offset and start velocity projected out. The distance from one
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Plan", "project", "refit", "strengths"]
+__all__ = ["PlannedRuns", "project", "refit", "strengths"]
 
 _BATCH = 3_000_000
 """Samples of one call: some 100 MB of readings."""
@@ -71,7 +71,7 @@ def project(rows: Floats, directions: Floats) -> Floats:
     return left
 
 
-class Plan:
+class PlannedRuns:
     """Runs of a drive with the noise of their sensors: effects in, signals out.
 
     Parameters
@@ -206,13 +206,13 @@ def _sizes(rows: Floats) -> Floats:
 
 
 def strengths(
-    plan: Plan, asked: Sequence[tuple[Family, float]], size: float
+    plan: PlannedRuns, asked: Sequence[tuple[Family, float]], size: float
 ) -> list[Floats | None]:
     """Find how strong each effect must be for a signal of `size` sigmas.
 
     Parameters
     ----------
-    plan : Plan
+    plan : PlannedRuns
         The runs.
     asked : sequence of (Family, float)
         Effects, each with the sign of its strength.
@@ -253,8 +253,8 @@ def _middle(family: Family) -> tuple[float, ...]:
     return starts[len(starts) // 2]
 
 
-def _in_parts(plan: Plan, models: Sequence[tuple[str, Mapping[str, float]]]) -> Floats:
-    """Sizes of signals, without keeping all of them."""
+def _in_parts(plan: PlannedRuns, models: Sequence[tuple[str, Mapping[str, float]]]) -> Floats:
+    """Return the lengths of signals, without keeping all of the signals."""
     limit = max(1, _BATCH // plan.samples)
     return np.concatenate(
         [_sizes(plan.signals(models[i : i + limit])) for i in range(0, len(models), limit)]
@@ -263,7 +263,7 @@ def _in_parts(plan: Plan, models: Sequence[tuple[str, Mapping[str, float]]]) -> 
 
 @dataclass
 class _State:
-    """A fit under way: which target, coordinates, what is left."""
+    """A fit under way: which target, coordinates, residual."""
 
     target: int
     theta: Floats
@@ -274,13 +274,13 @@ class _State:
 
 
 def refit(
-    plan: Plan, family: Family, targets: Floats, reference: float, *, starts: int = 2
+    plan: PlannedRuns, family: Family, targets: Floats, reference: float, *, starts: int = 2
 ) -> tuple[Floats, list[Floats]]:
     """Fit one effect to signals, and return how much of each is left.
 
     Parameters
     ----------
-    plan : Plan
+    plan : PlannedRuns
         The runs.
     family : Family
         The effect that is fitted.
@@ -316,7 +316,7 @@ def refit(
 
 
 def _begin(
-    plan: Plan, family: Family, targets: Floats, reference: float, starts: int
+    plan: PlannedRuns, family: Family, targets: Floats, reference: float, starts: int
 ) -> list[_State]:
     """Start where the effect's signal, stretched to fit, leaves least of a target."""
     thetas = []
@@ -353,7 +353,7 @@ def _begin(
 
 
 def _advance(
-    plan: Plan, family: Family, targets: Floats, todo: Sequence[_State], step: Floats
+    plan: PlannedRuns, family: Family, targets: Floats, todo: Sequence[_State], step: Floats
 ) -> None:
     """Make one step of Levenberg and Marquardt in every fit."""
     limit = max(1, _BATCH // (plan.samples * (len(step) + len(_DAMPINGS))))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from locosweep import _core
-from locosweep.diagnosis.design.distance import Plan, refit, strengths
+from locosweep.diagnosis.design.distance import PlannedRuns, refit, strengths
 from locosweep.diagnosis.effects.catalogue import candidates
 from locosweep.engine import whole
 from locosweep.errors import InputError
@@ -204,7 +204,7 @@ def distinguish(
     if not np.isfinite(size) or size <= 0.0:
         raise InputError(f"size is {size!r}: allowed is a number above 0")
     workers = _core.threads_to_use(whole("threads", threads))
-    plan = Plan(robot, given, spread, workers)
+    plan = PlannedRuns(robot, given, spread, workers)
     if not any(np.ptp(plan.readings["x"][0, a:b]) > 0.0 for a, b in _spans(plan.lengths)):
         raise InputError("the head does not move under these drives: allowed are drives that "
                          "exceed its friction")  # fmt: skip
@@ -229,7 +229,7 @@ def distinguish(
 
 
 def _distances(
-    plan: Plan,
+    plan: PlannedRuns,
     families: Mapping[str, Family],
     names: Sequence[str],
     truths: Sequence[tuple[str, Floats]],
