@@ -193,12 +193,19 @@ def test_figures_are_what_the_cases_say() -> None:
     assert rows["cause outside the list: unexplained"].value == 0.92
     assert rows["cause outside the list: a wrong name"].met is False
     assert rows["detection rate, d >= 10"].value == 1.0
-    assert rows["bias of the claimed reduction (claimed less that on fresh runs), mean"].value == pytest.approx(0.01)
+    assert rows[
+        "bias of the claimed reduction (claimed less that on fresh runs), mean"
+    ].value == pytest.approx(0.01)
     assert rows["reduction on fresh runs inside the claimed interval"].value == 1.0
     assert rows["parameter error, median"].value == pytest.approx(0.01)
     assert rows["mean probability given to the true class"].value == pytest.approx(0.97 * 187 / 200)
-    assert rows["one effect with a functional form other than the listed one: correct class"].count == 0
-    assert math.isnan(rows["one effect with a functional form other than the listed one: correct class"].value)
+    assert (
+        rows["one effect with a functional form other than the listed one: correct class"].count
+        == 0
+    )
+    assert math.isnan(
+        rows["one effect with a functional form other than the listed one: correct class"].value
+    )
     text = tables.as_text(made_up())
     assert "MISSED" in text
     assert "viscous_friction -> drive_lag: 3" in text

@@ -150,14 +150,21 @@ def figures(judged: Sequence[Judged]) -> list[Figure]:
             "<= 0.03, upper bound <= 0.045",
             lambda value, _, high: value <= 0.03 and high <= 0.045,
         ),
-        _share("false-positive rate: a cause named where there is no gap", (c.named for c in gap_free)),
+        _share(
+            "false-positive rate: a cause named where there is no gap", (c.named for c in gap_free)
+        ),
         _share(
             "detection rate, d >= 6",
             (c.status != "none" for c in gaps if c.d >= 6.0),
             ">= 0.90",
             _at_least(0.90),
         ),
-        _share("detection rate, d >= 10", (c.status != "none" for c in seen), ">= 0.99", _at_least(0.99)),
+        _share(
+            "detection rate, d >= 10",
+            (c.status != "none" for c in seen),
+            ">= 0.99",
+            _at_least(0.99),
+        ),
         _share("one effect: correct class", (c.right for c in single), ">= 0.97", _at_least(0.97)),
         _share(
             "one effect: correct class, d >= 10 before rivals are projected out",
@@ -171,7 +178,10 @@ def figures(judged: Sequence[Judged]) -> list[Figure]:
         ),
         _share("two effects: both correct", (c.right for c in pairs), ">= 0.85", _at_least(0.85)),
         _share(
-            "two effects: at least one correct", (c.one_right for c in pairs), ">= 0.98", _at_least(0.98)
+            "two effects: at least one correct",
+            (c.one_right for c in pairs),
+            ">= 0.98",
+            _at_least(0.98),
         ),
         _share(
             "cause outside the list: unexplained",
@@ -180,7 +190,10 @@ def figures(judged: Sequence[Judged]) -> list[Figure]:
             _at_least(0.90),
         ),
         _share(
-            "cause outside the list: a wrong name", (c.named for c in alien), "<= 0.05", _at_most(0.05)
+            "cause outside the list: a wrong name",
+            (c.named for c in alien),
+            "<= 0.05",
+            _at_most(0.05),
         ),
         _share(
             "a single name given although a rival is nearer than 2 standard deviations",
@@ -229,7 +242,12 @@ def figures(judged: Sequence[Judged]) -> list[Figure]:
             _at_least(0.95),
         ),
         _share("site correct", (c.site_right for c in effects), ">= 0.95", _at_least(0.95)),
-        _share("one effect with a functional form other than the listed one: correct class", (c.right for c in forms), ">= 0.90", _at_least(0.90)),
+        _share(
+            "one effect with a functional form other than the listed one: correct class",
+            (c.right for c in forms),
+            ">= 0.90",
+            _at_least(0.90),
+        ),
         _share(
             "next experiment resolves the rivals",
             (c.next_resolves for c in judged if c.next_possible),
