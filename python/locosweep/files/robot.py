@@ -127,10 +127,15 @@ def _effect(path: Path, name: str, content: object, level: str) -> dict[str, flo
     for key, value in content.items():
         if key not in parameters:
             raise DataFileError(f"{path}: {unknown(f'key in {where}', key, parameters)}")
-        try:
-            found[key] = parameters[key].check(_number(path, (f"effects.{name}", key), value))
-        except InputError as error:
-            raise DataFileError(f"{path}: {where} {error}") from None
+        number = _number(path, (f"effects.{name}", key), value)
+        low, high = parameters[key].range
+        # A fit may end next to 0: within its range every size is read back, bit for bit.
+        if not low <= number <= high:
+            raise DataFileError(
+                f"{path}: {where} {key} is {number!r} {parameters[key].unit}: "
+                f"allowed is {parameters[key].allowed}"
+            )
+        found[key] = number
     for fit in records[name].fits:
         used = fit.only_with in (None, level)
         if used and fit.name not in found:
