@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from diagnosis_small import ROBOT, measured, problem
-from locosweep.diagnosis.effects.starts import scale_of
+from locosweep.diagnosis.effects.scale import scale_of
 from locosweep.diagnosis.estimate.least_squares import Fit, Nuisances, fit_all, start_fits
 from locosweep.diagnosis.select.search import Search
 

@@ -181,24 +181,31 @@ def made_up() -> list[Judged]:
 
 def test_figures_are_what_the_cases_say() -> None:
     rows = {f.name: f for f in metrics.figures(made_up())}
-    free = rows["a gap where there is none"]
+    free = rows["false-positive rate: a gap reported where there is none"]
     assert (free.value, free.count) == (0.02, 100)
     assert free.high == pytest.approx(0.0700, abs=1e-3)
     assert free.met is False
-    assert rows["right class, single effect"].value == 0.97
-    assert rows["right class, single effect"].met
-    assert rows["exact name where the class has one member"].value == 0.97
-    assert rows["both of two effects"].value == 0.9
-    assert rows["at least one of two effects"].value == 1.0
-    assert rows["outside the list: unexplained"].value == 0.92
-    assert rows["outside the list: a wrong name"].met is False
-    assert rows["detected, d >= 10"].value == 1.0
-    assert rows["stated less fresh shrink, mean"].value == pytest.approx(0.01)
-    assert rows["fresh shrink inside the stated interval"].value == 1.0
+    assert rows["one effect: correct class"].value == 0.97
+    assert rows["one effect: correct class"].met
+    assert rows["one effect: exact name, where the class has one member"].value == 0.97
+    assert rows["two effects: both correct"].value == 0.9
+    assert rows["two effects: at least one correct"].value == 1.0
+    assert rows["cause outside the list: unexplained"].value == 0.92
+    assert rows["cause outside the list: a wrong name"].met is False
+    assert rows["detection rate, d >= 10"].value == 1.0
+    assert rows[
+        "bias of the claimed reduction (claimed less that on fresh runs), mean"
+    ].value == pytest.approx(0.01)
+    assert rows["reduction on fresh runs inside the claimed interval"].value == 1.0
     assert rows["parameter error, median"].value == pytest.approx(0.01)
-    assert rows["mean probability on the true class"].value == pytest.approx(0.97 * 187 / 200)
-    assert rows["another law: right class"].count == 0
-    assert math.isnan(rows["another law: right class"].value)
+    assert rows["mean probability given to the true class"].value == pytest.approx(0.97 * 187 / 200)
+    assert (
+        rows["one effect with a functional form other than the listed one: correct class"].count
+        == 0
+    )
+    assert math.isnan(
+        rows["one effect with a functional form other than the listed one: correct class"].value
+    )
     text = tables.as_text(made_up())
     assert "MISSED" in text
     assert "viscous_friction -> drive_lag: 3" in text
@@ -348,7 +355,7 @@ def test_a_small_check_from_end_to_end(tmp_path: Path, capsys: pytest.CaptureFix
     given = ["blind-check", "--cases", "3", "--gap-free", "2", "--seed", "11", "--out", str(out)]
     assert main(given) == 0
     said = capsys.readouterr()
-    assert "a gap where there is none" in said.out
+    assert "false-positive rate: a gap reported where there is none" in said.out
     assert "truths sealed" in said.err
     made = {path.name for path in out.iterdir()}
     assert {"sealed.json", "table.txt", "metrics.json", "wrong.txt", *pictures.PICTURES} <= made

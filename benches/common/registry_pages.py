@@ -10,7 +10,10 @@ from common.table import rows
 from locosweep import _core
 
 # Fields that a section shows in a form of its own, or that only programs need.
-_OF_EFFECT = {"name", "site", "meaning", "formula", "parameters", "first"}
+_OF_EFFECT = {
+    "name", "site", "meaning", "formula", "parameters", "first", "fits", "magnitude", "least",
+    "shapes", "keep", "lowers_level", "drawn", "one_sided", "over", "spanned", "refined",
+}  # fmt: skip
 _OF_PARAMETER = {
     "name", "symbol", "unit", "meaning", "range", "allowed", "integer", "default", "file_key",
 }  # fmt: skip
@@ -77,8 +80,16 @@ def _said(value: Any) -> str:
     return ", ".join(map(_said, value)) if isinstance(value, list | tuple) else str(value)
 
 
+_WORDS = {
+    "contains": "contains as a limit",
+    "error_of": "error of the value",
+    "shown": "motion of the head that shows it",
+    "variable": "variable of another functional form",
+}
+
+
 def _words(key: str) -> str:
-    return key.replace("_", " ")
+    return _WORDS.get(key, key).replace("_", " ")
 
 
 def _unit(unit: str) -> str:

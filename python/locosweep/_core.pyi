@@ -1,7 +1,7 @@
 from _typeshed import Incomplete, SupportsGetItem
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["CancelToken", "Drive", "Effect", "FrictionCandidate", "FrictionData", "FrictionOutcome", "FrictionParameter", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "derivative", "drives", "effect_parameter_count", "effects", "file_choices", "file_keys", "gait_outputs", "gait_parameters", "gait_run", "gaits", "imposed_force", "laws", "methods", "motor_power", "noise", "parameters", "pressings", "quantities", "rank_fits", "reality_forms", "reality_run", "reality_source", "reductions", "simd_level", "simd_levels", "spikes", "statuses", "threads_to_use", "version"]
+__all__ = ["CancelToken", "Drive", "Effect", "EffectFit", "EffectShape", "FrictionCandidate", "FrictionData", "FrictionOutcome", "FrictionParameter", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "derivative", "drives", "effect_parameter_count", "effects", "file_choices", "file_keys", "gait_outputs", "gait_parameters", "gait_run", "gaits", "imposed_force", "laws", "methods", "motor_power", "noise", "parameters", "pressings", "quantities", "rank_fits", "reality_forms", "reality_run", "reality_source", "reductions", "simd_level", "simd_levels", "spikes", "statuses", "threads_to_use", "version"]
 
 @final
 class CancelToken:
@@ -41,9 +41,29 @@ class Effect:
     """
     def __repr__(self, /) -> str: ...
     @property
+    def contains(self, /) -> list[str]:
+        """
+        Effects with fewer parameters that it contains as a limit.
+        """
+    @property
+    def drawn(self, /) -> bool:
+        """
+        Whether the blind check's reality has it.
+        """
+    @property
+    def error_of(self, /) -> str | None:
+        """
+        Value of [uncertainty] that it is an error of.
+        """
+    @property
     def first(self, /) -> int:
         """
         Place of the first parameter among those of all effects.
+        """
+    @property
+    def fits(self, /) -> list[EffectFit]:
+        """
+        How fits treat each parameter.
         """
     @property
     def formula(self, /) -> str:
@@ -51,20 +71,176 @@ class Effect:
         TeX.
         """
     @property
+    def keep(self, /) -> str | None:
+        """
+        Formula that starts must fulfil.
+        """
+    @property
+    def least(self, /) -> float:
+        """
+        Magnitude below which an integrator resolves no more than the nominal model.
+        """
+    @property
     def levels(self, /) -> list[str]:
         """
         Names of those that stand beside the nominal Coulomb level.
+        """
+    @property
+    def lowers_level(self, /) -> bool:
+        """
+        Beside it friction at rest may lie below the nominal Coulomb level.
+        """
+    @property
+    def magnitude(self, /) -> tuple[str, str]:
+        """
+        Formulas of the smallest and the largest signed magnitude.
         """
     @property
     def meaning(self, /) -> str: ...
     @property
     def name(self, /) -> str: ...
     @property
+    def needs(self, /) -> list[str]:
+        """
+        What a rig must have for it: body, rear_sensor, slope.
+        """
+    @property
+    def one_sided(self, /) -> bool:
+        """
+        As a rival in the blind check it has strengths of one sign only.
+        """
+    @property
+    def over(self, /) -> list[tuple[str, str]]:
+        """
+        Numbers of a rival of which every value is tried: names and formulas.
+        """
+    @property
     def parameters(self, /) -> list[Parameter]: ...
+    @property
+    def refined(self, /) -> str | None:
+        """
+        The number of `over` that is looked at between its values, too.
+        """
+    @property
+    def shapes(self, /) -> list[EffectShape]: ...
+    @property
+    def shown(self, /) -> str:
+        """
+        Motion of the head without which it cannot show: at_rest (none), moving,
+        forward or both_ways.
+        """
     @property
     def site(self, /) -> str:
         """
         friction, drive, body, environment or sensor.
+        """
+    @property
+    def spanned(self, /) -> list[tuple[str, str]]:
+        """
+        Numbers of a rival whose values are fitted together.
+        """
+    @property
+    def variable(self, /) -> str | None:
+        """
+        Variable that another law of the effect would follow; None where it is the
+        error of a number, which has no other law.
+        """
+
+@final
+class EffectFit:
+    """
+    How fits treat a parameter of an effect. Numbers that follow from a rig are
+    formulas in its sizes.
+    """
+    def __repr__(self, /) -> str: ...
+    @property
+    def at(self, /) -> str:
+        """
+        Its value at a magnitude `u` and the shapes.
+        """
+    @property
+    def beside_level(self, /) -> bool:
+        """
+        Without the effect it is the nominal Coulomb level.
+        """
+    @property
+    def composed(self, /) -> str | None:
+        """
+        What a start is in full, from its `value` and the other parameters.
+        """
+    @property
+    def judged(self, /) -> bool:
+        """
+        Data determine it well enough for its value to be judged.
+        """
+    @property
+    def log(self, /) -> bool:
+        """
+        Fits step its logarithm.
+        """
+    @property
+    def name(self, /) -> str: ...
+    @property
+    def off(self, /) -> float | None:
+        """
+        Value without the effect; None where none does it, or where it is the Coulomb level.
+        """
+    @property
+    def only_with(self, /) -> str | None:
+        """
+        Key of the nominal Coulomb level with which it is used (mu_coulomb or
+        coulomb_force); None with either.
+        """
+    @property
+    def range(self, /) -> tuple[str, str]:
+        """
+        Smallest and largest value of fits.
+        """
+    @property
+    def rival(self, /) -> str:
+        """
+        Its value as a rival at a strength `s`.
+        """
+    @property
+    def starts(self, /) -> str:
+        """
+        First values, in `unit` unless `log`.
+        """
+    @property
+    def unit(self, /) -> str:
+        """
+        A large change of it (of its logarithm if `log`).
+        """
+    @property
+    def windows(self, /) -> tuple[str, str]:
+        """
+        The same where runs are replayed in windows.
+        """
+
+@final
+class EffectShape:
+    """
+    A number that the parameters of an effect follow from beside its magnitude.
+    """
+    def __repr__(self, /) -> str: ...
+    @property
+    def log(self, /) -> bool:
+        """
+        Fits step its logarithm.
+        """
+    @property
+    def name(self, /) -> str: ...
+    @property
+    def range(self, /) -> tuple[str, str]: ...
+    @property
+    def starts(self, /) -> str:
+        """
+        Formulas of first values and of the range.
+        """
+    @property
+    def step(self, /) -> float:
+        """
+        Of a finite difference.
         """
 
 @final

@@ -2,6 +2,7 @@
 
 mod arrays;
 mod door;
+mod effects;
 mod fit;
 mod gait;
 mod reality;
@@ -13,6 +14,8 @@ use pyo3::prelude::pymodule;
 
 #[pymodule]
 mod _core {
+    #[pymodule_export]
+    use super::effects::{EffectFit, EffectRecord, EffectShape, effect_parameter_count, effects};
     #[pymodule_export]
     use super::fit::{
         FrictionCandidate, FrictionData, FrictionOutcome, FrictionParameter, derivative,
@@ -26,7 +29,7 @@ mod _core {
     #[pymodule_export]
     use super::reality::{reality_forms, reality_run, reality_source};
     #[pymodule_export]
-    use super::replay::{EffectRecord, Replay, effect_parameter_count, effects, motor_power};
+    use super::replay::{Replay, motor_power};
     #[pymodule_export]
     use super::sweep::{CancelToken, Sweep};
     #[pymodule_export]

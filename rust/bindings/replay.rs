@@ -3,58 +3,13 @@
 use crate::door::{enter, input_error, raise};
 use crate::sweep::CancelToken;
 use locosweep::lane::Level;
-use locosweep::physics::effects::{Active, EFFECT_PARAMS, EFFECTS, Effect, Nominal, Off};
+use locosweep::physics::effects::{Active, EFFECT_PARAMS, Effect, Nominal};
 use locosweep::physics::robot::Motor;
 use locosweep::sweep::replay::{Column, Run, replay_into, samples};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use numpy::{PyArrayMethods, PyReadwriteArray2};
 use pyo3::prelude::*;
 use std::collections::HashMap;
-
-use crate::tables::Parameter;
-
-/// An effect that a nominal model of a measured run may lack.
-#[pyclass(frozen, get_all, module = "locosweep._core", name = "Effect")]
-pub struct EffectRecord {
-    name: &'static str,
-    /// friction, drive, body, environment or sensor.
-    site: &'static str,
-    /// TeX.
-    formula: &'static str,
-    meaning: &'static str,
-    parameters: Vec<Py<Parameter>>,
-    /// Names of those that stand beside the nominal Coulomb level.
-    levels: Vec<&'static str>,
-    /// Place of the first parameter among those of all effects.
-    first: usize,
-}
-
-#[pymethods]
-impl EffectRecord {
-    fn __repr__(&self) -> String {
-        format!("Effect(name='{}', site='{}', meaning='{}')", self.name, self.site, self.meaning)
-    }
-}
-
-/// All effects, in the order of the registry.
-#[pyfunction]
-pub fn effects(py: Python<'_>) -> PyResult<Vec<EffectRecord>> {
-    let record = |effect: &Effect| {
-        let info = effect.info();
-        let levels = info.params.iter().filter(|p| p.off == Off::Coulomb);
-        let parameters = info.params.iter().map(|p| Py::new(py, Parameter::from(&p.param)));
-        Ok(EffectRecord {
-            name: info.name,
-            site: info.site.name(),
-            formula: info.formula,
-            meaning: info.meaning,
-            parameters: parameters.collect::<PyResult<_>>()?,
-            levels: levels.map(|p| p.param.name).collect(),
-            first: effect.first(),
-        })
-    };
-    Effect::ALL.iter().map(record).collect()
-}
 
 /// Runs of a drive, and the model that they are replayed through.
 #[pyclass(frozen, module = "locosweep._core")]
@@ -187,13 +142,6 @@ impl Replay {
         drop(writable);
         Ok(read)
     }
-}
-
-/// Number of the parameters of all effects.
-#[pyfunction]
-pub fn effect_parameter_count() -> usize {
-    debug_assert_eq!(EFFECTS.len(), Effect::ALL.len());
-    EFFECT_PARAMS
 }
 
 /// Electric power in W at forces and speeds, of a motor that is given by its supply

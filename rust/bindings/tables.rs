@@ -13,56 +13,75 @@ use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 
 /// A parameter: what it is called, measured in, and which values it may take.
-#[pyclass(frozen, get_all, module = "locosweep._core")]
-pub struct Parameter {
-    name: &'static str,
-    symbol: &'static str,
-    unit: &'static str,
-    /// None where the user must give it.
-    default: Option<f64>,
-    /// Smallest and largest value allowed.
-    range: (f64, f64),
-    integer: bool,
-    /// Table and key in a robot file, where it has one.
-    file_key: Option<(&'static str, &'static str)>,
-    meaning: &'static str,
-    /// What is allowed, in words.
-    allowed: String,
-}
+#[pyclass(frozen, module = "locosweep._core")]
+pub struct Parameter(Param);
 
 #[pymethods]
 impl Parameter {
+    #[getter]
+    fn name(&self) -> &'static str {
+        self.0.name
+    }
+
+    #[getter]
+    fn symbol(&self) -> &'static str {
+        self.0.symbol
+    }
+
+    #[getter]
+    fn unit(&self) -> &'static str {
+        self.0.unit
+    }
+
+    /// None where the user must give it.
+    #[getter]
+    fn default(&self) -> Option<f64> {
+        self.0.default
+    }
+
+    /// Smallest and largest value allowed.
+    #[getter]
+    fn range(&self) -> (f64, f64) {
+        self.0.range
+    }
+
+    #[getter]
+    fn integer(&self) -> bool {
+        self.0.integer
+    }
+
+    /// Table and key in a robot file, where it has one.
+    #[getter]
+    fn file_key(&self) -> Option<(&'static str, &'static str)> {
+        self.0.file_key
+    }
+
+    #[getter]
+    fn meaning(&self) -> &'static str {
+        self.0.meaning
+    }
+
+    /// What is allowed, in words.
+    #[getter]
+    fn allowed(&self) -> String {
+        self.0.allowed()
+    }
+
     fn __repr__(&self) -> String {
-        let default = self.default.map_or("none".to_owned(), |v| v.to_string());
-        format!(
-            "Parameter(name='{}', unit='{}', default={default}, range=[{}, {}])",
-            self.name, self.unit, self.range.0, self.range.1
-        )
+        let Param { name, unit, default, range: (low, high), .. } = self.0;
+        let default = default.map_or("none".to_owned(), |v| v.to_string());
+        format!("Parameter(name='{name}', unit='{unit}', default={default}, range=[{low}, {high}])")
     }
 
     /// Raise InputError where the value is not allowed.
     fn check(&self, py: Python<'_>, value: f64) -> PyResult<f64> {
-        let mut all = PARAMS.iter().chain(FILE_KEYS);
-        match all.find(|p| p.name == self.name) {
-            Some(param) => param.check(value, None).map_err(|error| raise(py, error)),
-            None => Ok(value),
-        }
+        self.0.check(value, None).map_err(|error| raise(py, error))
     }
 }
 
 impl From<&Param> for Parameter {
     fn from(param: &Param) -> Self {
-        Parameter {
-            name: param.name,
-            symbol: param.symbol,
-            unit: param.unit,
-            default: param.default,
-            range: param.range,
-            integer: param.integer,
-            file_key: param.file_key,
-            meaning: param.meaning,
-            allowed: param.allowed(),
-        }
+        Parameter(*param)
     }
 }
 

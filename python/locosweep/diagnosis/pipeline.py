@@ -14,7 +14,8 @@ from locosweep import _core
 from locosweep.diagnosis.data.checks import check_runs, usable
 from locosweep.diagnosis.data.holdout import hold_out
 from locosweep.diagnosis.design.next_experiment import next_experiment
-from locosweep.diagnosis.effects.starts import candidates, scale_of
+from locosweep.diagnosis.effects.catalogue import candidates
+from locosweep.diagnosis.effects.scale import scale_of
 from locosweep.diagnosis.estimate.initial_state import initial_states
 from locosweep.diagnosis.estimate.least_squares import Nuisances
 from locosweep.diagnosis.estimate.nominal import gaps_of
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable, Mapping, Sequence
 
-    from locosweep.diagnosis.effects.starts import Scale
+    from locosweep.diagnosis.effects.scale import Scale
     from locosweep.diagnosis.report.result import Diagnosis
 
 __all__ = ["diagnose"]
@@ -113,7 +114,8 @@ def diagnose(
     say("reading")
     records, notices, digest = _read(runs, columns or {}, units or {})
     data = _data_checks(robot, records, holdout, workers)
-    names, left_out = candidates(robot, data.whole.runs, data.scale)
+    measured = {c for run in data.whole.runs for c in run.channels}
+    names, left_out = candidates(robot, measured)
     task = _Task(tuple(names), max_effects, say)
     selected = _select(data, task)
     near = None

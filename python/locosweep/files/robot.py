@@ -13,9 +13,6 @@ from locosweep.registry import unknown
 if TYPE_CHECKING:
     import os
 
-_EITHER = {"d_mu", "d_force"}
-"""The two forms of `coulomb_error`: whether the model has a force or a coefficient decides."""
-
 
 @dataclass(frozen=True)
 class Robot:
@@ -72,8 +69,7 @@ def _robot(document: dict[str, Any]) -> Robot:
     choices = {(table, key): words for table, key, words in _core.file_choices()}
     known = [*records, *choices]
     toml.check_keys("table", document, [*dict.fromkeys(t for t, _ in known), "effects"])
-    effects = toml.table(document, "effects")
-    robot = Robot(effects={name: _effect(name, effects) for name in effects})
+    robot = Robot()
     for table in [name for name in document if name != "effects"]:
         content = toml.table(document, table)
         toml.check_keys(f"key in [{table}]", content, [key for t, key in known if t == table])
@@ -91,11 +87,14 @@ def _robot(document: dict[str, Any]) -> Robot:
                 robot.other[f"{table}.{key}"] = toml.value_of(where, records[entry], value)
     if "surface.coulomb_force" in robot.other and "mu_coulomb" in robot.parameters:
         raise InputError("[surface] has mu_coulomb and coulomb_force: give one")
+    level = "coulomb_force" if "surface.coulomb_force" in robot.other else "mu_coulomb"
+    effects = toml.table(document, "effects")
+    robot.effects.update({name: _effect(name, effects, level) for name in effects})
     return robot
 
 
-def _effect(name: str, tables: dict[str, Any]) -> dict[str, float]:
-    """Read the parameters of one effect; none has a default."""
+def _effect(name: str, tables: dict[str, Any], level: str) -> dict[str, float]:
+    """Read the parameters of one effect, beside a Coulomb level that is given as `level`."""
     records = {record.name: record for record in _core.effects()}
     if name not in records:
         raise unknown("effect", name, records)
@@ -107,13 +106,18 @@ def _effect(name: str, tables: dict[str, Any]) -> dict[str, float]:
         where = f"[effects.{name}] {key}"
         number = toml.number(where, value)
         record = parameters[key]
+        # A fit may end next to 0: within its range every size is read back, bit for bit.
         if not record.range[0] <= number <= record.range[1]:
             allowed = record.allowed
             raise InputError(f"{where} is {number!r} {record.unit}: allowed is {allowed}")
         found[key] = number
-    missing = [key for key in parameters if key not in found]
-    if found.keys() & _EITHER and set(missing) <= _EITHER:
-        missing = []
-    if missing:
-        raise InputError(f"[effects.{name}] has no {missing[0]}")
+    for fit in records[name].fits:
+        used = fit.only_with in (None, level)
+        if used and fit.name not in found:
+            raise InputError(f"[effects.{name}] has no {fit.name}")
+        if not used and fit.name in found:
+            raise InputError(
+                f"[effects.{name}] has {fit.name}, which goes with {fit.only_with}: "
+                f"the model's Coulomb level is given as {level}"
+            )
     return found

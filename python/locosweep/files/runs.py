@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.errors import DataFileError, InputError
+from locosweep.files import channels
 from locosweep.files.columns import check_units, number_columns, read_frame, rows_by_run
 
 if TYPE_CHECKING:
@@ -17,13 +18,7 @@ if TYPE_CHECKING:
     import polars as pl
     from numpy.typing import NDArray
 
-CHANNELS = {
-    "x": "displacement of the head",
-    "x_rear": "displacement of the anchored body",
-    "force": "force on the head from the drive",
-    "v": "velocity of the head",
-    "power": "electric power",
-}
+CHANNELS = {name: channel.meaning for name, channel in channels.CHANNELS.items()}
 """Measured channels, beside time and drive."""
 
 _COLUMNS = ("run", "t", "drive", *CHANNELS, "slope_deg")
@@ -139,9 +134,9 @@ def _runs(
     runs = []
     for label, where, rows in rows_by_run(path, frame, numbers["t"]):
         drive = _held(numbers["drive"][rows], where, notices)
-        channels = {name: numbers[name][rows] for name in CHANNELS if name in numbers}
+        measured = {name: numbers[name][rows] for name in CHANNELS if name in numbers}
         slope = _slope(numbers, rows, where)
-        runs.append(Run(label, numbers["t"][rows], drive, channels, slope))
+        runs.append(Run(label, numbers["t"][rows], drive, measured, slope))
     return runs, notices
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from locosweep import _core
 from locosweep.engine import whole
 from locosweep.errors import InputError
+from locosweep.files.channels import REPLAYED
 from locosweep.registry import unknown
 
 if TYPE_CHECKING:
@@ -149,14 +150,11 @@ def replay_runs(
     starts = np.array([run.start for run in runs])
     workers = _core.threads_to_use(whole("threads", threads))
     job = _core.Replay({**nominal}, data)
-    x, v, rear, force = job.run(columns, values, shares, starts, workers, progress)
+    read = job.run(columns, values, shares, starts, workers, progress)
     return pl.DataFrame(
         {
             "run": np.repeat([run.label for run in runs], [run.t.size for run in runs]),
             "t": np.concatenate([run.t for run in runs]),
-            "x": x,
-            "v": v,
-            "x_rear": rear,
-            "force": force,
+            **dict(zip(REPLAYED, read, strict=True)),
         }
     )

@@ -11,6 +11,7 @@ import numpy as np
 
 from locosweep.errors import DataFileError
 from locosweep.files.atomic import replacing
+from locosweep.files.channels import CHANNELS
 from locosweep.validation.experiment import FINE, Experiment, World
 
 if TYPE_CHECKING:
@@ -45,27 +46,20 @@ def _frame(
 
     sensors = experiment.sensors
     read = experiment.read([case.world], FINE, 1)[0]
-    places = {
-        "force": sensors.force_noise,
-        "v": sensors.velocity_noise,
-        "power": sensors.power_noise,
-    }
     parts = []
     for i, (drive, run) in enumerate(zip(experiment.drives, read, strict=True)):
         columns: dict[str, Any] = {
             "run": [f"{prefix}{i}"] * drive.t.size, "t": drive.t, "drive": drive.command
         }  # fmt: skip
         for channel in ("x", *sensors.channels):
-            if channel in ("x", "x_rear"):
-                noisy = run[channel] + rng.normal(0.0, sensors.position_noise, drive.t.size)
+            noise = sensors.noise(channel)
+            noisy = run[channel] + rng.normal(0.0, noise, drive.t.size)
+            if CHANNELS[channel].sensor == "position":
                 step = sensors.position_resolution
                 digits = max(0, 3 - math.floor(math.log10(step)))
                 columns[channel] = np.round(np.round(noisy / step) * step, digits)
             else:
-                noisy = run[channel] + rng.normal(0.0, places[channel], drive.t.size)
-                columns[channel] = np.round(
-                    noisy, max(0, 3 - math.floor(math.log10(places[channel])))
-                )
+                columns[channel] = np.round(noisy, max(0, 3 - math.floor(math.log10(noise))))
         if drive.slope_given:
             columns["slope_deg"] = [drive.slope_deg] * drive.t.size
         parts.append(pl.DataFrame(columns))
@@ -123,8 +117,7 @@ def _nominal(case: Case) -> str:
         tables["bench"] = {"kind": "linear"}
     if sensors.stated:
         shown = {"position_noise", "position_resolution"}
-        shown |= {f"{c}_noise" for c in ("force", "power") if c in sensors.channels}
-        shown |= {"velocity_noise"} if "v" in sensors.channels else set()
+        shown |= {f"{CHANNELS[c].sensor}_noise" for c in sensors.channels}
         tables["sensor"] = {k: getattr(sensors, k) for k in sensors.stated if k in shown}
     if rig.motor:
         tables["motor"] = dict(rig.motor)

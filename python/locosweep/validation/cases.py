@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from locosweep.diagnosis.effects.catalogue import lacking
+from locosweep.simulation.replay import effects
 from locosweep.validation.drives import KINDS, Shape, draw_shape, sample_times
 from locosweep.validation.experiment import COARSE, Drive, Experiment, World
 from locosweep.validation.laws import CAUSES, LAWS, OUTSIDE, Cause, Scale, draw_cause
@@ -32,13 +34,6 @@ _MOST_SAMPLES = 16000
 """Of all runs of a case."""
 _LEAST, _MOST = 0.8, 600.0
 """Sizes outside are drawn anew: an effect that sets in at once cannot be made small."""
-_OPEN = {
-    "payload_mass": "mass",
-    "coulomb_error": "mu_coulomb",
-    "drive_gain_error": "gain",
-    "drive_delay": "clock",
-}
-"""Errors of values: no effect where the nominal file says that the value is uncertain."""
 _NO_SENSORS = Sensors(1.0, 1.0)
 """Sensors that do not matter yet."""
 
@@ -180,8 +175,7 @@ def scale_of_runs(experiment: Experiment) -> Scale:
 
 def absent_of(rig: Rig) -> list[str]:
     """Causes that have no meaning on a bench."""
-    absent = ["anchor_slip"] if rig.rotary or rig.linear_bench else []
-    return [*absent, "slope_error"] if rig.rotary else absent
+    return list(lacking({"body": not (rig.rotary or rig.linear_bench), "slope": not rig.rotary}))
 
 
 def _form(rng: Generator, rig: Rig, name: str, *, mismatch: bool) -> str:
@@ -242,10 +236,11 @@ def _rounded(parameters: dict[str, float]) -> dict[str, float]:
 
 def _pick(rng: Generator, rig: Rig, channels: tuple[str, ...], count: int) -> list[str]:
     """Pick causes that the sensors could show."""
-    absent = [*absent_of(rig), *(() if "x_rear" in channels else ("anchor_slip",))]
+    absent = {*absent_of(rig), *lacking({"rear_sensor": "x_rear" in channels})}
     names = [c for c in CAUSES if c not in absent]
     both = {"transmission_backlash", "transmission_compliance"}
-    left_open = {cause for cause, value in _OPEN.items() if value in rig.uncertainty}
+    # No effect where the nominal file says that the value is uncertain.
+    left_open = {record.name for record in effects() if record.error_of in rig.uncertainty}
     while True:
         picked = [str(name) for name in rng.choice(names, count, replace=False)]
         if not both <= set(picked) and not left_open & set(picked):

@@ -57,7 +57,7 @@ def draw_cases(
     """Draw cases into a folder and seal their truths; those that are there are kept."""
     wanted = [(i, False) for i in range(cases)] + [(i, True) for i in range(gap_free)]
     modules = (f"validation/{name}.py" for name in _DRAWING)
-    code = code_digest(*modules, engine=False)
+    code = code_digest(*modules, "diagnosis/effects", "files/channels.py", engine=False)
     with pool_of(processes) as pool:
         waiting = [pool.submit(_draw, seed, i, free, out, code) for i, free in wanted]
         for done, future in enumerate(as_completed(waiting), 1):

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from locosweep.files.channels import REPLAYED
 from locosweep.files.robot import load_robot
 from locosweep.files.runs import Run, load_runs
 from locosweep.simulation.replay import replay_runs
@@ -43,7 +44,7 @@ def fresh_shrink(
     one that a model can be replayed to.
     """
     runs, _ = load_runs(check)
-    if channel not in ("x", "v", "x_rear", "force") or channel not in runs[0].channels:
+    if channel not in REPLAYED or channel not in runs[0].channels:
         return None
     starts = [(float(x), float(v)) for x, v in truth["check_starts"]]
     before = _rmse(nominal, runs, starts, channel)

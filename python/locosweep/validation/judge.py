@@ -14,29 +14,10 @@ SURE_TWIN = 2.0
 """A rival nearer than this many standard deviations cannot be told from the truth."""
 
 CONTAINS = {
-    "coulomb_error": {
-        "friction_drift",
-        "direction_dependent_friction",
-        "position_dependent_friction",
-        "stribeck_friction",
-    },
-    "slope_error": {"direction_dependent_friction"},
-    "drive_gain_error": {"supply_sag"},
+    record.name: {wider.name for wider in effects() if record.name in wider.contains}
+    for record in effects()
 }
 """Wider effects that have the key as a limit: not rivals of it."""
-
-_PRIMARY = {
-    "direction_dependent_friction": ("F_c_forward", "F_c_backward"),
-    "stribeck_friction": ("F_s", "v_s"),
-    "position_dependent_friction": ("a", "L"),
-    "friction_drift": ("a", "T"),
-    "supply_sag": ("a", "T"),
-    "presliding_compliance": ("sigma0",),
-    "transmission_backlash": ("b",),
-    "transmission_compliance": ("k",),
-    "anchor_slip": ("mu_static", "mu_coulomb"),
-}
-"""Parameters that are judged, where not all of them are."""
 
 
 @dataclass(frozen=True)
@@ -173,11 +154,17 @@ def _errors(truth: dict[str, Any], report: dict[str, Any]) -> tuple[float, ...]:
     for effect in truth["effects"]:
         found = rows[0]["parameters"].get(effect["name"], {})
         known = effect["parameters"]
-        for name in _PRIMARY.get(effect["name"], tuple(known)):
+        for name in _judged(effect["name"]):
             value = found.get(name, {}).get("value")
             if value is not None and known.get(name):
                 errors.append(abs(value - known[name]) / abs(known[name]))
     return tuple(errors)
+
+
+def _judged(name: str) -> list[str]:
+    """Return the parameters of an effect that data determine well enough to be judged."""
+    return [fit.name for record in effects() if record.name == name
+            for fit in record.fits if fit.judged]  # fmt: skip
 
 
 def window_share(truth: dict[str, Any], report: dict[str, Any]) -> float | None:

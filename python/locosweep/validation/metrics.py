@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.stats import binomtest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -50,7 +51,7 @@ class Figure:
 
 
 def wilson(hits: int, count: int) -> tuple[float, float]:
-    """95 % interval of a share.
+    """Return the 95 % interval of a share, after Wilson.
 
     Examples
     --------
@@ -59,8 +60,6 @@ def wilson(hits: int, count: int) -> tuple[float, float]:
     >>> round(low, 4), round(high, 4)
     (0.0, 0.0188)
     """
-    from scipy.stats import binomtest
-
     if count == 0:
         return math.nan, math.nan
     interval = binomtest(hits, count).proportion_ci(method="wilson")
@@ -152,51 +151,64 @@ def figures(judged: Sequence[Judged]) -> list[Figure]:
     seen = [c for c in gaps if c.d >= PLAIN]
     return [
         _share(
-            "a gap where there is none",
+            "false-positive rate: a gap reported where there is none",
             (c.status != "none" for c in gap_free),
             "<= 0.03, upper bound <= 0.045",
             lambda value, _, high: value <= 0.03 and high <= 0.045,
         ),
-        _share("a cause where there is no gap", (c.named for c in gap_free)),
         _share(
-            "detected, d >= 6",
+            "false-positive rate: a cause named where there is no gap", (c.named for c in gap_free)
+        ),
+        _share(
+            "detection rate, d >= 6",
             (c.status != "none" for c in gaps if c.d >= 6.0),
             ">= 0.90",
             _at_least(0.90),
         ),
-        _share("detected, d >= 10", (c.status != "none" for c in seen), ">= 0.99", _at_least(0.99)),
-        _share("right class, single effect", (c.right for c in single), ">= 0.97", _at_least(0.97)),
         _share(
-            "right class, single effect, d >= 10 before rivals are projected out",
+            "detection rate, d >= 10",
+            (c.status != "none" for c in seen),
+            ">= 0.99",
+            _at_least(0.99),
+        ),
+        _share("one effect: correct class", (c.right for c in single), ">= 0.97", _at_least(0.97)),
+        _share(
+            "one effect: correct class, d >= 10 before rivals are projected out",
             (c.right for c in seen if c.kind == "one" and not c.mismatch),
         ),
         _share(
-            "exact name where the class has one member",
+            "one effect: exact name, where the class has one member",
             (c.exact for c in single if c.alone),
             ">= 0.95",
             _at_least(0.95),
         ),
-        _share("both of two effects", (c.right for c in pairs), ">= 0.85", _at_least(0.85)),
+        _share("two effects: both correct", (c.right for c in pairs), ">= 0.85", _at_least(0.85)),
         _share(
-            "at least one of two effects", (c.one_right for c in pairs), ">= 0.98", _at_least(0.98)
+            "two effects: at least one correct",
+            (c.one_right for c in pairs),
+            ">= 0.98",
+            _at_least(0.98),
         ),
         _share(
-            "outside the list: unexplained",
+            "cause outside the list: unexplained",
             (c.status == "unexplained" for c in alien),
             ">= 0.90",
             _at_least(0.90),
         ),
         _share(
-            "outside the list: a wrong name", (c.named for c in alien), "<= 0.05", _at_most(0.05)
+            "cause outside the list: a wrong name",
+            (c.named for c in alien),
+            "<= 0.05",
+            _at_most(0.05),
         ),
         _share(
-            "a single name where a rival is nearer than 2 sigma",
+            "a single name given although a rival is nearer than 2 standard deviations",
             (c.single_name for c in twins),
             "<= 0.01",
             _at_most(0.01),
         ),
         _statistic(
-            "mean probability on the true class",
+            "mean probability given to the true class",
             [c.probability if c.right else 0.0 for c in detected],
             np.mean,
             ">= 0.92",
@@ -210,14 +222,14 @@ def figures(judged: Sequence[Judged]) -> list[Figure]:
             lambda value: value <= 0.05,
         ),
         _statistic(
-            "stated less fresh shrink, mean",
+            "bias of the claimed reduction (claimed less that on fresh runs), mean",
             biases,
             np.mean,
             "within 0.02",
             lambda value: abs(value) <= 0.02,
         ),
         _share(
-            "fresh shrink inside the stated interval",
+            "reduction on fresh runs inside the claimed interval",
             inside,
             "0.85 to 0.95",
             lambda value, _low, _high: 0.85 <= value <= 0.95,
@@ -230,13 +242,18 @@ def figures(judged: Sequence[Judged]) -> list[Figure]:
             lambda value: value <= 0.02,
         ),
         _share(
-            "location of the gap right",
+            "location of the gap correct",
             (None if c.window_share is None else c.window_share >= 0.5 for c in seen),
             ">= 0.95",
             _at_least(0.95),
         ),
-        _share("site right", (c.site_right for c in effects), ">= 0.95", _at_least(0.95)),
-        _share("another law: right class", (c.right for c in forms), ">= 0.90", _at_least(0.90)),
+        _share("site correct", (c.site_right for c in effects), ">= 0.95", _at_least(0.95)),
+        _share(
+            "one effect with a functional form other than the listed one: correct class",
+            (c.right for c in forms),
+            ">= 0.90",
+            _at_least(0.90),
+        ),
         _share(
             "next experiment resolves the rivals",
             (c.next_resolves for c in judged if c.next_possible),

@@ -15,6 +15,7 @@ import numpy as np
 
 from locosweep.diagnosis.design.menu import FORCE_NOISE, MENU, PAYLOAD
 from locosweep.files.runs import Run
+from locosweep.simulation.replay import effects
 from locosweep.validation.cases import absent_of, draw_case, scale_of_runs
 from locosweep.validation.experiment import COARSE, Drive, Experiment, Readings, World
 from locosweep.validation.sizes import ALIKE, Nuisances, rival_distances
@@ -93,9 +94,8 @@ def _loaded(effect: Effect, more: float) -> Effect:
     Levels of friction are given at the known mass: what they add to it stays.
     """
     name, form, values = effect
-    if not {"F_s", "F_c_forward", "F_c_backward"} & set(values):
-        return effect
-    return name, form, {k: v + more if k.startswith("F_") else v for k, v in values.items()}
+    levels = {level for record in effects() if record.name == name for level in record.levels}
+    return name, form, {k: v + more if k in levels else v for k, v in values.items()}
 
 
 def _longer(case: Case, name: str) -> _Longer | None:

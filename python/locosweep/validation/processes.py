@@ -25,13 +25,20 @@ def code_digest(*parts: str, engine: bool) -> str:
     """Hash of the named folders and files of the package, and of what they run on.
 
     Results of other code are not kept. That is the whole extension with `engine`,
-    without it only the reality, which the engine has no part in.
+    without it only the reality, which the engine has no part in, and what rows of
+    effects say of rivals.
     """
     files = []
     for part in parts:
         place = _PACKAGE / part
         files += sorted(place.rglob("*.py")) if place.is_dir() else [place]
-    below = Path(_core.__file__).read_bytes() if engine else _core.reality_source().encode()
+    rivals = [
+        (e.name, e.needs, e.error_of, e.drawn, e.one_sided, e.over, e.spanned, e.refined,
+         [(fit.name, fit.only_with, fit.rival) for fit in e.fits])
+        for e in _core.effects()
+    ]  # fmt: skip
+    reality = f"{_core.reality_source()}{rivals}".encode()
+    below = Path(_core.__file__).read_bytes() if engine else reality
     whole = hashlib.sha256(below)
     for file in files:
         whole.update(file.read_bytes())

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from locosweep.files.channels import CHANNELS
+
 if TYPE_CHECKING:
     from numpy.random import Generator
 
@@ -49,13 +51,12 @@ class Sensors:
 
     def deviation(self, channel: str) -> float:
         """Return the standard deviation of a channel, rounding included."""
-        if channel in ("x", "x_rear"):
-            return float(np.hypot(self.position_noise, self.position_resolution / np.sqrt(12.0)))
-        return {
-            "force": self.force_noise,
-            "v": self.velocity_noise,
-            "power": self.power_noise,
-        }[channel]
+        step = self.position_resolution if CHANNELS[channel].sensor == "position" else 0.0
+        return float(np.hypot(self.noise(channel), step / np.sqrt(12.0)))
+
+    def noise(self, channel: str) -> float:
+        """Return the standard deviation of a channel before it is rounded."""
+        return float(getattr(self, f"{CHANNELS[channel].sensor}_noise"))
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ import numpy as np
 
 from locosweep.validation.experiment import COARSE, Experiment, World
 from locosweep.validation.laws import CAUSES, Scale
-from locosweep.validation.rivals import LENGTHS, Rival, rivals_of, waves_of
+from locosweep.validation.rivals import Rival, refined_step, rivals_between, rivals_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -33,9 +33,8 @@ _RIGID = {
     "transmission_compliance": "transmission_backlash",
 }
 """Causes that are one where nothing gives way: a mass more on the side of the drive."""
-_WAVES = "position_dependent_friction"
 _FINER = 4
-"""Times that lengths on either side of the best one are tried."""
+"""Times that values on either side of the best one are tried."""
 _NO_PLAY = 1e-9
 _SMALL = 0.1
 """Standard deviations by which uncertain values are moved for their sensitivities."""
@@ -197,7 +196,7 @@ def rival_distances(
         return best
 
     def responses(strengths: list[tuple[Rival, float]]) -> list[Floats]:
-        effects = [(atom.effect(s, as_force=as_force),) for atom, s in strengths]
+        effects = [(atom.effect(s),) for atom, s in strengths]
         return [off(d) for d in nuisances.differences(effects)]
 
     if own and own[0] in _RIGID:
@@ -206,27 +205,30 @@ def rival_distances(
         cause = _RIGID[own[0]]
         best[cause] = min(best[cause], float(np.linalg.norm(gap - off(rigid))))
     left = _refitted(atoms, gap, responses)
-    if _WAVES not in absent:
-        _between(left, lambda finer: _refitted(finer, gap, responses))
+    for cause in dict.fromkeys(atom.cause for atom in atoms if atom.refined is not None):
+        _between(left, cause, scale, lambda finer: _refitted(finer, gap, responses))
     for atom, rest in left.items():
         best[atom.cause] = min(best[atom.cause], rest)
     return best
 
 
 def _between(
-    left: dict[Rival, float], refitted: Callable[[list[Rival]], dict[Rival, float]]
+    left: dict[Rival, float],
+    cause: str,
+    scale: Scale,
+    refitted: Callable[[list[Rival]], dict[Rival, float]],
 ) -> None:
-    """Look between the lengths of waves, nearer and nearer the best one."""
-    factor = LENGTHS[1] / LENGTHS[0]
+    """Look between the values of a refined number, nearer and nearer the best one."""
+    factor = refined_step(cause)
     for _ in range(_FINER):
-        waves = {atom.length: rest for atom, rest in left.items() if atom.length}
-        if not waves:
+        own = {atom.refined: atom for atom in left if atom.cause == cause}
+        if not own:
             return
-        length = min(waves, key=lambda at: waves[at])
-        if waves[length] < ALIKE:
+        best = min(own.values(), key=left.__getitem__)
+        if left[best] < ALIKE:
             return
         factor = factor**0.4
-        left |= refitted([a for at in (length / factor, length * factor) for a in waves_of(at)])
+        left |= refitted(rivals_between(best, factor, scale))
 
 
 def _refitted(

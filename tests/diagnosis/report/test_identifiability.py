@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from diagnosis_small import driven, measured, problem
-from locosweep.diagnosis.effects.starts import Free
+from locosweep.diagnosis.effects.catalogue import Free
 from locosweep.diagnosis.estimate.least_squares import Fit, Model, Nuisances
 from locosweep.diagnosis.report.identifiability import not_visible
 from locosweep.diagnosis.select.search import Collection

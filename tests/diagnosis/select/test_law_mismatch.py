@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import polars as pl
 
-from locosweep.diagnosis.effects.starts import scale_of
+from locosweep.diagnosis.effects.scale import scale_of
 from locosweep.diagnosis.estimate.least_squares import Nuisances, fit_all, start_fits
 from locosweep.diagnosis.estimate.problem import Problem
 from locosweep.diagnosis.select.law_mismatch import best_with_other_law, score_with_other_law

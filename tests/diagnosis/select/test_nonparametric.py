@@ -8,7 +8,7 @@ import numpy as np
 import polars as pl
 import pytest
 
-from locosweep.diagnosis.effects.starts import scale_of
+from locosweep.diagnosis.effects.scale import scale_of
 from locosweep.diagnosis.estimate.least_squares import Nuisances, fit_all, start_fits
 from locosweep.diagnosis.estimate.problem import Problem
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from locosweep.files.channels import CHANNELS
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
@@ -16,13 +18,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Noise", "noise_of", "stretches"]
 
-_SENSOR = {
-    "x": "position",
-    "x_rear": "position",
-    "v": "velocity",
-    "force": "force",
-    "power": "power",
-}
 _THIRD = np.sqrt(20.0)
 """Standard deviation of third differences of white noise of deviation 1."""
 
@@ -63,7 +58,7 @@ class Noise:
 
 def noise_of(channel: str, runs: Sequence[Run], sensor: Mapping[str, float]) -> Noise:
     """Return a channel's noise as the file states it, or as estimated from the readings."""
-    kind = _SENSOR[channel]
+    kind = CHANNELS[channel].sensor
     stated = sensor.get(f"{kind}_noise")
     step = sensor.get(f"{kind}_resolution", 0.0)
     seen, grain = _seen([run.channels[channel] for run in runs if channel in run.channels])

@@ -1,4 +1,4 @@
-"""How far apart the signals of effects lie in planned or measured runs, in sigmas.
+"""Pairwise model-discrimination (T-optimality) distances between effects, in sigmas.
 
 Signals are what an effect changes in the readings, in units of their noise, with
 each run's start offset and start velocity projected out. The distance from one
@@ -15,7 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep import _core
-from locosweep.diagnosis.effects.families import Rig, families
+from locosweep.diagnosis.effects.catalogue import families
+from locosweep.diagnosis.effects.scale import Scale, level_of
+from locosweep.files.channels import OFFSETS, REPLAYED
 from locosweep.simulation.replay import effect_values, nominal_of
 
 if TYPE_CHECKING:
@@ -23,15 +25,14 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from locosweep.diagnosis.effects.families import Family
+    from locosweep.diagnosis.effects.catalogue import Family
     from locosweep.files.robot import Robot
     from locosweep.files.runs import Run
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Plan", "project", "refit", "strengths"]
+__all__ = ["PlannedRuns", "project", "refit", "strengths"]
 
-_CHANNELS = ("x", "v", "x_rear", "force")
 _BATCH = 3_000_000
 """Samples of one call: some 100 MB of readings."""
 
@@ -70,7 +71,7 @@ def project(rows: Floats, directions: Floats) -> Floats:
     return left
 
 
-class Plan:
+class PlannedRuns:
     """Runs of a drive with the noise of their sensors: effects in, signals out.
 
     Parameters
@@ -90,7 +91,7 @@ class Plan:
     ) -> None:
         self.robot = robot
         self.nominal = nominal_of(robot)
-        self.noise = {name: noise[name] for name in _CHANNELS if name in noise}
+        self.noise = {name: noise[name] for name in REPLAYED if name in noise}
         self.threads = threads
         slope = self.nominal["slope_deg"]
         self.runs = [
@@ -105,13 +106,13 @@ class Plan:
         self._origin = np.zeros((1, self.samples * len(self.noise)))
         self.readings = self._read(nothing, self.starts)
         self._origin = self._whitened(self.readings)
-        self.rig = self._rig()
+        self.scale = self._scale()
         self.directions = self._starting()
 
     @property
     def families(self) -> dict[str, Family]:
         """Families of all effects at this rig's sizes."""
-        return families(self.rig, force_level="coulomb_force" in self.nominal)
+        return families(self.scale)
 
     def signals(self, models: Sequence[tuple[str, Mapping[str, float]]]) -> Floats:
         """Return what effects change in the readings, a row a model, projected.
@@ -141,30 +142,35 @@ class Plan:
         found = self._replay.run(columns, values, shares, begin, self.threads)
         return {
             name: field.reshape(len(models), -1)
-            for name, field in zip(_CHANNELS, found, strict=True)
+            for name, field in zip(REPLAYED, found, strict=True)
         }
 
     def _whitened(self, readings: Mapping[str, Floats]) -> Floats:
         return np.concatenate([readings[c] / sd for c, sd in self.noise.items()], axis=1)
 
-    def _rig(self) -> Rig:
+    def _scale(self) -> Scale:
         nominal, tiny = self.nominal, 1e-12
         weight = nominal["mass"] * nominal["gravity"]
         flat = weight * float(np.cos(np.radians(nominal["slope_deg"])))
-        level = nominal.get("coulomb_force", nominal.get("mu_coulomb", 0.0) * flat)
         force = max(float(np.abs(self.readings["force"]).max(initial=0.0)), tiny)
         x = np.split(self.readings["x"][0], np.cumsum(self.lengths)[:-1])
         seconds = max(float(t[-1] - t[0]) for t, _, _ in self.runs)
-        return Rig(
+        level = max(level_of(nominal), 1e-3 * force)
+        return Scale(
             mass=nominal["mass"],
-            level=max(level, 1e-3 * force),
+            level=level,
+            least_level=level,
             force=force,
             weight=max(weight, tiny),
             grip=max((nominal["segments"] - 1.0) * flat, tiny),
             speed=max(float(np.abs(self.readings["v"]).max(initial=0.0)), tiny),
             travel=max(*(float(np.ptp(one)) for one in x), tiny),
             duration=seconds,
+            interval=float(np.median([np.median(np.diff(t)) for t, _, _ in self.runs])),
             viscous=nominal["viscous"],
+            has_force_level="coulomb_force" in nominal,
+            rotary="gravity_torque" in nominal,
+            replayed=seconds,
         )
 
     def _starting(self) -> Floats:
@@ -172,7 +178,7 @@ class Plan:
         edges = np.concatenate([[0], np.cumsum(self.lengths)])
         found = []
         for place, name in enumerate(self.noise):
-            if name not in ("x", "x_rear"):
+            if name not in OFFSETS:
                 continue
             for a, b in pairwise(edges):
                 row = np.zeros(self._origin.shape[1])
@@ -182,7 +188,7 @@ class Plan:
         nothing = np.zeros(_core.effect_parameter_count())
         for r, (a, b) in enumerate(pairwise(edges)):
             nudged = self.starts.copy()
-            nudged[r, 1] += _NUDGE * self.rig.speed
+            nudged[r, 1] += _NUDGE * self.scale.speed
             moved = self._whitened(self._read([((), nothing)], nudged)) - self._origin
             # Other runs start as before.
             own = np.zeros(self.samples, dtype=bool)
@@ -200,13 +206,13 @@ def _sizes(rows: Floats) -> Floats:
 
 
 def strengths(
-    plan: Plan, asked: Sequence[tuple[Family, float]], size: float
+    plan: PlannedRuns, asked: Sequence[tuple[Family, float]], size: float
 ) -> list[Floats | None]:
     """Find how strong each effect must be for a signal of `size` sigmas.
 
     Parameters
     ----------
-    plan : Plan
+    plan : PlannedRuns
         The runs.
     asked : sequence of (Family, float)
         Effects, each with the sign of its strength.
@@ -247,8 +253,8 @@ def _middle(family: Family) -> tuple[float, ...]:
     return starts[len(starts) // 2]
 
 
-def _in_parts(plan: Plan, models: Sequence[tuple[str, Mapping[str, float]]]) -> Floats:
-    """Sizes of signals, without keeping all of them."""
+def _in_parts(plan: PlannedRuns, models: Sequence[tuple[str, Mapping[str, float]]]) -> Floats:
+    """Return the lengths of signals, without keeping all of the signals."""
     limit = max(1, _BATCH // plan.samples)
     return np.concatenate(
         [_sizes(plan.signals(models[i : i + limit])) for i in range(0, len(models), limit)]
@@ -257,7 +263,7 @@ def _in_parts(plan: Plan, models: Sequence[tuple[str, Mapping[str, float]]]) -> 
 
 @dataclass
 class _State:
-    """A fit under way: which target, coordinates, what is left."""
+    """A fit under way: which target, coordinates, residual."""
 
     target: int
     theta: Floats
@@ -268,13 +274,13 @@ class _State:
 
 
 def refit(
-    plan: Plan, family: Family, targets: Floats, reference: float, *, starts: int = 2
+    plan: PlannedRuns, family: Family, targets: Floats, reference: float, *, starts: int = 2
 ) -> tuple[Floats, list[Floats]]:
     """Fit one effect to signals, and return how much of each is left.
 
     Parameters
     ----------
-    plan : Plan
+    plan : PlannedRuns
         The runs.
     family : Family
         The effect that is fitted.
@@ -310,7 +316,7 @@ def refit(
 
 
 def _begin(
-    plan: Plan, family: Family, targets: Floats, reference: float, starts: int
+    plan: PlannedRuns, family: Family, targets: Floats, reference: float, starts: int
 ) -> list[_State]:
     """Start where the effect's signal, stretched to fit, leaves least of a target."""
     thetas = []
@@ -347,7 +353,7 @@ def _begin(
 
 
 def _advance(
-    plan: Plan, family: Family, targets: Floats, todo: Sequence[_State], step: Floats
+    plan: PlannedRuns, family: Family, targets: Floats, todo: Sequence[_State], step: Floats
 ) -> None:
     """Make one step of Levenberg and Marquardt in every fit."""
     limit = max(1, _BATCH // (plan.samples * (len(step) + len(_DAMPINGS))))

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from locosweep import _core
-from locosweep.diagnosis.design.distance import Plan, refit, strengths
+from locosweep.diagnosis.design.distance import PlannedRuns, refit, strengths
+from locosweep.diagnosis.effects.catalogue import candidates
 from locosweep.engine import whole
 from locosweep.errors import InputError
+from locosweep.files.channels import CHANNELS, REPLAYED
 from locosweep.files.robot import Robot, load_robot
 from locosweep.files.runs import Run, load_runs
 from locosweep.registry import unknown
@@ -25,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import ArrayLike, NDArray
 
-    from locosweep.diagnosis.effects.families import Family
+    from locosweep.diagnosis.effects.catalogue import Family
     from locosweep.progress import Progress
 
     Floats = NDArray[np.float64]
@@ -38,9 +40,6 @@ SEEN = 6.0
 
 APART = 3.0
 """Distance, in sigmas, from which two effects are told apart."""
-
-_KINDS = {"x": "position", "x_rear": "position", "v": "velocity", "force": "force"}
-"""What the [sensor] table calls the noise of a channel."""
 
 
 @dataclass(frozen=True)
@@ -205,11 +204,12 @@ def distinguish(
     if not np.isfinite(size) or size <= 0.0:
         raise InputError(f"size is {size!r}: allowed is a number above 0")
     workers = _core.threads_to_use(whole("threads", threads))
-    plan = Plan(robot, given, spread, workers)
+    plan = PlannedRuns(robot, given, spread, workers)
     if not any(np.ptp(plan.readings["x"][0, a:b]) > 0.0 for a, b in _spans(plan.lengths)):
         raise InputError("the head does not move under these drives: allowed are drives that "
                          "exceed its friction")  # fmt: skip
-    families, unseen = _meaningful(plan, robot)
+    names_here, unseen = candidates(robot, plan.noise)
+    families = {name: plan.families[name] for name in names_here}
     signed = [(family, sign) for family in families.values() for sign in family.signs]
     seen = strengths(plan, signed, SEEN)
     strong = strengths(plan, signed, size)
@@ -229,7 +229,7 @@ def distinguish(
 
 
 def _distances(
-    plan: Plan,
+    plan: PlannedRuns,
     families: Mapping[str, Family],
     names: Sequence[str],
     truths: Sequence[tuple[str, Floats]],
@@ -291,13 +291,13 @@ def _noise(
     """Return each channel's standard deviation, quantisation included."""
     stated = dict(noise or {})
     for name in (*(channels or ()), *stated):
-        if name not in _KINDS:
-            raise unknown("channel", name, _KINDS)
-    measured = [name for name in _KINDS if any(name in run.channels for run in runs)]
+        if name not in REPLAYED:
+            raise unknown("channel", name, REPLAYED)
+    measured = [name for name in REPLAYED if any(name in run.channels for run in runs)]
     chosen = list(dict.fromkeys(channels or [*(measured or ["x"]), *stated]))
     found = {}
     for name in chosen:
-        kind = _KINDS[name]
+        kind = CHANNELS[name].sensor
         sd = stated.get(name, robot.other.get(f"sensor.{kind}_noise"))
         step = 0.0 if name in stated else robot.other.get(f"sensor.{kind}_resolution", 0.0)
         if sd is None and not step:
@@ -309,16 +309,3 @@ def _noise(
             raise InputError(f"noise of {name} is {deviation!r}: allowed is a number above 0")
         found[name] = total
     return found
-
-
-def _meaningful(plan: Plan, robot: Robot) -> tuple[dict[str, Family], dict[str, str]]:
-    """Families of the effects that have a meaning here, and why others have none."""
-    unseen = {}
-    bench = "bench.kind" in robot.other or plan.nominal["segments"] <= 1.0
-    if bench:
-        unseen["anchor_slip"] = "there is no anchored body"
-    elif "x_rear" not in plan.noise:
-        unseen["anchor_slip"] = "the body's motion is not measured (x_rear)"
-    if "gravity_torque" in plan.nominal:
-        unseen["slope_error"] = "a rotary bench has no slope"
-    return {n: f for n, f in plan.families.items() if n not in unseen}, unseen

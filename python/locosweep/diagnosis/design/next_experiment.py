@@ -1,6 +1,6 @@
-"""The next experiment: which further run would tell apart what is left.
+"""The next experiment: the further run that would tell apart the explanations that are left.
 
-Which of the explanations is true is not known. So each takes its turn as the truth: the
+Each explanation takes its turn as the truth, as which of them is true is not known: the
 runs so far and the new one are simulated with it, and every other one is refitted to them.
 """
 
@@ -14,7 +14,7 @@ from scipy.stats import norm
 
 from locosweep.diagnosis.data.noise import Noise
 from locosweep.diagnosis.design.menu import FORCE_NOISE, MENU, PAYLOAD
-from locosweep.diagnosis.effects.starts import starts_of
+from locosweep.diagnosis.effects.catalogue import starts_of
 from locosweep.diagnosis.estimate.least_squares import (
     Fit,
     evaluate,
@@ -59,7 +59,7 @@ _LOST = 1e50
 
 @dataclass
 class _Planned:
-    """The runs so far and one of the menu, before anything is measured in it."""
+    """Runs so far and one of the menu, before anything is measured in it."""
 
     problem: Problem
     """With blank readings, NaN where a run so far has none."""
@@ -111,7 +111,7 @@ def next_experiment(
     for name, change, text in MENU:
         if _has_meaning(search, name):
             planned = _planned(search, name, change)
-            table = _straight(planned, fits)
+            table = _linearised(planned, fits)
             plans.append((*_promise(table.min(axis=1), likely), name, text, planned, table))
     plans.sort(key=lambda plan: plan[:2], reverse=True)
     rows: list[dict[str, Any]] = []
@@ -124,7 +124,7 @@ def next_experiment(
         rows.append({"run": name, "distance": distance, "chance": chance, "what": text})
     rows.sort(key=lambda row: (row["chance"], row["distance"]), reverse=True)
     best = rows[0]
-    alone = _straight(_planned(search), fits).min(axis=1)
+    alone = _linearised(_planned(search), fits).min(axis=1)
     each = np.maximum(found[best["run"]] ** 2 - alone**2, 0.0)
     chances = [_promise(np.sqrt(alone**2 + n * each), likely)[0] for n in range(_REPEATS + 1)]
     if chances[-1] - chances[0] < _HOPE:
@@ -140,7 +140,7 @@ def next_experiment(
 
 
 def _promise(distances: Floats, weights: Floats) -> tuple[float, float]:
-    """Probability that the truth is told from all others, with noise, and mean distance."""
+    """Return the probability that the truth is told from all others, and the mean distance."""
     least = np.clip(distances, 1e-9, _FAR)
     chance = weights @ norm.cdf((least**2 - RESOLVED**2) / (2.0 * least))
     return float(chance), float(weights @ np.minimum(distances, _FAR))
@@ -193,10 +193,11 @@ def _bare(fit: Fit) -> Fit:
     return Fit(fit.model, nuisances, fit.theta[:own].copy())
 
 
-def _straight(planned: _Planned, fits: Sequence[Fit]) -> Floats:
-    """Distances of all from each as the truth, were they straight in their parameters.
+def _linearised(planned: _Planned, fits: Sequence[Fit]) -> Floats:
+    """Return pairwise model-discrimination (T-optimality) distances, linearised.
 
-    Row: the truth; column: what is refitted; infinite on the diagonal.
+    Row: the explanation taken for the truth; column: the one that is refitted, to first
+    order in its parameters; infinite on the diagonal.
     """
     bare = [_bare(fit) for fit in fits]
     problem = planned.seen_by(bare[0])
@@ -218,16 +219,16 @@ def _straight(planned: _Planned, fits: Sequence[Fit]) -> Floats:
 
 
 def _refitted(
-    search: Search, planned: _Planned, fits: Sequence[Fit], truth: int, straight: Floats
+    search: Search, planned: _Planned, fits: Sequence[Fit], truth: int, linear: Floats
 ) -> float:
-    """Distance of the nearest other explanation, refitted."""
-    least = float(straight.min())
+    """Return the distance of the nearest other explanation, refitted."""
+    least = float(linear.min())
     if least < _FITTED:
         return least
     problem = planned.seen_by(_bare(fits[truth]))
     trials = []
-    for i in np.argsort(straight, kind="stable")[:_NEAREST]:
-        if not np.isfinite(straight[i]):
+    for i in np.argsort(linear, kind="stable")[:_NEAREST]:
+        if not np.isfinite(linear[i]):
             continue
         rival = fits[i]
         start = _bare(rival)

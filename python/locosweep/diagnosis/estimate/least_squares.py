@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from locosweep.diagnosis.effects.starts import Free
+    from locosweep.diagnosis.effects.catalogue import Free
     from locosweep.diagnosis.estimate.problem import Problem
 
 __all__ = ["Fit", "Model", "Nuisances", "chi2_of", "fit_all", "start_fits"]

@@ -1,4 +1,4 @@
-"""Variables that effects act through, and what any law of one does along a motion."""
+"""What any law of a variable does along a motion."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from locosweep.diagnosis.effects.catalogue import VARIABLES
 from locosweep.diagnosis.estimate.least_squares import point_of
 
 if TYPE_CHECKING:
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.estimate.problem import Problem
 
-__all__ = ["ALL", "VARIABLES", "Motion", "motion_of", "response", "terms_of"]
+__all__ = ["ALL", "Motion", "motion_of", "response", "terms_of"]
 
 _KNOTS = 9
 _LAGS = 8
@@ -39,35 +40,8 @@ class Motion:
     damping: float
 
 
-VARIABLES = {
-    "viscous_friction": "speed",
-    "quadratic_drag": "speed",
-    "stribeck_friction": "speed",
-    "back_emf": "speed",
-    "direction_dependent_friction": "speed",
-    "presliding_compliance": "turned",
-    "position_dependent_friction": "place",
-    "load_dependent_friction": "load",
-    "friction_drift": "time",
-    "lubricant_buildup": "swept",
-    "drive_saturation": "drive",
-    "drive_deadzone": "drive",
-    "drive_gain_error": "drive",
-    "drive_lag": "history",
-    "drive_delay": "history",
-    "supply_sag": "sag",
-    "transmission_backlash": "history",
-    "transmission_compliance": "history",
-    "sensor_scale": "reading",
-    "sensor_drift": "clock",
-    "sensor_delay": "late",
-}
-"""The variable that an effect acts through, where another law of it is possible.
-
-A mass, a slope and a friction coefficient are numbers: they have no other law.
-"""
-
 ALL = (*dict.fromkeys(VARIABLES.values()), "terrain", "acceleration")
+"""Variables of effects, and of forces along the way that no effect stands for."""
 
 
 def motion_of(problem: Problem, fit: Fit) -> Motion:

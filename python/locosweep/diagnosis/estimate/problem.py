@@ -11,6 +11,7 @@ import numpy as np
 from locosweep import _core
 from locosweep.diagnosis.data.noise import Noise, noise_of, stretches
 from locosweep.diagnosis.data.regimes import measured_motion
+from locosweep.files.channels import CHANNELS, OFFSETS, PREDICTED, REPLAYED
 from locosweep.simulation.replay import effect, motor_of, nominal_of
 
 if TYPE_CHECKING:
@@ -22,15 +23,10 @@ if TYPE_CHECKING:
     from locosweep.files.robot import Robot
     from locosweep.files.runs import Run
 
-__all__ = ["FITTED", "LOST", "InitialStates", "Point", "Problem", "ReplayMeter"]
+__all__ = ["LOST", "InitialStates", "Point", "Problem", "ReplayMeter"]
 
-_READ = ("x", "v", "x_rear", "force")
-"""Channels that the engine gives, in its order."""
-FITTED = (*_READ, "power")
-"""Channels that a replay predicts; power only where the model has a motor."""
 LOST = 1e60
 """Reading of a model that cannot be replayed to the end: far from everything."""
-_OFFSETS = ("x", "x_rear")
 _ANYWHERE = 10.0
 """Deviation of a start that was not measured, in spans of its run."""
 _BATCH = 4_000_000
@@ -116,7 +112,7 @@ class Problem:
     @cached_property
     def channels(self) -> tuple[str, ...]:
         """Channels that are measured in some run and that a replay predicts."""
-        predicted = FITTED if self.motor else _READ
+        predicted = PREDICTED if self.motor else REPLAYED
         return tuple(c for c in predicted if any(c in run.channels for run in self.runs))
 
     @cached_property
@@ -211,13 +207,13 @@ class Problem:
     @cached_property
     def priors(self) -> dict[str, NDArray[np.float64]]:
         """Deviation of the start offset of each run, by channel that has offsets."""
-        return {c: self._offset_deviations(c) for c in _OFFSETS if c in self.channels}
+        return {c: self._offset_deviations(c) for c in OFFSETS if c in self.channels}
 
     @cached_property
     def rest_levels(self) -> dict[str, NDArray[np.float64]]:
         """Reading of each run before its drive first changes, by channel that has offsets."""
         found = {}
-        for c in _OFFSETS:
+        for c in OFFSETS:
             if c in self.channels:
                 levels = []
                 for run in self.runs:
@@ -303,9 +299,9 @@ class Problem:
         self, read: Sequence[NDArray[np.float64]], rows: int
     ) -> dict[str, NDArray[np.float64]]:
         """Lay out what the engine gave, a row a point, with the power that follows from it."""
-        found = {c: one.reshape(rows, -1) for c, one in zip(_READ, read, strict=True)}
+        found = {c: one.reshape(rows, -1) for c, one in zip(REPLAYED, read, strict=True)}
         if self.motor and "power" in self.channels:
-            force, speed = read[_READ.index("force")], read[_READ.index("v")]
+            force, speed = read[REPLAYED.index("force")], read[REPLAYED.index("v")]
             # A force that was given had the voltage that it needs.
             motor = (np.inf, *self.motor)
             found["power"] = _core.motor_power(force, speed, motor).reshape(rows, -1)
@@ -342,7 +338,7 @@ class Problem:
             y, w = self.measured[c][picked], self.weights[c][picked] * self.seen[picked]
             e = np.where(w > 0.0, y, 0.0) - found[c]
             if c in self.priors and not (c == "x" and self.position_matters):
-                if c == "x_rear":
+                if CHANNELS[c].from_rest:
                     e -= np.repeat(self.rest_levels[c][chosen], self.lengths[chosen])
                 e *= w
                 prior = 1.0 / self.priors[c][chosen]
@@ -410,7 +406,7 @@ class Problem:
                 w = self.weights[c]
                 e = (np.where(w > 0.0, self.measured[c], 0.0) - found[c]) * w
                 if c in self.priors and not (c == "x" and self.position_matters):
-                    if c == "x_rear":
+                    if CHANNELS[c].from_rest:
                         e -= np.repeat(self.rest_levels[c], self.lengths) * w
                     wf = w * self.seen
                     bottom = np.add.reduceat(wf * wf, edges) + self.priors[c] ** -2.0

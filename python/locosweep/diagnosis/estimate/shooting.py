@@ -16,6 +16,7 @@ import numpy as np
 
 from locosweep import _core
 from locosweep.diagnosis.estimate.problem import LOST, Problem
+from locosweep.files.channels import CHANNELS
 from locosweep.files.runs import Run
 
 if TYPE_CHECKING:
@@ -282,7 +283,7 @@ class WindowProblem(Problem):
         if "x_rear" in self.channels:
             deviation = np.hypot(self.noise["x_rear"].sd, self.noise["x_rear"].stuck)
             for c in self.channels:
-                own = deviation if c == "x_rear" else 0.0
+                own = deviation if CHANNELS[c].from_rest else 0.0
                 rows[c].append(np.full(self.count, own))
         return {c: np.array(rows[c]) * self.weights[c] for c in self.channels}
 
@@ -352,7 +353,7 @@ class WindowProblem(Problem):
         for c in self.channels:
             y, w = self.measured[c][picked], self.weights[c][picked]
             e = np.where(w > 0.0, y, 0.0) - found[c]
-            if c == "x_rear":
+            if CHANNELS[c].from_rest:
                 e -= np.repeat(self.rest_levels[c][chosen], self.lengths[chosen])
             rows[c] = e * w
         return self._project(rows, chosen, most)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.diagnosis.data.noise import Noise
-from locosweep.diagnosis.effects.starts import scale_of
+from locosweep.diagnosis.effects.scale import scale_of
 from locosweep.diagnosis.estimate.free_run import free_errors
 from locosweep.diagnosis.estimate.problem import Problem
 from locosweep.diagnosis.estimate.shooting import WindowProblem, cut
@@ -22,6 +22,7 @@ from locosweep.diagnosis.estimate.windows import (
     windows_along,
 )
 from locosweep.errors import DataFileError
+from locosweep.files.channels import CHANNELS
 from locosweep.files.runs import Run
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from locosweep.diagnosis.effects.starts import Scale
+    from locosweep.diagnosis.effects.scale import Scale
     from locosweep.files.robot import Robot
 
     Floats = NDArray[np.float64]
@@ -213,7 +214,7 @@ def decimated(run: Run, interval: float) -> Run:
         bottom = np.add.reduceat(np.where(ok, width, 0.0), starts)
         return np.where(bottom > 0.0, top / np.where(bottom > 0.0, bottom, 1.0), np.nan)
 
-    channels = {c: mean(y) if c in ("force", "power") else y[starts]
+    channels = {c: mean(y) if CHANNELS[c].averaged else y[starts]
                 for c, y in run.channels.items()}  # fmt: skip
     return Run(run.label, run.t[starts], mean(run.drive), channels, run.slope_deg)
 

@@ -10,6 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
 
+from locosweep.files.channels import CHANNELS
 from locosweep.plot import style as plot_style
 
 if TYPE_CHECKING:
@@ -30,15 +31,6 @@ NOMINAL: dict[str, Any] = {"color": plot_style.LINES[1][0], "linestyle": "--", "
 AUGMENTED: dict[str, Any] = {"color": plot_style.LINES[0][0], "linestyle": "-", "linewidth": 1.1}
 """Colours differ in lightness and lines in dash and width: legible in grey too."""
 
-_NAMES = {
-    "x": ("position", "x"),
-    "v": ("velocity", "v"),
-    "force": ("drive force", "F_d"),
-    "x_rear": ("position of the body", "x_r"),
-    "power": ("electric power", "P"),
-}
-_LINEAR = {"x": "m", "v": "m/s", "force": "N", "x_rear": "m", "power": "W"}
-_ROTARY = {**_LINEAR, "x": "rad", "v": "rad/s", "force": "N m"}
 _PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 _LONGEST = 24
 
@@ -49,7 +41,8 @@ class Channel:
     def __init__(self, name: str, unit: str) -> None:
         self.name = name
         self.unit = unit
-        self.words, self.symbol = _NAMES.get(name, (words(name), name))
+        known = CHANNELS.get(name)
+        self.words, self.symbol = (known.words, known.symbol) if known else (words(name), name)
 
     def scale(self, largest: float) -> tuple[float, str]:
         """Return factor and unit in which values up to `largest` read well."""
@@ -69,7 +62,7 @@ class Channel:
 def channel(name: str, robot: Robot) -> Channel:
     """Return a channel's record for a robot or bench."""
     rotary = robot.other.get("bench.kind") == "rotary"
-    return Channel(name, (_ROTARY if rotary else _LINEAR).get(name, "1"))
+    return Channel(name, CHANNELS[name].unit_on(rotary=rotary) if name in CHANNELS else "1")
 
 
 def reach(fields: Iterable[Floats]) -> float:

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from locosweep.simulation.replay import effect
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -43,14 +45,14 @@ def _ways(problem: Problem) -> tuple[bool, bool]:
 
 
 def _why(fit: Fit, forward: bool, backward: bool) -> str | None:
-    name = fit.model.names[0]
-    if name == "direction_dependent_friction" and forward != backward:
+    shown = effect(fit.model.names[0]).shown
+    if shown == "both_ways" and forward != backward:
         never = "backward" if forward else "forward"
         return f"the head never moves {never} in these runs"
-    if name == "lubricant_buildup" and not forward:
+    if shown == "forward" and not forward:
         return "the head never moves forward in these runs"
     if not forward and not backward:
-        return "the head does not move in these runs" if not name.startswith("anchor") else None
+        return None if shown == "at_rest" else "the head does not move in these runs"
     spread = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0)) if fit.covariance.size else None
     if spread is None or not len(fit.model.free):
         return None

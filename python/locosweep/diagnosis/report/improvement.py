@@ -8,16 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from locosweep.diagnosis.report.localization import horizons
+from locosweep.files.channels import CHANNELS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from locosweep.diagnosis.estimate.problem import Point, Problem
 
-__all__ = ["HORIZONS", "RESAMPLES", "UNITS", "gap_of", "started", "units_of"]
+__all__ = ["HORIZONS", "RESAMPLES", "gap_of", "started", "units_of"]
 
-UNITS = {"x": "m", "v": "m/s", "x_rear": "m", "force": "N", "power": "W"}
-_ROTARY = {"x": "rad", "v": "rad/s", "force": "N m"}
 HORIZONS = (0.1, 0.5, 2.0)
 RESAMPLES = 400
 _STEPS = 4
@@ -33,7 +32,8 @@ _MOST = 300.0
 
 def units_of(problem: Problem) -> dict[str, str]:
     """Units of the channels of a rig."""
-    return {**UNITS, **(_ROTARY if "gravity_torque" in problem.nominal else {})}
+    rotary = "gravity_torque" in problem.nominal
+    return {name: channel.unit_on(rotary=rotary) for name, channel in CHANNELS.items()}
 
 
 def started(problem: Problem, point: Point) -> Point:
@@ -68,7 +68,7 @@ def _errors(
     """
     found = problem.replay([point], range(len(problem.runs)))[channel][0]
     e = problem.measured[channel] - found
-    if channel == "x_rear":
+    if CHANNELS[channel].from_rest:
         e = e - np.repeat(problem.rest_levels[channel], problem.lengths)
     parts = np.split(e, problem.starts_at[1:-1])
     if offsets is None:

@@ -10,6 +10,7 @@ from scipy.ndimage import uniform_filter1d
 
 from locosweep.diagnosis.data.regimes import REGIMES
 from locosweep.diagnosis.estimate.free_run import _cuts, _restarted
+from locosweep.files.channels import CHANNELS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -48,7 +49,7 @@ def gap_squares(
         change = np.where(np.isfinite(problem.measured[channel]), change, 0.0)
         return np.split(change**2, problem.starts_at[1:-1])
     e = problem.measured[channel] - nominal[channel][0]
-    if channel == "x_rear":
+    if CHANNELS[channel].from_rest:
         e = e - np.repeat(problem.rest_levels[channel], problem.lengths)
     found = []
     for part in np.split(e, problem.starts_at[1:-1]):

@@ -9,7 +9,7 @@ import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
 from locosweep import _core
-from locosweep.diagnosis.effects.starts import level_of
+from locosweep.diagnosis.effects.scale import level_of
 from locosweep.errors import DataFileError
 from locosweep.files.robot import Robot, load_robot
 from locosweep.simulation.replay import effect, nominal_of

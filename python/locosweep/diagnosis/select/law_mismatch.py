@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from locosweep.diagnosis.effects.catalogue import VARIABLES
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all
-from locosweep.diagnosis.estimate.motion import VARIABLES
 from locosweep.diagnosis.estimate.problem import ReplayMeter
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.thresholds import (

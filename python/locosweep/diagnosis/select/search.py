@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.diagnosis.effects.starts import parameters_of
+from locosweep.diagnosis.effects.catalogue import parameters_of
 from locosweep.diagnosis.estimate.least_squares import Fit, Model, Nuisances, chi2_of, point_of
 from locosweep.diagnosis.estimate.nominal import fit_nominal
 from locosweep.diagnosis.select.thresholds import PENALTY
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from locosweep.diagnosis.effects.starts import Scale
+    from locosweep.diagnosis.effects.scale import Scale
     from locosweep.diagnosis.estimate.problem import Problem
 
 __all__ = ["Collection", "Found", "Search", "ranked"]

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from locosweep.diagnosis.effects.catalogue import VARIABLES
 from locosweep.diagnosis.estimate.least_squares import Fit, chi2_of, point_of
-from locosweep.diagnosis.estimate.motion import VARIABLES
 from locosweep.diagnosis.select.extension import extend, retried_singles, singles
 from locosweep.diagnosis.select.law_mismatch import (
     OUT_OF_LIBRARY,

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from locosweep.diagnosis.effects.starts import starts_of
+from locosweep.diagnosis.effects.catalogue import starts_of
 from locosweep.diagnosis.estimate.least_squares import Fit, Nuisances, chi2_of, fit_all, start_fits
 from locosweep.diagnosis.estimate.shooting import WindowProblem
 from locosweep.diagnosis.estimate.window_plan import Plan, problem_of

@@ -3,11 +3,10 @@
 
 use super::{Active, Effect};
 use crate::lane::Lane;
-use crate::lane::exp::{exp, exp_less_one};
-use crate::lane::log::power;
-use crate::lane::trig::sin_turns;
+use crate::lane::exp::exp_less_one;
 use crate::physics::friction::{
-    Bristle, Contact, Dry, Given, Law, LawInfo, MOST_STATES, Partials, Place, Worked,
+    Bristle, Contact, Dry, Given, Law, LawInfo, MOST_STATES, Partials, Place, Worked, directed,
+    dragged, ploughed, pressed, rippled, share_left,
 };
 
 /// The friction of one measured head.
@@ -45,43 +44,34 @@ impl<L: Lane> Coefficients<L> {
     /// Dry level at rest's edge, without the fall and the buildup.
     #[inline(always)]
     fn level(&self, place: &Place<L>) -> L {
-        let zero = place.way.with(0.0);
         let mut level = self.forward;
         if self.active.has(Effect::DirectionDependentFriction) {
-            level = L::select(place.way.lt(zero), self.backward, level);
+            level = directed(place.way, self.forward, self.backward);
         }
         if self.active.has(Effect::PositionDependentFriction) {
-            let turns = place.x.mul_add(self.per_length, self.phase);
-            level = level * self.ripple.mul_add(sin_turns(turns), zero.with(1.0));
+            level = rippled(level, place.x, self.ripple, self.per_length, self.phase);
         }
         if self.active.has(Effect::FrictionDrift) {
             let gone = exp_less_one(-(place.t * self.per_drift_time));
-            level = level * (-self.drift).mul_add(gone, zero.with(1.0));
+            level = level * (-self.drift).mul_add(gone, level.with(1.0));
         }
         if self.active.has(Effect::LoadDependentFriction) {
-            level = self.load.mul_add(place.drive.abs(), level);
+            level = pressed(level, place.drive, self.load);
         }
         level
     }
 
-    /// Share of the drop that is left at a speed.
-    #[inline(always)]
-    fn share(&self, speed: L) -> L {
-        let u = speed.max(speed.with(0.0)) * self.per_stribeck;
-        exp(-power(u, self.exponent))
-    }
-
     #[inline(always)]
     fn heap(&self, place: &Place<L>) -> L {
-        let zero = place.way.with(0.0);
-        L::select(zero.lt(place.way), self.buildup * place.swept, zero)
+        ploughed(self.buildup * place.swept, place)
     }
 
     /// Level of sliding at a speed, without what is smooth in it.
     #[inline(always)]
     fn sliding(&self, speed: L, level: L) -> L {
         if self.active.has(Effect::StribeckFriction) {
-            self.drop.mul_add(self.share(speed), level)
+            let share = share_left(speed * self.per_stribeck, self.exponent);
+            self.drop.mul_add(share, level)
         } else {
             level
         }
@@ -145,7 +135,7 @@ impl Dry for Measured {
             level = level + set.heap(place);
         }
         if set.active.has(Effect::QuadraticDrag) {
-            level = (set.quadratic * speed).mul_add(speed.abs(), level);
+            level = dragged(level, set.quadratic, speed, speed.abs());
         }
         set.viscous.mul_add(speed, level)
     }
@@ -191,7 +181,7 @@ impl Bristle for Measured {
         rates: &[L; MOST_STATES],
     ) -> L {
         let bristle = set.damping.mul_add(rates[0], set.stiffness * z[0]);
-        let smooth = (set.quadratic * v).mul_add(v.abs(), set.viscous * v);
+        let smooth = dragged(set.viscous * v, set.quadratic, v, v.abs());
         bristle + smooth
     }
 

@@ -9,6 +9,13 @@ use crate::physics::params::ParamId;
 
 pub struct BoPavelescu;
 
+/// Share of the drop from static to Coulomb friction that is left at `u`, the speed
+/// over the Stribeck speed; all of it below rest, where a trial step may look.
+#[inline(always)]
+pub fn share_left<L: Lane>(u: L, exponent: L) -> L {
+    exp(-power(u.max(u.with(0.0)), exponent))
+}
+
 impl Law for BoPavelescu {
     const INFO: LawInfo = LawInfo {
         name: "bo_pavelescu",
@@ -44,8 +51,7 @@ impl Law for BoPavelescu {
 impl Dry for BoPavelescu {
     #[inline(always)]
     fn resistance<L: Lane>(set: &(Fall<L>, L), speed: L, _: &Place<L>) -> L {
-        let u = (speed * set.0.per_speed).max(speed.with(0.0));
-        set.0.with_share(exp(-power(u, set.1)), speed)
+        set.0.with_share(share_left(speed * set.0.per_speed, set.1), speed)
     }
     #[inline(always)]
     fn holding<L: Lane>(set: &(Fall<L>, L), _: &Place<L>) -> L {

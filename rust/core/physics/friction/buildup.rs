@@ -22,12 +22,13 @@ impl<L: Lane> Heap<L> {
     fn level(&self, place: &Place<L>) -> L {
         let swept = place.swept.max(place.swept.with(0.0));
         let heap = self.height.mul_add(swept, self.root * swept.sqrt());
-        self.coulomb + forward(heap, place)
+        self.coulomb + ploughed(heap, place)
     }
 }
 
+/// A force that only a segment moving forward meets.
 #[inline(always)]
-fn forward<L: Lane>(force: L, place: &Place<L>) -> L {
+pub fn ploughed<L: Lane>(force: L, place: &Place<L>) -> L {
     let zero = force.with(0.0);
     L::select(place.way.lt(zero), zero, force)
 }
@@ -77,7 +78,7 @@ impl Dry for Buildup {
     #[inline(always)]
     fn resistance<L: Lane>(set: &Heap<L>, speed: L, place: &Place<L>) -> L {
         let linear = set.viscous.mul_add(speed, set.level(place));
-        (forward(set.plough, place) * speed).mul_add(speed, linear)
+        (ploughed(set.plough, place) * speed).mul_add(speed, linear)
     }
     #[inline(always)]
     fn holding<L: Lane>(set: &Heap<L>, place: &Place<L>) -> L {

@@ -12,10 +12,16 @@ pub struct Skin<L> {
     ratio: L,
 }
 
+/// The level of the direction `way` (1 or -1).
+#[inline(always)]
+pub fn directed<L: Lane>(way: L, forward: L, backward: L) -> L {
+    L::select(way.lt(way.with(0.0)), backward, forward)
+}
+
 impl<L: Lane> Skin<L> {
     #[inline(always)]
     fn against(&self, level: L, place: &Place<L>) -> L {
-        L::select(place.way.lt(level.with(0.0)), level * self.ratio, level)
+        directed(place.way, level, level * self.ratio)
     }
 }
 

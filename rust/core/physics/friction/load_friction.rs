@@ -12,10 +12,16 @@ pub struct Pressed<L> {
     load: L,
 }
 
+/// A level with what the drive adds by pressing the segment to the ground.
+#[inline(always)]
+pub fn pressed<L: Lane>(level: L, drive: L, load: L) -> L {
+    load.mul_add(drive.abs(), level)
+}
+
 impl<L: Lane> Pressed<L> {
     #[inline(always)]
     fn beside(&self, level: L, place: &Place<L>) -> L {
-        self.load.mul_add(place.drive.abs(), level)
+        pressed(level, place.drive, self.load)
     }
 }
 

@@ -13,6 +13,13 @@ pub struct Drag<L> {
     quadratic: L,
 }
 
+/// A resistance with drag that grows with `speed * size`, where `size` is the speed or
+/// its magnitude.
+#[inline(always)]
+pub fn dragged<L: Lane>(resistance: L, quadratic: L, speed: L, size: L) -> L {
+    (quadratic * speed).mul_add(size, resistance)
+}
+
 impl Law for Quadratic {
     const INFO: LawInfo = LawInfo {
         name: "quadratic",
@@ -51,7 +58,7 @@ impl Dry for Quadratic {
     #[inline(always)]
     fn resistance<L: Lane>(set: &Drag<L>, speed: L, _: &Place<L>) -> L {
         let linear = set.viscous.mul_add(speed, set.coulomb);
-        (set.quadratic * speed).mul_add(speed, linear)
+        dragged(linear, set.quadratic, speed, speed)
     }
     #[inline(always)]
     fn holding<L: Lane>(set: &Drag<L>, _: &Place<L>) -> L {

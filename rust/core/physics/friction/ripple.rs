@@ -16,11 +16,18 @@ pub struct Wave<L> {
     phase: L,
 }
 
+/// A level at `x` on a track with a ripple of relative `amplitude`, of a length and
+/// at a phase in turns.
+#[inline(always)]
+pub fn rippled<L: Lane>(level: L, x: L, amplitude: L, per_length: L, phase: L) -> L {
+    let turns = x.mul_add(per_length, phase);
+    level * amplitude.mul_add(sin_turns(turns), level.with(1.0))
+}
+
 impl<L: Lane> Wave<L> {
     #[inline(always)]
     fn at(&self, level: L, place: &Place<L>) -> L {
-        let turns = place.x.mul_add(self.per_length, self.phase);
-        level * self.amplitude.mul_add(sin_turns(turns), level.with(1.0))
+        rippled(level, place.x, self.amplitude, self.per_length, self.phase)
     }
 }
 

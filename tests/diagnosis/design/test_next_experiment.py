@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 from locosweep.diagnosis import diagnose
 from locosweep.diagnosis.design import next_experiment as experiment
 from locosweep.diagnosis.design.menu import MENU
-from locosweep.diagnosis.effects.starts import scale_of
+from locosweep.diagnosis.effects.scale import scale_of
 from locosweep.diagnosis.estimate.least_squares import (
     Fit,
     Nuisances,
@@ -71,7 +71,7 @@ def test_a_distance_is_what_another_least_squares_leaves(
 
     other = least_squares(left, fits[1].parameters, diff_step=1e-4, xtol=1e-12, ftol=1e-12)
     distance = float(np.sqrt(2.0 * other.cost))
-    straight = experiment._straight(planned, fits)
+    straight = experiment._linearised(planned, fits)
     assert straight[0, 1] == pytest.approx(distance, rel=0.1, abs=0.1)
     assert straight[1, 0] == pytest.approx(straight[0, 1], rel=0.1, abs=0.1)
     found = experiment._refitted(search, planned, fits, 0, straight[0])

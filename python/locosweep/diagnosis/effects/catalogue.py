@@ -1,0 +1,254 @@
+"""The effects of the registry on a rig: who has a meaning, starts, ranges, magnitudes.
+
+Everything that is particular to an effect stands in its row of the core's registry
+(`rust/core/physics/effects/rows.rs`); nothing here knows one by name.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from locosweep.diagnosis.effects.formula import number, numbers
+from locosweep.simulation.replay import effect, effects, nominal_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Mapping
+
+    from numpy.typing import NDArray
+
+    from locosweep._core import Effect, EffectFit
+    from locosweep.diagnosis.effects.scale import Scale
+    from locosweep.files.robot import Robot
+
+    Floats = NDArray[np.float64]
+    Values = dict[str, float]
+
+__all__ = [
+    "VARIABLES",
+    "Family",
+    "Free",
+    "Shape",
+    "candidates",
+    "families",
+    "lacking",
+    "parameters_at",
+    "parameters_of",
+    "starts_of",
+]
+
+VARIABLES = {record.name: record.variable for record in effects() if record.variable}
+"""The variable that an effect acts through, where another law of it is possible."""
+
+_WHY = {
+    "body": "a bench has no anchored body",
+    "rear_sensor": "the body's motion is not measured (x_rear)",
+    "slope": "a rotary bench has no slope",
+}
+"""Why an effect has no meaning where a rig lacks what it needs."""
+
+
+@dataclass(frozen=True)
+class Free:
+    """A free parameter: how it is stepped and where it may go."""
+
+    effect: str
+    name: str
+    unit: str
+    log: bool
+    size: float
+    """What counts as a large change, in the parameter's unit (of its logarithm if `log`)."""
+    low: float
+    high: float
+    off: float
+    """Value without the effect; NaN where none does it."""
+
+
+def lacking(needs: Mapping[str, bool]) -> dict[str, str]:
+    """Return the effects that have no meaning where a rig lacks what they need, and why.
+
+    Parameters
+    ----------
+    needs : mapping of str to bool
+        Whether the rig has an anchored body (`body`), a sensor of its position
+        (`rear_sensor`) and ground that can slope (`slope`); what is not said it has.
+    """
+    out: dict[str, str] = {}
+    for need, why in _WHY.items():
+        if not needs.get(need, True):
+            for record in effects():
+                if need in record.needs:
+                    out.setdefault(record.name, why)
+    return out
+
+
+def candidates(robot: Robot, channels: Collection[str]) -> tuple[list[str], dict[str, str]]:
+    """List the effects that have a meaning on a rig, and why the others have none.
+
+    Parameters
+    ----------
+    robot : Robot
+        The nominal model.
+    channels : collection of str
+        What is measured.
+    """
+    nominal = nominal_of(robot)
+    out = lacking({
+        "body": robot.other.get("bench.kind") is None and nominal["segments"] > 1.0,
+        "rear_sensor": "x_rear" in channels,
+        "slope": "gravity_torque" not in nominal,
+    })  # fmt: skip
+    return [record.name for record in effects() if record.name not in out], out
+
+
+def _used(record: Effect, *, has_force_level: bool) -> list[EffectFit]:
+    """Return how fits treat the parameters that go with the rig's form of Coulomb level."""
+    other = "mu_coulomb" if has_force_level else "coulomb_force"
+    return [fit for fit in record.fits if fit.only_with != other]
+
+
+def parameters_of(name: str, scale: Scale, beside: Collection[str] = ()) -> list[Free]:
+    """Return the free parameters of an effect with others beside it, on a rig of this scale."""
+    record = effect(name)
+    units = {p.name: p.unit for p in record.parameters}
+    if any(effect(other).lowers_level for other in beside):
+        scale = replace(scale, least_level=0.0)
+    found = []
+    for fit in _used(record, has_force_level=scale.has_force_level):
+        off = scale.level if fit.beside_level else np.nan if fit.off is None else fit.off
+        size = number(fit.unit, vars(scale))
+        found.append(Free(name, fit.name, units[fit.name], fit.log, size, *_range(fit, scale), off))
+    return found
+
+
+def _range(fit: EffectFit, scale: Scale) -> tuple[float, float]:
+    low, high = fit.windows if scale.replayed < scale.duration else fit.range
+    return number(low, vars(scale)), number(high, vars(scale))
+
+
+def starts_of(name: str, scale: Scale) -> Floats:
+    """Return the start values of an effect's parameters, a row a start."""
+    record = effect(name)
+    used = _used(record, has_force_level=scale.has_force_level)
+    grids = []
+    for fit in used:
+        values = numbers(fit.starts, vars(scale))
+        grids.append(np.unique(values if fit.log else values * number(fit.unit, vars(scale))))
+    rows = np.array(list(product(*grids)))
+    columns: dict[str, Any] = {fit.name: rows[:, i] for i, fit in enumerate(used)}
+    for i, fit in enumerate(used):
+        if fit.composed:
+            rows[:, i] = numbers(fit.composed, {**vars(scale), **columns, "value": rows[:, i]})
+    if record.keep:
+        rows = rows[numbers(record.keep, {**vars(scale), **columns})]
+    lows, highs = zip(*(_range(fit, scale) for fit in used), strict=True)
+    return np.unique(np.clip(rows, lows, highs), axis=0)
+
+
+class _Given(dict[str, Any]):
+    """Numbers by name, where a parameter that another one follows from is worked out."""
+
+    def __init__(self, formulas: Mapping[str, str], *known: Mapping[str, Any]) -> None:
+        super().__init__()
+        for part in known:
+            self.update(part)
+        self.formulas = formulas
+
+    def __missing__(self, name: str) -> float:
+        return number(self.formulas[name], self)
+
+
+def parameters_at(
+    formulas: Mapping[str, str], sizes: Mapping[str, Any], given: Mapping[str, float]
+) -> Values:
+    """Return the parameters of an effect that formulas give, in their order.
+
+    Parameters
+    ----------
+    formulas : mapping of str to str
+        Formula of each parameter, in sizes, given numbers and other parameters.
+    sizes, given : mapping of str to float
+        Of the rig, and beside them; where both have a name, the given one counts.
+    """
+    known = _Given(formulas, sizes, given)
+    return {name: number(formula, known) for name, formula in formulas.items()}
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A further parameter of a family: where fits begin, and its bounds.
+
+    With `log` the fit steps its logarithm; `step` is that of a finite difference.
+    """
+
+    name: str
+    starts: tuple[float, ...]
+    low: float
+    high: float
+    log: bool = True
+    step: float = 0.02
+
+    def coordinate(self, value: float) -> float:
+        """Return what the fit steps."""
+        return float(np.log(value)) if self.log else value
+
+    def value(self, coordinate: float) -> float:
+        """Return the parameter, within its bounds."""
+        if not self.log:
+            return float(np.clip(coordinate, self.low, self.high))
+        return float(np.exp(np.clip(coordinate, np.log(self.low), np.log(self.high))))
+
+
+@dataclass(frozen=True)
+class Family:
+    """One effect: parameters from a signed magnitude and shapes.
+
+    A magnitude of 0 is the nominal model, one about 1 as large as the rig allows.
+    `low` is 0 where the effect has one sign only; below `least` an integrator
+    resolves no more than the nominal model.
+    """
+
+    name: str
+    make: Callable[[float, Mapping[str, float]], Values]
+    low: float
+    high: float
+    shapes: tuple[Shape, ...] = ()
+    least: float = 1e-9
+
+    @property
+    def signs(self) -> tuple[float, ...]:
+        """Signs that the magnitude may have."""
+        return (1.0, -1.0) if self.low < 0.0 else (1.0,)
+
+    def starts(self) -> list[tuple[float, ...]]:
+        """Return every combination of the shapes' first values."""
+        return list(product(*(shape.starts for shape in self.shapes)))
+
+    def parameters(self, theta: Floats) -> Values:
+        """Return the effect's parameters at the coordinates of a fit, magnitude first."""
+        shapes = {s.name: s.value(c) for s, c in zip(self.shapes, theta[1:], strict=True)}
+        return self.make(float(np.clip(theta[0], self.low, self.high)), shapes)
+
+
+def _family(record: Effect, scale: Scale) -> Family:
+    sizes = vars(scale)
+    formulas = {fit.name: fit.at for fit in _used(record, has_force_level=scale.has_force_level)}
+    shapes = tuple(
+        Shape(s.name, tuple(numbers(s.starts, sizes).tolist()), number(s.range[0], sizes),
+              number(s.range[1], sizes), s.log, s.step)
+        for s in record.shapes
+    )  # fmt: skip
+
+    def make(u: float, shapes: Mapping[str, float]) -> Values:
+        return parameters_at(formulas, sizes, {**shapes, "u": u})
+
+    low, high = (number(end, sizes) for end in record.magnitude)
+    return Family(record.name, make, low, high, shapes, record.least)
+
+
+def families(scale: Scale) -> dict[str, Family]:
+    """Return the families of all effects, by name, at a rig's sizes."""
+    return {record.name: _family(record, scale) for record in effects()}

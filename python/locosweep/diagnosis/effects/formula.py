@@ -1,0 +1,128 @@
+"""Formulas of the registry: numbers of an effect that follow from the sizes of a rig."""
+
+from __future__ import annotations
+
+import ast
+import math
+import operator
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    Sizes = Mapping[str, Any]
+    Node = Callable[[Sizes], Any]
+
+__all__ = ["number", "numbers"]
+
+
+def _least(a: Any, b: Any) -> Any:
+    return np.minimum(a, b) if isinstance(a, np.ndarray) or isinstance(b, np.ndarray) else min(a, b)
+
+
+def _most(a: Any, b: Any) -> Any:
+    return np.maximum(a, b) if isinstance(a, np.ndarray) or isinstance(b, np.ndarray) else max(a, b)
+
+
+def _critical(stiffness: Any, mass: Any) -> Any:
+    return 2.0 * np.sqrt(stiffness * mass)
+
+
+_FUNCTIONS: dict[str, Callable[..., Any]] = {
+    "min": _least,
+    "max": _most,
+    "sqrt": np.sqrt,
+    "degrees": np.degrees,
+    "critical": _critical,
+    "both": lambda x: np.concatenate([-x, x]),
+    "geomspace": lambda low, high, count: np.geomspace(low, high, int(count)),
+}
+_CONSTANTS = {"pi": math.pi, "inf": math.inf}
+_OPERATORS: dict[type[ast.AST], Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+    ast.LtE: operator.le,
+}
+
+
+def _node(node: ast.AST, text: str) -> Node:
+    """Return a function of the sizes for a node; operations keep the order of the text."""
+    match node:
+        case ast.Constant(value=int() | float() as value):
+            constant = float(value)
+            return lambda _: constant
+        case ast.Name(id=name) if name in _CONSTANTS:
+            known = _CONSTANTS[name]
+            return lambda _: known
+        case ast.Name(id=name):
+            return lambda sizes: sizes[name]
+        case ast.List(elts=elements):
+            parts = [_node(element, text) for element in elements]
+            return lambda sizes: np.array([part(sizes) for part in parts])
+        case ast.UnaryOp(op=ast.USub(), operand=operand):
+            inner = _node(operand, text)
+            return lambda sizes: -inner(sizes)
+        case (
+            ast.BinOp(left=left, op=op, right=right)
+            | ast.Compare(left=left, ops=[op], comparators=[right])
+        ) if type(op) in _OPERATORS:
+            apply, one, other = _OPERATORS[type(op)], _node(left, text), _node(right, text)
+            return lambda sizes: apply(one(sizes), other(sizes))
+        case ast.Call(func=ast.Name(id=name), args=given, keywords=[]) if name in _FUNCTIONS:
+            function, inputs = _FUNCTIONS[name], [_node(argument, text) for argument in given]
+            return lambda sizes: function(*(argument(sizes) for argument in inputs))
+    raise ValueError(f"formula {text!r}: {ast.unparse(node)!r} is not in the vocabulary")
+
+
+@cache
+def _parsed(text: str) -> Node:
+    return _node(ast.parse(text, mode="eval").body, text)
+
+
+def numbers(text: str, sizes: Sizes) -> np.ndarray:
+    """Return what a formula gives, as an array.
+
+    Parameters
+    ----------
+    text : str
+        In the vocabulary of the registry (`rust/core/physics/effects/row.rs`).
+    sizes : mapping of str to float or ndarray
+        What its names stand for, SI.
+
+    Returns
+    -------
+    ndarray
+        One-dimensional.
+
+    Raises
+    ------
+    KeyError
+        A name that is no size.
+    ValueError
+        What is not in the vocabulary.
+
+    Examples
+    --------
+    >>> from locosweep.diagnosis.effects.formula import numbers
+    >>> numbers("travel * [0.25, 0.5]", {"travel": 2.0})
+    array([0.5, 1. ])
+    """
+    return np.atleast_1d(_parsed(text)(sizes))
+
+
+def number(text: str, sizes: Sizes) -> float:
+    """Return the single number that a formula gives; parameters as those of `numbers`.
+
+    Examples
+    --------
+    >>> from locosweep.diagnosis.effects.formula import number
+    >>> number("-min(force / speed, 4)", {"force": 1.0, "speed": 0.5})
+    -2.0
+    """
+    return float(_parsed(text)(sizes))
