@@ -11,7 +11,8 @@ import numpy as np
 import polars as pl
 import pytest
 
-from locosweep.diagnosis import Diagnosis, diagnose
+from locosweep.diagnosis import Diagnosis
+from locosweep.diagnosis.pipeline import diagnose
 from locosweep.errors import InputError
 from locosweep.files.robot import Robot, load_robot
 from locosweep.files.runs import Run, load_runs
