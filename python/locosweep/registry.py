@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from enum import IntEnum
 from functools import cache
 from typing import TYPE_CHECKING, TypeVar
@@ -177,8 +176,8 @@ def _one(kind: str, name: str, known: dict[str, _Record]) -> _Record:
 def unknown(kind: str, given: str, known: Iterable[str]) -> InputError:
     """Build the error for an unknown name, with the nearest known one."""
     names = list(known)
-    near = difflib.get_close_matches(given, names, n=1)
-    hint = f"did you mean '{near[0]}'? Known are " if near else "known are "
+    near = _core.nearest(given, names)
+    hint = f"did you mean '{near}'? Known are " if near else "known are "
     return InputError(f"unknown {kind} '{given}': {hint}{', '.join(names)}")
 
 

@@ -35,7 +35,7 @@ mod _core {
     #[pymodule_export]
     use super::tables::{
         Drive, Law, Parameter, Quantity, characteristic, drives, file_choices, file_keys, laws,
-        methods, parameters, quantities, reductions, simd_level, simd_levels, statuses,
+        methods, nearest, parameters, quantities, reductions, simd_level, simd_levels, statuses,
         threads_to_use, version,
     };
 }

@@ -289,6 +289,12 @@ pub fn threads_to_use(py: Python<'_>, asked: Option<usize>) -> PyResult<usize> {
     locosweep::sweep::threads_to_use(asked).map_err(|error| raise(py, error))
 }
 
+/// The known name that was probably meant, if one is close to what was given.
+#[pyfunction]
+pub fn nearest(given: &str, known: Vec<String>) -> Option<String> {
+    locosweep::describe::nearest(given, known.iter().map(String::as_str)).map(str::to_owned)
+}
+
 /// Version of the package.
 #[pyfunction]
 pub fn version() -> &'static str {
