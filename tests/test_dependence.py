@@ -6,6 +6,7 @@ import ast
 import re
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -13,10 +14,23 @@ ROOT = Path(__file__).parents[1]
 CORE = ROOT / "rust" / "core"
 PYTHON = ROOT / "python" / "locosweep"
 
-# Lowest first; modules in one row may not use each other unless named in RUST_WITHIN.
-RUST_ORDER = [{"describe", "error"}, {"lane"}, {"physics"}, {"integrate"}, {"sweep"}, {"fit"}]
+# Crates of the core, lowest first; those of one row may not use each other. The fits stand
+# in the crate of the whole, which also gathers the others under one name.
+RUST_ORDER = [
+    {"base"},
+    {"formulas"},
+    {"cells", "physics"},
+    {"integrate"},
+    {"simulate"},
+    {"sweep"},
+    {"fit"},
+]
 # What a record of a parameter refuses with is an error, and an error says a name's neighbour.
-RUST_WITHIN = {("describe", "error"), ("error", "describe"), ("lane", "error")}
+RUST_CIRCLES = {
+    ("base", "describe", "error"),
+    # A piece of motion is read from the run that it is a part of.
+    ("integrate", "robot::flow", "robot::ideal"),
+}
 
 # The rooms of the package, lowest first; those in one row may not see each other.
 PYTHON_ORDER = [
@@ -49,7 +63,7 @@ LAZY = {
 # Front doors, which only gather names: of the package, of a room, and old paths of users.
 DOOR = {"__init__", "__main__", "diagnosis", "measured", "replay"}
 
-UNSAFE = {Path("lane/stream.rs")}
+UNSAFE = {Path("base/lane/stream.rs")}
 
 
 def rank(order: list[set[str]], name: str) -> int:
@@ -66,35 +80,104 @@ def without_comments(text: str) -> str:
     return re.sub(r"//[^\n]*|/\*(?s:.)*?\*/", "", text)
 
 
-def rust_uses(text: str) -> set[str]:
-    """Modules of the crate that a source file names."""
-    text = without_comments(text)
-    found = set(re.findall(r"\bcrate::(\w+)", text))
-    for group in re.findall(r"\bcrate::\{((?:[^{}]|\{[^{}]*\})*)\}", text):
-        found |= set(re.findall(r"(?:^|,)\s*(\w+)", re.sub(r"\{[^{}]*\}", "", group)))
+def crates() -> dict[str, tuple[Path, dict[str, Any]]]:
+    """Folder and manifest of every crate of the core."""
+    found = {path.parent.name: path for path in CORE.glob("*/Cargo.toml")}
+    manifests = {name: (path.parent, path) for name, path in found.items()}
+    manifests["fit"] = (CORE / "fit", ROOT / "Cargo.toml")
+    return {n: (folder, tomllib.loads(p.read_text())) for n, (folder, p) in manifests.items()}
+
+
+def crate_faults(dependencies: dict[str, set[str]]) -> list[str]:
+    """Arrows between crates that point up or sideways."""
+    return sorted(
+        f"{crate} uses {used}"
+        for crate, names in dependencies.items()
+        for used in names
+        if rank(RUST_ORDER, used) >= rank(RUST_ORDER, crate)
+    )
+
+
+def leaves(tree: str) -> list[str]:
+    """Paths that the tree of a `use` stands for."""
+    head, brace, rest = tree.partition("{")
+    if not brace:
+        return [tree.strip().partition(" as ")[0]]
+    parts, depth, start = [], 0, 0
+    for i, char in enumerate(rest):
+        depth += {"{": 1, "}": -1}.get(char, 0)
+        if depth < 0 or (char == "," and depth == 0):
+            parts.append(rest[start:i])
+            start = i + 1
+        if depth < 0:
+            break
+    return [head.strip() + leaf for part in parts if part.strip() for leaf in leaves(part)]
+
+
+Module = tuple[str, ...]
+
+
+def module_of(path: Path) -> Module:
+    """Modules down to a file, without the crate."""
+    parts = path.with_suffix("").parts
+    return parts[:-1] if parts[-1] in {"mod", "lib"} else parts
+
+
+def rust_uses(text: str, own: Module, known: set[Module]) -> set[Module]:
+    """Modules of the same crate that a source file names."""
+    text = without_comments(text).partition("#[cfg(test)]")[0]
+    paths = [leaf for use in re.findall(r"\buse\s+([^;]+);", text) for leaf in leaves(use)]
+    paths += re.findall(r"\b(?:crate|super|self)(?:::\w+)+", text)
+    found = set()
+    for path in paths:
+        parts = path.split("::")
+        if parts[0] == "crate":
+            place: Module = ()
+        elif parts[0] in {"self", "super"}:
+            place = own
+        else:
+            place, parts = own, ["self", *parts]
+        for i, part in enumerate(parts):
+            if part == "super":
+                place = place[:-1]
+            elif i > 0:
+                place = (*place, part)
+        while place and place not in known:
+            place = place[:-1]
+        found.add(place)
     return found
 
 
-def rust_faults(sources: dict[str, list[str]]) -> list[str]:
-    """Arrows that point up; sources maps a module to the texts of its files."""
-    modules = set().union(*RUST_ORDER)
-    faults = []
-    for module, texts in sources.items():
-        for used in set().union(*(rust_uses(text) for text in texts)) & modules - {module}:
-            higher = rank(RUST_ORDER, used) >= rank(RUST_ORDER, module)
-            if higher and (module, used) not in RUST_WITHIN:
-                faults.append(f"{module} uses {used}")
-    return sorted(faults)
+def rust_circles(crate: str, sources: dict[Module, str]) -> list[str]:
+    """Modules side by side of which each needs the other, directly or through more.
+
+    A module and the one that holds it belong together: between these there is no arrow.
+    """
+    arrows: dict[Module, set[Module]] = {}
+    for own, text in sources.items():
+        for used in rust_uses(text, own, set(sources)):
+            common = next(
+                (i for i, (a, b) in enumerate(zip(own, used, strict=False)) if a != b), None
+            )
+            if common is not None:
+                arrows.setdefault(own[: common + 1], set()).add(used[: common + 1])
+
+    def back(path: list[Module]) -> list[str]:
+        found = []
+        for used in sorted(arrows.get(path[-1], set())):
+            if used == path[0]:
+                if (crate, *("::".join(m) for m in path)) not in RUST_CIRCLES:
+                    found.append(" -> ".join("::".join(m) for m in [*path, used]))
+            elif used > path[0] and used not in path:
+                found += back([*path, used])
+        return found
+
+    return [circle for module in sorted(arrows) for circle in back([module])]
 
 
-def rust_sources() -> dict[str, list[str]]:
-    """Texts of the core by module."""
-    sources: dict[str, list[str]] = {}
-    for path in sorted(CORE.rglob("*.rs")):
-        module = path.relative_to(CORE).parts[0].removesuffix(".rs")
-        if module != "lib":
-            sources.setdefault(module, []).append(path.read_text())
-    return sources
+def rust_sources(folder: Path) -> dict[Module, str]:
+    """Texts of a crate by module."""
+    return {module_of(p.relative_to(folder)): p.read_text() for p in sorted(folder.rglob("*.rs"))}
 
 
 def room(module: str) -> str:
@@ -214,21 +297,29 @@ def has_unsafe(text: str) -> bool:
     return re.search(r"\bunsafe\b|allow\(unsafe_code\)", without_comments(text)) is not None
 
 
+def dependencies(manifest: dict[str, Any]) -> set[str]:
+    """Names of everything that a crate depends on."""
+    tables = [manifest, *manifest.get("target", {}).values()]
+    kinds = ("dependencies", "dev-dependencies", "build-dependencies")
+    return {name for table in tables for kind in kinds for name in table.get(kind, {})}
+
+
 def test_rust_arrows_point_down() -> None:
-    sources = rust_sources()
-    assert set(sources) == set().union(*RUST_ORDER)
-    assert rust_faults(sources) == []
+    found = crates()
+    assert set(found) == set().union(*RUST_ORDER)
+    uses = {
+        crate: {n.removeprefix("locosweep-") for n in dependencies(m) if n.startswith("locosweep-")}
+        for crate, (_, m) in found.items()
+    }
+    assert crate_faults(uses) == []
+    for crate, (folder, _) in found.items():
+        assert rust_circles(crate, rust_sources(folder)) == []
 
 
 def test_core_knows_no_python() -> None:
-    manifest = tomllib.loads((ROOT / "Cargo.toml").read_text())
-    tables = [
-        manifest.get(k, {}) for k in ("dependencies", "dev-dependencies", "build-dependencies")
-    ]
-    tables += [t.get("dependencies", {}) for t in manifest.get("target", {}).values()]
-    names = {name for table in tables for name in table}
+    names = set().union(*(dependencies(manifest) for _, manifest in crates().values()))
     assert "rayon" in names
-    assert not names & {"pyo3", "numpy", "pyo3-ffi"}
+    assert not names & {"pyo3", "numpy", "pyo3-ffi", "locosweep-python"}
     for path in CORE.rglob("*.rs"):
         assert not re.search(r"\bpyo3\b|\bnumpy::", path.read_text()), path
 
@@ -243,8 +334,10 @@ def test_unsafe_code_stands_in_one_file() -> None:
     assert found == UNSAFE
     bindings = ROOT / "rust" / "bindings"
     assert [p for p in bindings.rglob("*.rs") if has_unsafe(p.read_text())] == []
-    for manifest in (ROOT / "Cargo.toml", bindings / "Cargo.toml"):
-        assert tomllib.loads(manifest.read_text())["lints"]["rust"]["unsafe_code"] == "deny"
+    workspace = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]
+    assert workspace["lints"]["rust"]["unsafe_code"] == "deny"
+    for manifest in [ROOT / "Cargo.toml", *ROOT.glob("rust/**/Cargo.toml")]:
+        assert tomllib.loads(manifest.read_text())["lints"] == {"workspace": True}, manifest
 
 
 def test_nothing_is_executed_from_data() -> None:
@@ -253,22 +346,29 @@ def test_nothing_is_executed_from_data() -> None:
 
 
 @pytest.mark.parametrize(
-    ("module", "text"),
-    [
-        ("lane", "use crate::physics::Point;"),
-        ("physics", "fn f() { crate::sweep::run() }"),
-        ("error", "use crate::{lane, describe};"),
-        ("physics", "use crate::{\n    error::{Error, Result},\n    sweep::run,\n};"),
-        ("describe", "use crate::lane::Lane;"),
-    ],
+    ("crate", "used"),
+    [("base", "physics"), ("physics", "sweep"), ("cells", "physics"), ("sweep", "fit")],
 )
-def test_planted_rust_violations_are_found(module: str, text: str) -> None:
-    assert rust_faults({module: [text]}) != []
+def test_planted_arrows_between_crates_are_found(crate: str, used: str) -> None:
+    assert crate_faults({crate: {used}}) == [f"{crate} uses {used}"]
+    assert crate_faults({used: {crate}}) == [] or crate == "cells"
 
 
-def test_rust_comments_are_no_arrows() -> None:
-    assert rust_faults({"lane": ['// crate::sweep\nlet s = "crate::sweep";']}) == []
-    assert rust_faults({"sweep": ["use crate::{error, lane::Lane};"]}) == []
+def test_planted_circles_between_modules_are_found() -> None:
+    a = {("a",): "use crate::b::X;", ("b",): "fn f() { super::a::g() }"}
+    assert rust_circles("x", a) == ["a -> b -> a"]
+    nested = "use crate::{\n    lane::{Lane, Level},\n    b::deep::X,\n};"
+    b = {("a",): nested, ("b",): "pub mod deep;", ("b", "deep"): "use super::super::a;"}
+    assert rust_circles("x", b) == ["a -> b -> a"]
+    c = {("a",): "use crate::b;", ("b",): "use crate::c;", ("c",): "use super::a::{X, Y as Z};"}
+    assert rust_circles("x", c) == ["a -> b -> c -> a"]
+    # A module and its parts are one; comments and strings are no arrows.
+    d = {
+        ("a",): "mod b; pub use b::X;",
+        ("a", "b"): "use super::Y; // crate::c",
+        ("c",): '"crate::a"',
+    }
+    assert rust_circles("x", d) == []
 
 
 @pytest.mark.parametrize(

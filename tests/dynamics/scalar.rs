@@ -1,11 +1,12 @@
 //! A trajectory in a lane is the same trajectory on plain numbers, bit for bit.
 
 use super::*;
-use locosweep::integrate::bristle::Rosenbrock;
+use locosweep::integrate::bristle::{self, BristleContact, Rosenbrock};
 use locosweep::integrate::dormand_prince::DormandPrince;
 use locosweep::integrate::exact::Exact;
+use locosweep::integrate::ground::{self, DryContact};
 use locosweep::integrate::runge_kutta::RungeKutta;
-use locosweep::integrate::smooth::{Ahead, Steps};
+use locosweep::integrate::smooth::{self, Ahead, Steps};
 use locosweep::integrate::{Advance, Tally, Watch, drive};
 use locosweep::physics::drive::Table;
 use locosweep::physics::friction::*;
@@ -22,18 +23,17 @@ fn end(segment: &Segment<f64>, method: impl Advance<f64>) -> Tally<f64> {
 }
 
 fn dry<Q: Dry>(segment: &Segment<f64>, values: &Values, method: &str) -> Tally<f64> {
-    let set = Q::set(&segment.contact, values);
+    let bound = ground::Bound::<Q, f64>(Q::set(&segment.contact, values));
+    let contact: &dyn DryContact<f64> = &bound;
     match method {
-        "exact" => end(segment, Exact::<Q, f64, _> { segment, set, go_on }),
-        "dormand_prince" => {
-            end(segment, DormandPrince::<Q, _>::new(segment, set, (true, true), go_on))
-        }
+        "exact" => end(segment, Exact { segment, contact, go_on }),
+        "dormand_prince" => end(segment, DormandPrince::new(segment, &bound, (true, true), go_on)),
         "dormand_prince_fixed" => {
-            end(segment, DormandPrince::<Q, _>::new(segment, set, (false, true), go_on))
+            end(segment, DormandPrince::new(segment, &bound, (false, true), go_on))
         }
         _ => {
             let step = segment.step;
-            end(segment, RungeKutta::<Q, f64, _> { segment, set, locate: true, step, go_on })
+            end(segment, RungeKutta { segment, contact, locate: true, step, go_on })
         }
     }
 }
@@ -42,17 +42,20 @@ fn smooth<Q: Smooth>(segment: &Segment<f64>, values: &Values, method: &str) -> T
     if method != "runge_kutta" {
         return bristle::<Stiff<Q>>(segment, values, method);
     }
-    let set = Q::set(&segment.contact, values);
-    end(segment, Steps::<Q, f64, _>::new(segment, set, true, Ahead(&[]), go_on))
+    let contact = smooth::Bound::<Q, f64>(Q::set(&segment.contact, values));
+    end(segment, Steps::new(segment, &contact, true, Ahead(&[]), go_on))
 }
 
 fn bristle<Q: Bristle>(segment: &Segment<f64>, values: &Values, method: &str) -> Tally<f64> {
-    let set = Q::set(&segment.contact, values);
-    end(segment, Rosenbrock::<Q, f64, _>::new(segment, set, method == "rosenbrock", go_on))
+    let bound = bristle::Bound::<Q, f64>(Q::set(&segment.contact, values));
+    let contact: &dyn BristleContact<f64> = &bound;
+    end(segment, Rosenbrock::new(segment, contact, method == "rosenbrock", go_on))
 }
 
 macro_rules! scalars {
-    ($($kind:ident $law:ident),+ $(,)?) => { &[$(($law::INFO.name, $kind::<$law> as One)),+] };
+    ($($kind:ident $file:ident::$law:ident),+ $(,)?) => {
+        &[$(($law::INFO.name, $kind::<$law> as One)),+]
+    };
 }
 
 const SCALARS: &[(&str, One)] = locosweep::for_each_law!(scalars);

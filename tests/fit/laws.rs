@@ -1,7 +1,7 @@
 //! Laws at imposed motion, and found again from their own force.
 
 use crate::Uniform;
-use locosweep::fit::{Candidate, FITTED, Measured, Pressing, Run, What, fit_all, imposed};
+use locosweep::fit::{Candidate, FITTED, FROZEN, Measured, Pressing, Run, What, fit_all, imposed};
 use locosweep::physics::ParamId;
 use locosweep::physics::friction::imposed::Motion;
 use locosweep::physics::friction::{Kind, LAWS, LawEntry, Place, Values};
@@ -195,4 +195,27 @@ fn what_the_data_cannot_show_is_refused_by_name() {
     holes.runs[0].force[7] = f64::NAN;
     let plain = Candidate { pressing: Pressing::Constant, ..candidate };
     assert!(fit_all(&holes, &[plain], 1, &Control::default()).is_err());
+}
+
+/// A law's own new parameter must not fall silently to its default in fits.
+#[test]
+fn every_parameter_of_a_law_is_fitted_or_frozen_for_a_reason() {
+    let coulomb = LawEntry::parse("coulomb").unwrap();
+    let scales = measured(coulomb, &[("mu_coulomb", 0.6)], 0.01, false).scales();
+    for law in LAWS {
+        let pressing = Pressing::Constant;
+        let candidate = Candidate { law, pressing, offset: false, gain: false };
+        let forgotten: Vec<_> = candidate.forgotten(&scales).collect();
+        assert_eq!(forgotten, [], "{}: give it a range in `range`", law.info.name);
+        for (id, why) in FROZEN {
+            assert!(
+                candidate.free(&scales).iter().all(|free| free.what != What::Law(*id)),
+                "{why}"
+            );
+        }
+    }
+    for (id, _) in FROZEN {
+        let name = id.param().name;
+        assert!(LAWS.iter().any(|law| law.info.params.contains(&name)), "{name}");
+    }
 }

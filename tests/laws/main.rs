@@ -157,7 +157,7 @@ macro_rules! laws {
     (@dry $law:ident) => { tested::<OfDry<$law>>($law::INFO) };
     (@smooth $law:ident) => { tested::<OfSmooth<$law>>($law::INFO) };
     (@bristle $law:ident) => { tested::<OfBristle<$law>>($law::INFO) };
-    ($($kind:ident $law:ident),+ $(,)?) => { vec![$(laws!(@$kind $law)),+] };
+    ($($kind:ident $file:ident::$law:ident),+ $(,)?) => { vec![$(laws!(@$kind $law)),+] };
 }
 
 fn laws() -> Vec<Tested> {

@@ -179,6 +179,9 @@ impl Candidate {
     /// Whether the data have what the law needs to differ from a simpler one.
     pub fn lacks(&self, scales: &Scales) -> Option<&'static str> {
         let needs = |id| self.law.uses(id);
+        if self.forgotten(scales).next().is_some() {
+            return Some("the law has a parameter that no fit moves");
+        }
         if scales.load == 0.0 && (self.pressing != Pressing::Constant || self.gain) {
             return Some("there is no load");
         }
@@ -193,13 +196,20 @@ impl Candidate {
         None
     }
 
-    /// The free parameters. Fixed at their defaults are what the data cannot
-    /// tell from another parameter of the same law, or from no effect at all.
+    fn own(&self) -> impl Iterator<Item = ParamId> {
+        ParamId::all().filter(|id| self.law.info.params.contains(&id.param().name))
+    }
+
+    /// Parameters of the law that have neither a range to fit in nor a place among those
+    /// `FROZEN`: a fit would leave them at their defaults without a word.
+    pub fn forgotten(&self, scales: &Scales) -> impl Iterator<Item = ParamId> {
+        let frozen = |id: ParamId| FROZEN.iter().any(|(known, _)| *known == id);
+        self.own().filter(move |id| !frozen(*id) && range(*id, scales).is_none())
+    }
+
+    /// The free parameters.
     pub fn free(&self, scales: &Scales) -> Vec<Free> {
-        let mut all: Vec<Free> = ParamId::all()
-            .filter(|id| self.law.info.params.contains(&id.param().name))
-            .filter_map(|id| free(id, scales))
-            .collect();
+        let mut all: Vec<Free> = self.own().filter_map(|id| free(id, scales)).collect();
         if self.pressing == Pressing::Affine {
             let load = scales.load;
             all.push(Free::decades(What::Preload, load * 1e-3, load * 1e2));
@@ -217,13 +227,35 @@ impl Candidate {
     }
 }
 
+/// Parameters of laws that fits leave at their defaults, each with its reason: the data
+/// cannot tell it from another one of the same law, or from no effect at all.
+pub const FROZEN: &[(ParamId, &str)] = &[
+    (ParamId::Track1, "beside the level all six ratios of a track would be one too many"),
+    (ParamId::DampingSpeed, "no data show how damping fades"),
+    (ParamId::Attraction, "how fast elements follow a level that falls hardly shows"),
+];
+
+/// Where a parameter may lie; `None` where fits leave it alone, or the data leave it no
+/// room.
 fn free(id: ParamId, scales: &Scales) -> Option<Free> {
+    use ParamId as P;
+    let (least, most) = id.param().range;
+    let free = range(id, scales)?;
+    let (low, high) = match id {
+        // Levels count under the normal force of the data, which may be 1 N.
+        P::MuStatic | P::MuCoulomb => (least, f64::INFINITY),
+        _ => (free.low.max(least), free.high.min(most)),
+    };
+    (low < high).then_some(Free { low, high, ..free })
+}
+
+/// The range that the data suggest for a parameter, `None` for one that no fit moves.
+fn range(id: ParamId, scales: &Scales) -> Option<Free> {
     use ParamId as P;
     let Scales { force, speed, slowest, track, duration, interval, normal, drive, .. } = *scales;
     let length = track.1 - track.0;
     let way = speed * interval;
     let what = What::Law(id);
-    let (least, most) = id.param().range;
     let slow = (slowest * 0.3).max(speed * 1e-3);
     let free = match id {
         P::MuStatic | P::MuCoulomb => Free::linear(what, force / normal),
@@ -236,8 +268,6 @@ fn free(id: ParamId, scales: &Scales) -> Option<Free> {
         P::LoadFriction => Free::linear(what, force / drive),
         P::SkinRatio | P::PatchRatio => Free::ratio(what, 1.0, 20.0),
         P::RippleAmplitude => Free::ratio(what, 0.2, 1.0),
-        // The first ratio is one: beside the level all six would be one too many.
-        P::Track1 => return None,
         P::Track2 | P::Track3 | P::Track4 | P::Track5 | P::Track6 => Free::ratio(what, 1.0, 20.0),
         P::PowerExponent => Free::range(what, 0.2, 3.5),
         P::StribeckExponent => Free::range(what, 0.3, 3.0),
@@ -264,14 +294,7 @@ fn free(id: ParamId, scales: &Scales) -> Option<Free> {
         P::TrackLength => Free::decades(what, length * 0.5, length * 2.0),
         P::PatchStart => Free { edge: true, ..Free::range(what, track.0, track.1) },
         P::PatchLength => Free { edge: true, ..Free::decades(what, length / 50.0, length) },
-        // The damping does not fade; the rate at which elements follow a level that
-        // falls hardly shows.
         _ => return None,
     };
-    let (low, high) = match id {
-        // Levels count under the normal force of the data, which may be 1 N.
-        P::MuStatic | P::MuCoulomb => (least, f64::INFINITY),
-        _ => (free.low.max(least), free.high.min(most)),
-    };
-    (low < high).then_some(Free { low, high, ..free })
+    Some(free)
 }

@@ -15,9 +15,9 @@ use crate::physics::friction::{Bristle, MOST_STATES, Place};
 use crate::physics::segment::Segment;
 use system::{Ledger, Solver};
 
-pub struct Rosenbrock<'a, 'b, Q: Bristle, L: Lane, F> {
+pub struct Rosenbrock<'a, 'b, C: ?Sized, L, F> {
     pub segment: &'b Segment<'a, L>,
-    pub set: Q::Set<L>,
+    pub contact: &'b C,
     /// Step sizes from the tolerance; else all as given.
     pub adaptive: bool,
     /// The step that each lane would take next.
@@ -32,10 +32,12 @@ const SMALLEST: f64 = 1e-13;
 /// x, v, then the bristle states; the last two are work and heat.
 type Vector<L> = [L; MOST_STATES + 2];
 
-impl<Q: Bristle, L: Lane, F: FnMut() -> bool> Advance<L> for Rosenbrock<'_, '_, Q, L, F> {
+impl<C: BristleContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> Advance<L>
+    for Rosenbrock<'_, '_, C, L, F>
+{
     #[inline(always)]
     fn elastic(&self, state: &State<L>) -> L {
-        Q::stored(&self.set, &state.z)
+        self.contact.stored(&state.z)
     }
 
     #[inline(always)]
@@ -63,7 +65,7 @@ impl<Q: Bristle, L: Lane, F: FnMut() -> bool> Advance<L> for Rosenbrock<'_, '_, 
 
 /// What one step found.
 #[derive(Clone, Copy)]
-struct Step<L> {
+pub struct Step<L> {
     x: L,
     v: L,
     z: [L; MOST_STATES],
@@ -72,17 +74,53 @@ struct Step<L> {
     error: L,
 }
 
-impl<'a, 'b, Q: Bristle, L: Lane, F: FnMut() -> bool> Rosenbrock<'a, 'b, Q, L, F> {
+/// A bristle law with its coefficients, as the integrator meets it: a step at a time,
+/// behind `dyn` (see `DryContact`).
+pub trait BristleContact<L: Lane> {
+    /// One step from `state`.
+    fn attempt(&self, segment: &Segment<L>, state: &State<L>, dt: L, energy: bool) -> Step<L>;
+
+    /// Elastic energy in the bristles.
+    fn stored(&self, z: &[L; MOST_STATES]) -> L;
+}
+
+/// The coefficients of law `Q`.
+pub struct Bound<Q: Bristle, L: Lane>(pub Q::Set<L>);
+
+impl<Q: Bristle, L: Lane> BristleContact<L> for Bound<Q, L> {
+    #[inline(always)]
+    fn attempt(&self, segment: &Segment<L>, state: &State<L>, dt: L, energy: bool) -> Step<L> {
+        dt.apart(
+            #[inline(always)]
+            || self.attempt_here(segment, state, dt, energy),
+        )
+    }
+
+    #[inline(always)]
+    fn stored(&self, z: &[L; MOST_STATES]) -> L {
+        z[0].apart(
+            #[inline(always)]
+            || Q::stored(&self.0, z),
+        )
+    }
+}
+
+impl<'a, 'b, C, L, F> Rosenbrock<'a, 'b, C, L, F>
+where
+    C: BristleContact<L> + ?Sized,
+    L: Lane,
+    F: FnMut() -> bool,
+{
     #[inline(always)]
     pub fn new(
         segment: &'b Segment<'a, L>,
-        set: Q::Set<L>,
+        contact: &'b C,
         adaptive: bool,
         go_on: F,
-    ) -> Rosenbrock<'a, 'b, Q, L, F> {
+    ) -> Rosenbrock<'a, 'b, C, L, F> {
         // The first step is cautious: the controller grows it soon.
         let first = if adaptive { segment.step * 0.01 } else { segment.step };
-        Rosenbrock { segment, set, adaptive, next: first, go_on }
+        Rosenbrock { segment, contact, adaptive, next: first, go_on }
     }
 
     #[inline(always)]
@@ -96,10 +134,7 @@ impl<'a, 'b, Q: Bristle, L: Lane, F: FnMut() -> bool> Rosenbrock<'a, 'b, Q, L, F
         let dt = L::select(last, left, self.next);
         // A lane that has arrived steps over a nominal time and is then ignored.
         let dt = L::select(zero.lt(dt), dt, self.segment.step);
-        let step = dt.apart(
-            #[inline(always)]
-            || self.attempt(state, dt, tally.watch.energy),
-        );
+        let step = self.contact.attempt(self.segment, state, dt, tally.watch.energy);
         let one = zero.with(1.0);
         let finite = step.error.lt(zero.with(f64::INFINITY));
         let mut accepted = active;
@@ -129,10 +164,13 @@ impl<'a, 'b, Q: Bristle, L: Lane, F: FnMut() -> bool> Rosenbrock<'a, 'b, Q, L, F
         self.segment.drive.turn_over(&mut state.clock, piece_end, over);
         tally.steps = L::select(active, tally.steps + 1.0, tally.steps);
     }
+}
 
+impl<Q: Bristle, L: Lane> Bound<Q, L> {
     #[inline(always)]
     fn rates(
         &self,
+        segment: &Segment<L>,
         set: &Q::Set<L>,
         t: L,
         clock: &Clock<L>,
@@ -140,19 +178,19 @@ impl<'a, 'b, Q: Bristle, L: Lane, F: FnMut() -> bool> Rosenbrock<'a, 'b, Q, L, F
     ) -> (L, [L; MOST_STATES], L, L) {
         t.apart(
             #[inline(always)]
-            || self.rates_here(set, t, clock, y),
+            || self.rates_here(segment, set, t, clock, y),
         )
     }
 
     #[inline(always)]
     fn rates_here(
         &self,
+        segment: &Segment<L>,
         set: &Q::Set<L>,
         t: L,
         clock: &Clock<L>,
         y: &Vector<L>,
     ) -> (L, [L; MOST_STATES], L, L) {
-        let segment = self.segment;
         let (x, v) = (y[0], y[1]);
         let z: [L; MOST_STATES] = std::array::from_fn(|i| y[2 + i]);
         let rates = Q::rates(set, v, &z);
@@ -162,10 +200,8 @@ impl<'a, 'b, Q: Bristle, L: Lane, F: FnMut() -> bool> Rosenbrock<'a, 'b, Q, L, F
         (a, rates, force, against)
     }
 
-    /// One step from `state`.
     #[inline(always)]
-    fn attempt(&self, state: &State<L>, dt: L, energy: bool) -> Step<L> {
-        let segment = self.segment;
+    fn attempt_here(&self, segment: &Segment<L>, state: &State<L>, dt: L, energy: bool) -> Step<L> {
         let zero = dt.with(0.0);
         let count = Q::STATES;
         let mut y: Vector<L> = [zero; MOST_STATES + 2];
@@ -179,14 +215,14 @@ impl<'a, 'b, Q: Bristle, L: Lane, F: FnMut() -> bool> Rosenbrock<'a, 'b, Q, L, F
             drive: segment.commanded(state.t, &state.clock),
             t: state.t + dt * 0.5,
         };
-        let set = Q::placed(&self.set, &middle);
+        let set = Q::placed(&self.0, &middle);
         let partials = Q::partials(&set, state.v, &state.z);
         let per_dt = dt.with(1.0) / dt;
         let solver = Solver::new::<Q>(segment, &partials, per_dt * 2.0);
         let force_t = segment.force_slope(state.t, &state.clock);
         let slope_t = force_t * segment.per_mass;
 
-        let (a, rates, f1, r1) = self.rates(&set, state.t, &state.clock, &y);
+        let (a, rates, f1, r1) = self.rates(segment, &set, state.t, &state.clock, &y);
         // Stage 1: f + dt/2 f_t.
         let mut right: Vector<L> = [zero; MOST_STATES + 2];
         let fill = |right: &mut Vector<L>, v: L, a: L, rates: &[L; MOST_STATES]| {
@@ -198,7 +234,7 @@ impl<'a, 'b, Q: Bristle, L: Lane, F: FnMut() -> bool> Rosenbrock<'a, 'b, Q, L, F
         let k1 = solver.solve::<Q>(&right);
         // Work and friction are components like any other, only that nothing
         // depends on them.
-        let ledger = Ledger::new::<Q>(self.segment, &partials, (f1, r1), y[1], per_dt * 2.0);
+        let ledger = Ledger::new::<Q>(segment, &partials, (f1, r1), y[1], per_dt * 2.0);
         let (power1, rubbing1) = (f1 * y[1], r1 * y[1]);
         let power_t = force_t * (y[1] * dt);
         let w1 = ledger.solve::<Q>((power1 + power_t * 0.5, rubbing1), &k1);
@@ -218,7 +254,7 @@ impl<'a, 'b, Q: Bristle, L: Lane, F: FnMut() -> bool> Rosenbrock<'a, 'b, Q, L, F
             *at = *at + *k1 * 2.0;
         }
         let later = state.t + dt;
-        let (a, rates, f3, r3) = self.rates(&set, later, &state.clock, &at);
+        let (a, rates, f3, r3) = self.rates(segment, &set, later, &state.clock, &at);
         fill(&mut right, at[1], a, &rates);
         for i in 0..right.len() {
             right[i] = per_dt.mul_add(k1[i] - k2[i], right[i]);
@@ -230,7 +266,7 @@ impl<'a, 'b, Q: Bristle, L: Lane, F: FnMut() -> bool> Rosenbrock<'a, 'b, Q, L, F
         for (at, k3) in at.iter_mut().zip(&k3) {
             *at = *at + *k3;
         }
-        let (a, rates, f4, r4) = self.rates(&set, later, &state.clock, &at);
+        let (a, rates, f4, r4) = self.rates(segment, &set, later, &state.clock, &at);
         fill(&mut right, at[1], a, &rates);
         for i in 0..right.len() {
             right[i] = per_dt.mul_add(k1[i] - k2[i] - k3[i] * (8.0 / 3.0), right[i]);
@@ -247,7 +283,7 @@ impl<'a, 'b, Q: Bristle, L: Lane, F: FnMut() -> bool> Rosenbrock<'a, 'b, Q, L, F
         let mut error = zero;
         for i in 0..2 + count {
             let new = at[i] + k4[i];
-            let scale = self.scale(i, y[i], new);
+            let scale = scale(segment.tolerance, i, y[i], new);
             error = error.max((k4[i] / scale).abs());
             at[i] = new;
         }
@@ -255,17 +291,17 @@ impl<'a, 'b, Q: Bristle, L: Lane, F: FnMut() -> bool> Rosenbrock<'a, 'b, Q, L, F
         let error = L::select(error.not_nan(), error, zero.with(f64::INFINITY));
         Step { x: at[0], v: at[1], z, work, heat, error }
     }
+}
 
-    /// Size of an error that just passes.
-    #[inline(always)]
-    fn scale(&self, i: usize, from: L, to: L) -> L {
-        let floor = match i {
-            0 => 1e-6,
-            1 => 1e-4,
-            _ => 1e-8,
-        };
-        self.segment.tolerance * (from.abs().max(to.abs()) + floor)
-    }
+/// Size of an error that just passes.
+#[inline(always)]
+fn scale<L: Lane>(tolerance: L, i: usize, from: L, to: L) -> L {
+    let floor = match i {
+        0 => 1e-6,
+        1 => 1e-4,
+        _ => 1e-8,
+    };
+    tolerance * (from.abs().max(to.abs()) + floor)
 }
 
 /// Takes a finished step into state and tally, where `mask` holds.

@@ -7,16 +7,17 @@
 //! missed. With y = b t/m, v = v0 e^-y + (f t/m) E1(y) and
 //! x = x0 + v0 t E1(y) + (f t^2/m) E2(y), smooth at b = 0.
 
+use super::ground::DryContact;
 use super::{Advance, MOST_STEPS, State, Tally};
 use crate::lane::Lane;
 use crate::lane::exp::motion_factors;
 use crate::lane::log::ln_1p;
-use crate::physics::friction::{Dry, Place};
+use crate::physics::friction::Place;
 use crate::physics::segment::Segment;
 
-pub struct Exact<'a, 'b, Q: Dry, L: Lane, F> {
+pub struct Exact<'a, 'b, C: ?Sized, L, F> {
     pub segment: &'b Segment<'a, L>,
-    pub set: Q::Set<L>,
+    pub contact: &'b C,
     /// Whether to go on; asked once in a while.
     pub go_on: F,
 }
@@ -57,7 +58,7 @@ impl<L: Lane> Leg<L> {
     }
 }
 
-impl<Q: Dry, L: Lane, F: FnMut() -> bool> Advance<L> for Exact<'_, '_, Q, L, F> {
+impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> Advance<L> for Exact<'_, '_, C, L, F> {
     #[inline(always)]
     fn advance(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) -> bool {
         let mut count = 0;
@@ -86,14 +87,13 @@ impl<Q: Dry, L: Lane, F: FnMut() -> bool> Advance<L> for Exact<'_, '_, Q, L, F> 
     }
 }
 
-impl<Q: Dry, L: Lane, F: FnMut() -> bool> Exact<'_, '_, Q, L, F> {
+impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> Exact<'_, '_, C, L, F> {
     /// Direction in which a force moves what is at rest, 0 if friction holds it.
     #[inline(always)]
     fn release(&self, push: L, drive: L, x: L, t: L) -> L {
         let way = push.sign();
         let place = Place { way, x, swept: x.with(0.0), drive, t };
-        let (level, _) = Q::linear(&self.set, &place);
-        let holds = Q::holding(&self.set, &place).max(level);
+        let holds = self.contact.linear_holds(&place);
         L::select(holds.lt(push.abs()), way, x.with(0.0))
     }
 
@@ -115,7 +115,7 @@ impl<Q: Dry, L: Lane, F: FnMut() -> bool> Exact<'_, '_, Q, L, F> {
         }
         let moving = zero.lt(way.abs());
         let place = Place { way, x: state.x, swept: zero, drive, t };
-        let (level, viscous) = Q::linear(&self.set, &place);
+        let (level, viscous) = self.contact.linear(&place);
         let rate = viscous * segment.per_mass;
         // At rest friction balances the push, whatever it is.
         let pull = L::select(moving, (push - way * level) * segment.per_mass, zero);
@@ -166,7 +166,7 @@ impl<Q: Dry, L: Lane, F: FnMut() -> bool> Exact<'_, '_, Q, L, F> {
         let rest = leg.dt - used;
         let t = rest.mul_add(zero.with(0.5), state.t);
         let back = Place { way: released, x: state.x, swept: zero, drive, t };
-        let (level, viscous) = Q::linear(&self.set, &back);
+        let (level, viscous) = self.contact.linear(&back);
         let pull = (push - released * level) * segment.per_mass;
         let goes = L::and(turned, zero.lt(released.abs()));
         let second = Leg::new(L::select(goes, rest, zero), pull, viscous * segment.per_mass);

@@ -7,12 +7,59 @@ use crate::lane::Lane;
 use crate::physics::friction::{Dry, Place};
 use crate::physics::segment::Segment;
 
-pub struct Ground<'a, 'b, Q: Dry, L: Lane> {
-    pub segment: &'b Segment<'a, L>,
-    pub set: &'b Q::Set<L>,
+/// A dry law with its coefficients, as integrators meet it. Laws come behind `dyn`, so
+/// that an integrator is compiled once for all of them: what they are asked is a whole
+/// step, or what was a call of its own anyway, and the pointer costs nothing beside it.
+pub trait DryContact<L: Lane> {
+    /// See `Dry::PLACED`.
+    fn placed(&self) -> bool;
+
+    /// One Runge-Kutta step of sliding from `state`.
+    fn slide(&self, segment: &Segment<L>, state: &State<L>, dt: L, energy: bool) -> Slide<L>;
+
+    /// Force that friction would have to hold at rest, and by how much it
+    /// exceeds what it can.
+    fn excess(&self, segment: &Segment<L>, state: &State<L>, t: L) -> (L, L);
+
+    /// See `Dry::linear`.
+    fn linear(&self, place: &Place<L>) -> (L, L);
+
+    /// What holds a linear law at rest.
+    fn linear_holds(&self, place: &Place<L>) -> L;
 }
 
-impl<Q: Dry, L: Lane> Ground<'_, '_, Q, L> {
+/// The same for methods that take plain numbers stage by stage.
+pub trait PlainContact {
+    fn placed(&self) -> bool;
+
+    /// Acceleration, drive force and resistance while it slides.
+    fn slope(
+        &self,
+        segment: &Segment<f64>,
+        state: &State<f64>,
+        at: (f64, f64, f64),
+    ) -> (f64, f64, f64);
+
+    /// See `DryContact::excess`.
+    fn excess(&self, segment: &Segment<f64>, state: &State<f64>, t: f64) -> (f64, f64);
+}
+
+/// The end of a step, and what was done on the way.
+#[derive(Clone, Copy)]
+pub struct Slide<L> {
+    pub x: L,
+    pub v: L,
+    /// Accelerations at both ends.
+    pub start: L,
+    pub end: L,
+    pub work: L,
+    pub heat: L,
+}
+
+/// The coefficients of law `Q`.
+pub struct Bound<Q: Dry, L: Lane>(pub Q::Set<L>);
+
+impl<Q: Dry, L: Lane> Bound<Q, L> {
     #[inline(always)]
     fn place(&self, state: &State<L>, way: L, x: L, drive: L, t: L) -> Place<L> {
         let forward = (x - state.x).max(x.with(0.0));
@@ -22,64 +69,157 @@ impl<Q: Dry, L: Lane> Ground<'_, '_, Q, L> {
 
     /// Acceleration, drive force and resistance on lanes that slide.
     #[inline(always)]
-    pub fn slope(&self, state: &State<L>, t: L, x: L, v: L) -> (L, L, L) {
-        let segment = self.segment;
+    pub fn slope(&self, segment: &Segment<L>, state: &State<L>, (t, x, v): (L, L, L)) -> (L, L, L) {
         let force = segment.force(t, &state.clock, x, v);
         let place = self.place(state, state.way, x, force, t);
-        let against = Q::resistance(self.set, state.way * v, &place);
+        let against = Q::resistance(&self.0, state.way * v, &place);
         let net = force - segment.pull_back(x) - state.way * against;
         (net * segment.per_mass, force, against)
     }
 
-    /// Force that friction would have to hold at rest, and by how much it
-    /// exceeds what it can.
     #[inline(always)]
-    pub fn excess(&self, state: &State<L>, t: L) -> (L, L) {
-        t.apart(
+    fn excess_here(&self, segment: &Segment<L>, state: &State<L>, t: L) -> (L, L) {
+        let zero = t.with(0.0);
+        let force = segment.force(t, &state.clock, state.x, zero);
+        let push = force - segment.pull_back(state.x);
+        let place = Place { way: push.sign(), x: state.x, swept: zero, drive: force, t };
+        let holds = Q::holding(&self.0, &place);
+        let holds = holds.max(Q::resistance(&self.0, zero, &place));
+        (push, push.abs() - holds)
+    }
+
+    #[inline(always)]
+    fn slide_here(&self, segment: &Segment<L>, state: &State<L>, dt: L, energy: bool) -> Slide<L> {
+        let half = dt * 0.5;
+        let sixth = dt * (1.0 / 6.0);
+        let zero = dt.with(0.0);
+        let (x0, v0) = (state.x, state.v);
+        let (mut a, mut u) = (zero, v0);
+        let (mut x, mut v) = (x0, v0);
+        let (mut start, mut sum_a, mut sum_v) = (zero, zero, zero);
+        let (mut work, mut heat) = (zero, zero);
+        // The fifth slope is the one after the step, for the cubics; that of the
+        // fourth stage lies an order lower.
+        for stage in 0..5 {
+            let reach = if stage == 0 {
+                zero
+            } else if stage < 3 {
+                half
+            } else {
+                dt
+            };
+            if stage < 4 {
+                v = reach.mul_add(a, v0);
+                x = reach.mul_add(u, x0);
+            } else {
+                v = sixth.mul_add(sum_a, v0);
+                x = sixth.mul_add(sum_v, x0);
+            }
+            let (slope, force, against) = self.slope(segment, state, (state.t + reach, x, v));
+            (a, u) = (slope, v);
+            if stage == 0 {
+                start = a;
+            }
+            if stage < 4 {
+                let weight = dt.with(if stage == 1 || stage == 2 { 2.0 } else { 1.0 });
+                sum_a = a.mul_add(weight, sum_a);
+                sum_v = v.mul_add(weight, sum_v);
+                if energy {
+                    work = (force * v).mul_add(weight, work);
+                    heat = (against * v).mul_add(weight, heat);
+                }
+            }
+        }
+        let (work, heat) = (sixth * work, state.way * (sixth * heat));
+        Slide { x, v, start, end: a, work, heat }
+    }
+}
+
+impl<Q: Dry, L: Lane> DryContact<L> for Bound<Q, L> {
+    #[inline(always)]
+    fn placed(&self) -> bool {
+        Q::PLACED
+    }
+
+    #[inline(always)]
+    fn slide(&self, segment: &Segment<L>, state: &State<L>, dt: L, energy: bool) -> Slide<L> {
+        dt.apart(
             #[inline(always)]
-            || self.excess_here(state, t),
+            || self.slide_here(segment, state, dt, energy),
         )
     }
 
     #[inline(always)]
-    fn excess_here(&self, state: &State<L>, t: L) -> (L, L) {
-        let zero = t.with(0.0);
-        let force = self.segment.force(t, &state.clock, state.x, zero);
-        let push = force - self.segment.pull_back(state.x);
-        let place = Place { way: push.sign(), x: state.x, swept: zero, drive: force, t };
-        let holds = Q::holding(self.set, &place);
-        let holds = holds.max(Q::resistance(self.set, zero, &place));
-        (push, push.abs() - holds)
+    fn excess(&self, segment: &Segment<L>, state: &State<L>, t: L) -> (L, L) {
+        t.apart(
+            #[inline(always)]
+            || self.excess_here(segment, state, t),
+        )
     }
 
-    /// Time until friction gives way within the next `left` seconds and the
-    /// direction then; all of `left` and 0 where it holds.
     #[inline(always)]
-    pub fn wait(&self, state: &State<L>, left: L, locate: bool) -> (L, L) {
-        let zero = left.with(0.0);
-        let excess = |theta: L| self.excess(state, state.t + left * theta).1;
-        let one = left.with(1.0);
-        let end = excess(one);
-        if !locate {
-            // Seen at the end of the step only: the next one starts with it.
-            return (left, zero);
-        }
-        let (start, half) = (excess(zero), excess(one * 0.5));
-        // A peak between the ends, from the parabola through three points.
-        let bend = start + end - half * 2.0;
-        let tilt = end - start;
-        let peak = L::select(bend.lt(zero), (tilt / bend) * -0.25 + 0.5, one);
-        let inside = L::and(zero.lt(peak), peak.lt(one));
-        let peak = L::select(inside, peak, one);
-        let at_peak = excess(peak);
-        let reach = L::select(zero.lt(at_peak), peak, one);
-        let breaks = L::or(zero.lt(end), zero.lt(at_peak));
-        if !L::any(breaks) {
-            return (left, zero);
-        }
-        let theta = rise(reach, excess);
-        let wait = L::select(breaks, left * theta, left);
-        let (push, _) = self.excess(state, state.t + wait);
-        (wait, L::select(breaks, push.sign(), zero))
+    fn linear(&self, place: &Place<L>) -> (L, L) {
+        place.x.apart(
+            #[inline(always)]
+            || Q::linear(&self.0, place),
+        )
     }
+
+    #[inline(always)]
+    fn linear_holds(&self, place: &Place<L>) -> L {
+        place.x.apart(
+            #[inline(always)]
+            || Q::holding(&self.0, place).max(Q::linear(&self.0, place).0),
+        )
+    }
+}
+
+impl<Q: Dry> PlainContact for Bound<Q, f64> {
+    fn placed(&self) -> bool {
+        Q::PLACED
+    }
+
+    fn slope(
+        &self,
+        segment: &Segment<f64>,
+        state: &State<f64>,
+        at: (f64, f64, f64),
+    ) -> (f64, f64, f64) {
+        Bound::slope(self, segment, state, at)
+    }
+
+    fn excess(&self, segment: &Segment<f64>, state: &State<f64>, t: f64) -> (f64, f64) {
+        self.excess_here(segment, state, t)
+    }
+}
+
+/// Time from `from` until friction gives way within the next `left` seconds and the
+/// direction then; all of `left` and 0 where it holds. `excess_at` is `excess` over time.
+#[inline(always)]
+pub fn wait<L: Lane>(from: L, left: L, locate: bool, excess_at: impl Fn(L) -> (L, L)) -> (L, L) {
+    let zero = left.with(0.0);
+    let excess = |theta: L| excess_at(from + left * theta).1;
+    let one = left.with(1.0);
+    let end = excess(one);
+    if !locate {
+        // Seen at the end of the step only: the next one starts with it.
+        return (left, zero);
+    }
+    let (start, half) = (excess(zero), excess(one * 0.5));
+    // A peak between the ends, from the parabola through three points.
+    let bend = start + end - half * 2.0;
+    let tilt = end - start;
+    let peak = L::select(bend.lt(zero), (tilt / bend) * -0.25 + 0.5, one);
+    let inside = L::and(zero.lt(peak), peak.lt(one));
+    let peak = L::select(inside, peak, one);
+    let at_peak = excess(peak);
+    let reach = L::select(zero.lt(at_peak), peak, one);
+    let breaks = L::or(zero.lt(end), zero.lt(at_peak));
+    if !L::any(breaks) {
+        return (left, zero);
+    }
+    let theta = rise(reach, excess);
+    let wait = L::select(breaks, left * theta, left);
+    let (push, _) = excess_at(from + wait);
+    (wait, L::select(breaks, push.sign(), zero))
 }

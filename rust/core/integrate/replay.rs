@@ -1,8 +1,9 @@
 //! Replays of measured drives through the measured plant: what the sensors would
 //! read at every sample, a trajectory per lane.
 
-use super::bristle::Rosenbrock;
+use super::bristle::{self, Rosenbrock};
 use super::exact::Exact;
+use super::ground::Bound;
 use super::runge_kutta::RungeKutta;
 use super::settle::Cubic;
 use super::switched::{Link, Switched};
@@ -67,9 +68,11 @@ pub struct Reading<L> {
 struct Plain<L>(L);
 
 impl<L: Lane> Given<L> for Plain<L> {
+    #[inline(always)]
     fn get(&self, id: ParamId) -> L {
         self.0.with(if id == ParamId::Gain { 1.0 } else { 0.0 })
     }
+    #[inline(always)]
     fn derived(&self, _: ParamId) -> L {
         self.0.with(0.0)
     }
@@ -108,8 +111,6 @@ fn segment<'a, L: Lane>(
     }
 }
 
-const NOTHING: Watch = Watch { energy: false, stroke: false, peaks: false };
-
 /// Runs the head over all samples; `read` gets the number of each.
 #[inline(always)]
 pub fn head<L: Lane>(
@@ -131,7 +132,7 @@ pub fn head<L: Lane>(
     let path = Path { lags, ..plant.path };
     let segment = segment(plant, &path, samples, start);
     let mut state = samples.start(&segment);
-    let mut tally = Tally::start(&segment, NOTHING);
+    let mut tally = Tally::start(&segment, Watch::NOTHING);
     let zero = start.0.with(0.0);
     let set = plant.friction;
     let mut go_on = go_on;
@@ -155,24 +156,27 @@ pub fn head<L: Lane>(
         return;
     }
     if plant.active.has(Effect::PreslidingCompliance) {
-        let method = Rosenbrock::<Measured, L, _>::new(&segment, set, true, go_on);
+        let contact = bristle::Bound::<Measured, L>(set);
+        let method = Rosenbrock::new(&segment, &contact, true, go_on);
         over_samples(plant, &segment, method, |_, _| {}, &mut state, &mut tally, samples, read);
     } else if plant.is_linear() {
-        let method = Exact::<Measured, L, _> { segment: &segment, set, go_on };
+        let contact = Bound::<Measured, L>(set);
+        let method = Exact { segment: &segment, contact: &contact, go_on };
         over_samples(plant, &segment, method, |_, _| {}, &mut state, &mut tally, samples, read);
     } else {
         let step = segment.step;
-        let method =
-            RungeKutta::<Measured, L, _> { segment: &segment, set, locate: true, step, go_on };
+        let contact = Bound::<Measured, L>(set);
+        let (segment, contact) = (&segment, &contact);
+        let method = RungeKutta { segment, contact, locate: true, step, go_on };
         let long = zero.with(samples.interval);
         let least = zero.with(STEEP);
         over_samples(
             plant,
-            &segment,
+            segment,
             method,
             // Every lane takes the steps that its own motion needs.
             #[inline(always)]
-            |method: &mut RungeKutta<Measured, L, _>, state: &State<L>| {
+            |method: &mut RungeKutta<Bound<Measured, L>, L, _>, state: &State<L>| {
                 let a = if steep { method.acceleration(state) } else { zero };
                 let step = (zero.with(SHARE) / plant.pace(state.v, a, long)).max(least);
                 // As many equal ones as fill an interval.
@@ -230,13 +234,14 @@ pub fn body<L: Lane>(
     friction.per_stribeck = zero.with(1e30);
     friction.exponent = zero.with(1.0);
     let back = Path { gain: -plant.path.gain, ..plant.path };
+    let friction = Bound::<Measured, L>(friction);
     let mut own = segment(plant, &back, samples, (zero, zero));
     own.mass = body.mass;
     own.per_mass = zero.with(1.0) / body.mass;
     own.weight = body.weight;
     (own.swing, own.swings) = (zero, false);
     let mut state = samples.start(&own);
-    let mut tally = Tally::start(&own, NOTHING);
+    let mut tally = Tally::start(&own, Watch::NOTHING);
     read(0, zero);
     // The force between two samples is what the drive's path gives there; what
     // depends on the head's motion is taken at the interval's middle.
@@ -248,7 +253,7 @@ pub fn body<L: Lane>(
             let mean = (forces(i - 1) + forces(i)) * -0.5;
             now.drive = Drive::steady(mean);
         }
-        let mut method = Exact::<Measured, L, _> { segment: &now, set: friction, go_on };
+        let mut method = Exact { segment: &now, contact: &friction, go_on };
         if !method.advance(&mut state, &mut tally, until) {
             return;
         }

@@ -5,16 +5,16 @@
 //! passed zero by its end (or dipped below it within), the stop is located, the
 //! segment rests or turns there, and the rest of the step follows.
 
-use super::ground::Ground;
+use super::ground::{Bound, DryContact, Slide, wait};
 use super::settle::Cubic;
 use super::{Advance, MOST_STEPS, State, Tally};
 use crate::lane::Lane;
 use crate::physics::friction::Dry;
 use crate::physics::segment::Segment;
 
-pub struct RungeKutta<'a, 'b, Q: Dry, L: Lane, F> {
+pub struct RungeKutta<'a, 'b, C: ?Sized, L, F> {
     pub segment: &'b Segment<'a, L>,
-    pub set: Q::Set<L>,
+    pub contact: &'b C,
     pub locate: bool,
     /// Longest step.
     pub step: L,
@@ -26,19 +26,9 @@ const PATIENCE: u32 = 256;
 /// Events that one step may hold before its trajectory is given up.
 const MOST_EVENTS: u32 = 100;
 
-/// The end of a step, and what was done on the way.
-#[derive(Clone, Copy)]
-struct Step<L> {
-    x: L,
-    v: L,
-    /// Accelerations at both ends.
-    start: L,
-    end: L,
-    work: L,
-    heat: L,
-}
-
-impl<Q: Dry, L: Lane, F: FnMut() -> bool> Advance<L> for RungeKutta<'_, '_, Q, L, F> {
+impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> Advance<L>
+    for RungeKutta<'_, '_, C, L, F>
+{
     #[inline(always)]
     fn advance(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) -> bool {
         let h = self.step;
@@ -79,73 +69,36 @@ impl<Q: Dry, L: Lane, F: FnMut() -> bool> Advance<L> for RungeKutta<'_, '_, Q, L
     }
 }
 
-impl<'a, Q: Dry, L: Lane, F: FnMut() -> bool> RungeKutta<'a, '_, Q, L, F> {
-    #[inline(always)]
-    fn ground(&self) -> Ground<'a, '_, Q, L> {
-        Ground { segment: self.segment, set: &self.set }
-    }
-
+impl<Q: Dry, L: Lane, F> RungeKutta<'_, '_, Bound<Q, L>, L, F> {
     /// Acceleration now; 0 at rest.
     #[inline(always)]
     pub fn acceleration(&self, state: &State<L>) -> L {
         let zero = state.t.with(0.0);
-        let slope = self.ground().slope(state, state.t, state.x, state.v).0;
+        let slope = self.contact.slope(self.segment, state, (state.t, state.x, state.v)).0;
         L::select(zero.lt(state.way.abs()), slope, zero)
     }
+}
 
-    /// One step of sliding from `state`.
+impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> RungeKutta<'_, '_, C, L, F> {
     #[inline(always)]
-    fn slide(&self, state: &State<L>, dt: L, energy: bool) -> Step<L> {
-        dt.apart(
-            #[inline(always)]
-            || self.slide_here(state, dt, energy),
-        )
+    fn slide(&self, state: &State<L>, dt: L, energy: bool) -> Slide<L> {
+        self.contact.slide(self.segment, state, dt, energy)
     }
 
     #[inline(always)]
-    fn slide_here(&self, state: &State<L>, dt: L, energy: bool) -> Step<L> {
-        let half = dt * 0.5;
-        let sixth = dt * (1.0 / 6.0);
-        let zero = dt.with(0.0);
-        let (x0, v0) = (state.x, state.v);
-        let (mut a, mut u) = (zero, v0);
-        let (mut x, mut v) = (x0, v0);
-        let (mut start, mut sum_a, mut sum_v) = (zero, zero, zero);
-        let (mut work, mut heat) = (zero, zero);
-        // The fifth slope is the one after the step, for the cubics; that of the
-        // fourth stage lies an order lower.
-        for stage in 0..5 {
-            let reach = if stage == 0 {
-                zero
-            } else if stage < 3 {
-                half
-            } else {
-                dt
-            };
-            if stage < 4 {
-                v = reach.mul_add(a, v0);
-                x = reach.mul_add(u, x0);
-            } else {
-                v = sixth.mul_add(sum_a, v0);
-                x = sixth.mul_add(sum_v, x0);
-            }
-            let (slope, force, against) = self.ground().slope(state, state.t + reach, x, v);
-            (a, u) = (slope, v);
-            if stage == 0 {
-                start = a;
-            }
-            if stage < 4 {
-                let weight = dt.with(if stage == 1 || stage == 2 { 2.0 } else { 1.0 });
-                sum_a = a.mul_add(weight, sum_a);
-                sum_v = v.mul_add(weight, sum_v);
-                if energy {
-                    work = (force * v).mul_add(weight, work);
-                    heat = (against * v).mul_add(weight, heat);
-                }
-            }
-        }
-        let (work, heat) = (sixth * work, state.way * (sixth * heat));
-        Step { x, v, start, end: a, work, heat }
+    fn excess(&self, state: &State<L>, t: L) -> (L, L) {
+        self.contact.excess(self.segment, state, t)
+    }
+
+    #[inline(always)]
+    fn wait(&self, state: &State<L>, left: L, locate: bool) -> (L, L) {
+        wait(
+            state.t,
+            left,
+            locate,
+            #[inline(always)]
+            |t| self.excess(state, t),
+        )
     }
 
     /// One step of `dt`, with whatever happens within.
@@ -162,7 +115,7 @@ impl<'a, Q: Dry, L: Lane, F: FnMut() -> bool> RungeKutta<'a, '_, Q, L, F> {
             let length = L::select(moving, dt, zero);
             let step = self.slide(state, length, tally.watch.energy);
             if !L::any(L::and(moving, self.stops(state, &step, dt))) {
-                take(self.segment, Q::PLACED, state, tally, &step, dt, moving);
+                take(self.segment, self.contact.placed(), state, tally, &step, dt, moving);
                 tally.stuck = L::select(resting, tally.stuck + dt, tally.stuck);
                 return;
             }
@@ -177,17 +130,16 @@ impl<'a, Q: Dry, L: Lane, F: FnMut() -> bool> RungeKutta<'a, '_, Q, L, F> {
     /// parabola through its middle, as a wait would find.
     #[inline(always)]
     fn stays(&self, state: &State<L>, resting: L::Mask, dt: L) -> bool {
-        let ground = self.ground();
-        if L::any(L::and(resting, dt.with(0.0).lt(ground.excess(state, state.t).1))) {
+        if L::any(L::and(resting, dt.with(0.0).lt(self.excess(state, state.t).1))) {
             return false;
         }
-        let (_, way) = ground.wait(state, dt, true);
+        let (_, way) = self.wait(state, dt, true);
         !L::any(L::and(resting, dt.with(0.0).lt(way.abs())))
     }
 
     /// Lanes whose speed passes zero within the step.
     #[inline(always)]
-    fn stops(&self, state: &State<L>, step: &Step<L>, dt: L) -> L::Mask {
+    fn stops(&self, state: &State<L>, step: &Slide<L>, dt: L) -> L::Mask {
         let zero = dt.with(0.0);
         let (from, to) = (state.way * state.v, state.way * step.v);
         let (falls, rises) = (state.way * step.start, state.way * step.end);
@@ -230,9 +182,9 @@ impl<'a, Q: Dry, L: Lane, F: FnMut() -> bool> RungeKutta<'a, '_, Q, L, F> {
         let mut used = left;
         let mut released = zero;
         if L::any(resting) {
-            let (push, over) = self.ground().excess(state, state.t);
+            let (push, over) = self.excess(state, state.t);
             let at_once = zero.lt(over);
-            let (wait, way) = self.ground().wait(state, left, self.locate);
+            let (wait, way) = self.wait(state, left, self.locate);
             let wait = L::select(at_once, zero, wait);
             released = L::select(at_once, push.sign(), way);
             used = L::select(resting, wait, used);
@@ -248,10 +200,10 @@ impl<'a, Q: Dry, L: Lane, F: FnMut() -> bool> RungeKutta<'a, '_, Q, L, F> {
                 let until = L::select(stops, until, dt);
                 let mut step = self.slide(state, until, tally.watch.energy);
                 step.v = L::select(stops, zero, step.v);
-                take(self.segment, Q::PLACED, state, tally, &step, until, moving);
+                take(self.segment, self.contact.placed(), state, tally, &step, until, moving);
                 used = L::select(moving, until, used);
                 let now = State { t: state.t + used, ..*state };
-                let (push, over) = self.ground().excess(&now, now.t);
+                let (push, over) = self.excess(&now, now.t);
                 let goes = zero.lt(over);
                 let way = L::select(goes, push.sign(), zero);
                 let rests = L::and(stops, L::not(goes));
@@ -259,7 +211,7 @@ impl<'a, Q: Dry, L: Lane, F: FnMut() -> bool> RungeKutta<'a, '_, Q, L, F> {
                 state.swept = L::select(stops, zero, state.swept);
                 state.way = L::select(stops, way, state.way);
             } else {
-                take(self.segment, Q::PLACED, state, tally, &whole, dt, moving);
+                take(self.segment, self.contact.placed(), state, tally, &whole, dt, moving);
             }
         }
         state.way = L::select(resting, released, state.way);
@@ -269,7 +221,7 @@ impl<'a, Q: Dry, L: Lane, F: FnMut() -> bool> RungeKutta<'a, '_, Q, L, F> {
     /// When the speed passes zero: from the cubic, then by Newton on the step
     /// itself.
     #[inline(always)]
-    fn stop_time(&self, state: &State<L>, whole: &Step<L>, dt: L) -> L {
+    fn stop_time(&self, state: &State<L>, whole: &Slide<L>, dt: L) -> L {
         let zero = dt.with(0.0);
         let (from, to) = (state.way * state.v, state.way * whole.v);
         let slopes = (state.way * whole.start, state.way * whole.end);
@@ -293,7 +245,7 @@ fn take<L: Lane>(
     placed: bool,
     state: &mut State<L>,
     tally: &mut Tally<L>,
-    step: &Step<L>,
+    step: &Slide<L>,
     dt: L,
     mask: L::Mask,
 ) {
@@ -310,7 +262,7 @@ fn take_here<L: Lane>(
     placed: bool,
     state: &mut State<L>,
     tally: &mut Tally<L>,
-    step: &Step<L>,
+    step: &Slide<L>,
     dt: L,
     mask: L::Mask,
 ) {

@@ -8,12 +8,37 @@ use crate::lane::Lane;
 use crate::physics::friction::Smooth;
 use crate::physics::segment::Segment;
 
-pub struct Steps<'a, 'b, Q: Smooth, L: Lane, F> {
-    segment: &'b Segment<'a, L>,
-    set: Q::Set<L>,
-    sprung: bool,
+pub struct Steps<'a, 'b, L, F> {
+    contact: &'b dyn SmoothContact<L>,
+    around: Around<'a, 'b, L>,
     ahead: Ahead<'b>,
     go_on: F,
+}
+
+/// A smooth law with its coefficients, as the integrator meets it: a step at a time,
+/// behind `dyn` (see `DryContact`).
+pub trait SmoothContact<L> {
+    /// Its force at `SLOWEST`.
+    fn rise(&self, like: L) -> L;
+
+    fn step(
+        &self,
+        around: &Around<L>,
+        state: &mut State<L>,
+        tally: &mut Tally<L>,
+        dt: L,
+        forces: [L; 3],
+    );
+}
+
+/// The coefficients of law `Q`.
+pub struct Bound<Q: Smooth, L: Lane>(pub Q::Set<L>);
+
+/// What a step needs beside the law.
+#[derive(Clone, Copy)]
+pub struct Around<'a, 'b, L> {
+    segment: &'b Segment<'a, L>,
+    sprung: bool,
     rest: Rest<L>,
     /// Whether some lane's usual step is too long for its law near rest.
     steep: bool,
@@ -40,17 +65,18 @@ pub struct Ahead<'a>(pub &'a [[f64; 3]]);
 
 const PATIENCE: u32 = 256;
 
-impl<Q: Smooth, L: Lane, F: FnMut() -> bool> Advance<L> for Steps<'_, '_, Q, L, F> {
+impl<L: Lane, F: FnMut() -> bool> Advance<L> for Steps<'_, '_, L, F> {
     #[inline(always)]
     fn advance(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) -> bool {
         if !self.ahead.0.is_empty() {
             return self.in_step(state, tally, until);
         }
-        let h = self.segment.step;
+        let segment = self.around.segment;
+        let h = segment.step;
         let (mut from, mut taken) = (state.t, h.with(0.0));
         let mut count = 0;
         while L::any(state.t.lt(until)) {
-            let piece_end = self.segment.drive.piece_end(state.clock.piece);
+            let piece_end = segment.drive.piece_end(state.clock.piece);
             let active = state.t.lt(until);
             let end = piece_end.min(until);
             let left = (end - state.t).max(h.with(0.0));
@@ -60,7 +86,7 @@ impl<Q: Smooth, L: Lane, F: FnMut() -> bool> Advance<L> for Steps<'_, '_, Q, L, 
             taken = taken + 1.0;
             let next = L::select(last, end, taken.mul_add(h, from));
             let half = dt * 0.5;
-            let (segment, clock) = (self.segment, &state.clock);
+            let clock = &state.clock;
             let (start, middle) = (segment.commanded(state.t, clock), state.t + half);
             let middle = segment.commanded(middle, clock);
             let forces = [start, middle, segment.commanded(state.t + dt, clock)];
@@ -68,7 +94,7 @@ impl<Q: Smooth, L: Lane, F: FnMut() -> bool> Advance<L> for Steps<'_, '_, Q, L, 
             self.step(state, tally, dt, forces);
             state.t = next;
             let over = L::and(last, piece_end.le(until));
-            self.segment.drive.turn_over(&mut state.clock, piece_end, over);
+            segment.drive.turn_over(&mut state.clock, piece_end, over);
             from = L::select(over, state.t, from);
             taken = L::select(over, h.with(0.0), taken);
             *state = state.or(active, old);
@@ -82,54 +108,45 @@ impl<Q: Smooth, L: Lane, F: FnMut() -> bool> Advance<L> for Steps<'_, '_, Q, L, 
 
     #[inline(always)]
     fn steps(&self, duration: L) -> L {
-        duration / self.segment.step + self.segment.drive.pieces(duration)
+        let segment = self.around.segment;
+        duration / segment.step + segment.drive.pieces(duration)
     }
 }
 
 /// A step that would leave less than a rounding error takes it along.
 pub const LAST: f64 = 1.0 + 1e-9;
 
-impl<'a, 'b, Q: Smooth, L: Lane, F: FnMut() -> bool> Steps<'a, 'b, Q, L, F> {
+impl<'a, 'b, L: Lane, F: FnMut() -> bool> Steps<'a, 'b, L, F> {
     /// `sprung`: whether any trajectory is pulled by a spring.
     #[inline(always)]
     pub fn new(
         segment: &'b Segment<'a, L>,
-        set: Q::Set<L>,
+        contact: &'b dyn SmoothContact<L>,
         sprung: bool,
         ahead: Ahead<'b>,
         go_on: F,
-    ) -> Steps<'a, 'b, Q, L, F> {
-        let slope = Q::force(&set, segment.mass.with(SLOWEST)) * (1.0 / SLOWEST);
+    ) -> Self {
+        let slope = contact.rise(segment.mass) * (1.0 / SLOWEST);
         let rate = slope * segment.per_mass;
         let level = segment.contact.holding.max(segment.contact.coulomb);
         // A little early: the last step of a run may be longer by a rounding error.
         let steep = L::any(rate.with(0.99 * STABLE).lt(segment.step * rate));
         let rest = Rest { rate, width: level / slope };
-        Steps { segment, set, sprung, ahead, go_on, rest, steep }
-    }
-
-    /// Lanes whose step of `dt` jumps out of, into or over the law's rise at rest,
-    /// which it is too long to follow; `low` and `high` bound its speeds.
-    #[inline(always)]
-    fn jumps(&self, dt: L, low: L, high: L) -> L::Mask {
-        let Rest { rate, width } = self.rest;
-        let long = rate.with(STABLE).lt(dt * rate);
-        let meets = L::and(low.lt(width), (-width).lt(high));
-        let leaves = width.lt(high - low);
-        L::and(long, L::and(meets, leaves))
+        Steps { contact, around: Around { segment, sprung, rest, steep }, ahead, go_on }
     }
 
     /// All lanes in the same steps, without a spring, from start to end.
     #[inline(always)]
     fn in_step(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) -> bool {
-        let h = self.segment.step;
+        let segment = self.around.segment;
+        let h = segment.step;
         let steps = self.ahead.0.len();
         for (i, shapes) in self.ahead.0.iter().enumerate() {
             let last = i + 1 == steps;
             let dt = if last { until - state.t } else { h };
             let mut forces = [h; 3];
             for (force, shape) in forces.iter_mut().zip(shapes) {
-                *force = self.segment.drive.shaped(h.with(*shape)).clip(self.segment.limit);
+                *force = segment.drive.shaped(h.with(*shape)).clip(segment.limit);
             }
             self.step(state, tally, dt, forces);
             state.t = if last { until } else { h * (i + 1) as f64 };
@@ -142,15 +159,57 @@ impl<'a, 'b, Q: Smooth, L: Lane, F: FnMut() -> bool> Steps<'a, 'b, Q, L, F> {
 
     #[inline(always)]
     fn step(&mut self, state: &mut State<L>, tally: &mut Tally<L>, dt: L, forces: [L; 3]) {
-        dt.apart(
+        self.contact.step(&self.around, state, tally, dt, forces);
+    }
+}
+
+impl<L: Lane> Around<'_, '_, L> {
+    /// Lanes whose step of `dt` jumps out of, into or over the law's rise at rest,
+    /// which it is too long to follow; `low` and `high` bound its speeds.
+    #[inline(always)]
+    fn jumps(&self, dt: L, low: L, high: L) -> L::Mask {
+        let Rest { rate, width } = self.rest;
+        let long = rate.with(STABLE).lt(dt * rate);
+        let meets = L::and(low.lt(width), (-width).lt(high));
+        let leaves = width.lt(high - low);
+        L::and(long, L::and(meets, leaves))
+    }
+}
+
+impl<Q: Smooth, L: Lane> SmoothContact<L> for Bound<Q, L> {
+    fn rise(&self, like: L) -> L {
+        like.apart(
             #[inline(always)]
-            || self.step_here(state, tally, dt, forces),
-        );
+            || Q::force(&self.0, like.with(SLOWEST)),
+        )
     }
 
+    fn step(
+        &self,
+        around: &Around<L>,
+        state: &mut State<L>,
+        tally: &mut Tally<L>,
+        dt: L,
+        forces: [L; 3],
+    ) {
+        dt.apart(
+            #[inline(always)]
+            || self.step_here(around, state, tally, dt, forces),
+        );
+    }
+}
+
+impl<Q: Smooth, L: Lane> Bound<Q, L> {
     #[inline(always)]
-    fn step_here(&mut self, state: &mut State<L>, tally: &mut Tally<L>, dt: L, forces: [L; 3]) {
-        let segment = self.segment;
+    fn step_here(
+        &self,
+        around: &Around<L>,
+        state: &mut State<L>,
+        tally: &mut Tally<L>,
+        dt: L,
+        forces: [L; 3],
+    ) {
+        let segment = around.segment;
         let half = dt * 0.5;
         let sixth = dt * (1.0 / 6.0);
         let zero = dt.with(0.0);
@@ -170,17 +229,17 @@ impl<'a, 'b, Q: Smooth, L: Lane, F: FnMut() -> bool> Steps<'a, 'b, Q, L, F> {
                 half
             };
             let v = reach.mul_add(a, v0);
-            if self.steep {
+            if around.steep {
                 (low, high) = (low.min(v), high.max(v));
             }
             let drive = forces[stage.div_ceil(2)];
-            let force = if self.sprung {
+            let force = if around.sprung {
                 let x = reach.mul_add(u, x0);
                 segment.with_spring(drive, state.t + reach, x, v)
             } else {
                 drive
             };
-            let against = Q::force(&self.set, v);
+            let against = Q::force(&self.0, v);
             let before = a;
             a = ((force - segment.weight) - against) * segment.per_mass;
             u = v;
@@ -206,18 +265,18 @@ impl<'a, 'b, Q: Smooth, L: Lane, F: FnMut() -> bool> Steps<'a, 'b, Q, L, F> {
         }
         let v = sixth.mul_add(sum_a, v0);
         let x = sixth.mul_add(sum_v, x0);
-        if self.steep {
+        if around.steep {
             // No stage need meet a rise that the step jumps over.
-            let jumps = self.jumps(dt, low.min(v), high.max(v));
+            let jumps = around.jumps(dt, low.min(v), high.max(v));
             tally.rough = L::select(jumps, tally.rough + 1.0, tally.rough);
         }
         if tally.watch.energy {
             tally.spend(sixth * work, sixth * heat);
         }
         if tally.watch.stroke {
-            let arrives = tally.arrives(self.segment, x0, x);
+            let arrives = tally.arrives(segment, x0, x);
             if L::any(arrives) {
-                let target = self.segment.target;
+                let target = segment.target;
                 let gone = Cubic::new(dt, (target - x0, -v0), (target - x, -v));
                 let when = state.t + dt * gone.fall(dt.with(1.0));
                 tally.stroke_time = L::select(arrives, when, tally.stroke_time);

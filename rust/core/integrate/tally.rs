@@ -12,6 +12,10 @@ pub struct Watch {
     pub peaks: bool,
 }
 
+impl Watch {
+    pub const NOTHING: Watch = Watch { energy: false, stroke: false, peaks: false };
+}
+
 #[derive(Clone, Copy)]
 pub struct Tally<L> {
     pub watch: Watch,

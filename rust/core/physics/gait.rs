@@ -2,6 +2,9 @@
 //! phase by phase. A new gait is one line here and the function that it names.
 
 use super::status::Status;
+
+/// Most segments of a simulated robot.
+pub const MOST_SEGMENTS: usize = 32;
 use crate::describe::nearest;
 use crate::error::{Error, Result};
 use std::f64::consts::PI;
@@ -97,7 +100,7 @@ impl Gait {
 
     /// The cycle of a robot of `segments` segments, `moving` of them at once.
     pub fn schedule(self, segments: usize, moving: usize) -> std::result::Result<Schedule, Status> {
-        if segments > super::robot::MOST_SEGMENTS {
+        if segments > MOST_SEGMENTS {
             return Err(Status::TooManySegments);
         }
         let moving = if matches!(self, Gait::Single | Gait::Inchworm) { 1 } else { moving };

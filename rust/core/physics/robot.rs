@@ -8,8 +8,7 @@ use super::gait::{Grip, Phase};
 use super::params::ParamId;
 use crate::lane::Lane;
 
-/// Most segments of a simulated robot.
-pub const MOST_SEGMENTS: usize = 32;
+pub use super::gait::MOST_SEGMENTS;
 
 /// A segment and the ground under it.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,8 +1,8 @@
 //! Where results go, and the chunks of cells into which a job is cut.
 
-use super::columns::PADDING;
 use super::job::Job;
 use super::runs::RUN_CHUNK;
+use crate::cells::columns::PADDING;
 
 /// Where a result goes.
 pub enum Buffer<'a> {

@@ -1,13 +1,13 @@
 //! A job: a checked grid, what to compute on it, and how much memory that takes.
 
-use super::columns::{Layout, PADDING};
-use super::grid::{Axis, Grid};
 use super::reduce::Reduce;
 use super::registry::{Entry, Way};
-use super::simulation::{Choice, Simulation};
+use crate::cells::columns::{Layout, PADDING};
+use crate::cells::grid::{Axis, Grid};
 use crate::error::{Error, Result};
 use crate::physics::point::{COLUMNS, columns};
 use crate::physics::{Gait, ParamId};
+use crate::simulate::simulation::{Choice, Simulation};
 
 /// One quantity, reduced along the job's reduced axis or not.
 pub struct Request {

@@ -4,35 +4,12 @@
 use super::pool::pool;
 use super::run::Control;
 use crate::error::{Error, Result};
-use crate::integrate::replay::{Samples, body, head, sensed};
-use crate::lane::{Level, Pack, Task, run};
-use crate::physics::effects::{Active, EFFECT_PARAMS, Nominal, Plant, shortness};
+use crate::lane::Level;
+use crate::physics::effects::{Nominal, shortness};
+pub use crate::simulate::replay::{Column, Run};
+use crate::simulate::replay::{Group, PACK, Part, Scratch, replay_pack};
 use std::sync::atomic::Ordering;
 use std::sync::{Mutex, PoisonError};
-
-/// A measured run: drive samples, and the slope where it differs.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Run {
-    /// Seconds since the first sample, rising from 0.
-    pub times: Vec<f64>,
-    pub drive: Vec<f64>,
-    pub slope_deg: f64,
-}
-
-/// One trajectory: a run, a set of effects and their parameters.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Column {
-    pub run: usize,
-    /// First sample and one beyond the last: a window.
-    pub window: (usize, usize),
-    pub active: Active,
-    /// Parameters of all effects, in the order of the registry.
-    pub values: [f64; EFFECT_PARAMS],
-    /// Factors on nominal mass, Coulomb level and gain, and the clock offset, s.
-    pub shares: [f64; 4],
-    /// Position and speed at the window's start.
-    pub start: (f64, f64),
-}
 
 /// What the sensors would read, sample by sample, column by column.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -57,9 +34,6 @@ fn parts<'a>(to: [&'a mut [f64]; 4], lengths: impl Iterator<Item = usize>) -> Ve
         })
         .collect()
 }
-
-/// Readings of one column: x, v, x_rear, force.
-type Part<'a> = [&'a mut [f64]; 4];
 
 /// Replays every column; the readings of all of them follow each other.
 pub fn replay(
@@ -116,7 +90,8 @@ pub fn replay_into(
             }
             let count = group.len() as u64;
             let (intervals, scratch) = (&intervals, &mut scratch);
-            run(level, Group { nominal, runs, intervals, group, control, scratch });
+            let cancel = &control.cancel;
+            replay_pack(level, Group { nominal, runs, intervals, group, cancel, scratch });
             control.done.fetch_add(count, Ordering::Relaxed);
         }
     };
@@ -141,134 +116,4 @@ fn interval(run: &Run) -> f64 {
     let mut steps: Vec<f64> = run.times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let middle = steps.len() / 2;
     if steps.is_empty() { 1.0 } else { *steps.select_nth_unstable_by(middle, f64::total_cmp).1 }
-}
-
-/// Columns that one task takes: the widest pack.
-const PACK: usize = 16;
-
-struct Group<'a, 'b, 'c> {
-    nominal: &'a Nominal,
-    runs: &'a [Run],
-    intervals: &'a [f64],
-    group: &'b mut [(&'a Column, Part<'c>)],
-    control: &'a Control,
-    scratch: &'b mut Scratch,
-}
-
-/// Readings of one pack, a sample after another, kept from group to group.
-#[derive(Default)]
-struct Scratch {
-    /// x, v and force of all lanes.
-    head: Vec<f64>,
-    rear: Vec<f64>,
-    /// What the position sensor reads.
-    seen: Vec<f64>,
-}
-
-/// Every `stride`th of `from`.
-#[inline(always)]
-fn spread(from: &[f64], stride: usize, to: &mut [f64]) {
-    for (to, from) in to.iter_mut().zip(from.iter().step_by(stride)) {
-        *to = *from;
-    }
-}
-
-/// Samples that go to the columns at a time.
-const TILE: usize = 32;
-
-impl Task for Group<'_, '_, '_> {
-    type Output = ();
-    const SCALAR_BASELINE: bool = true;
-
-    #[inline(always)]
-    fn run<P: Pack>(self, token: P::Token) {
-        let Group { nominal, runs, intervals, group, control, scratch } = self;
-        let go_on = || !control.cancel.load(Ordering::Relaxed);
-        let like = P::splat(token, 0.0);
-        for part in group.chunks_mut(P::LANES) {
-            let first = part[0].0;
-            let run = &runs[first.run];
-            let (from, to) = first.window;
-            // A pack that is not full repeats its last column.
-            let column = |lane: usize| part[lane.min(part.len() - 1)].0;
-            let values = std::array::from_fn(|k| like.fill(|lane| column(lane).values[k]));
-            let shares: [P; 4] = std::array::from_fn(|k| like.fill(|lane| column(lane).shares[k]));
-            let start =
-                (like.fill(|lane| column(lane).start.0), like.fill(|lane| column(lane).start.1));
-            let interval = intervals[first.run];
-            let window = (from, to);
-            let samples = Samples { times: &run.times, drive: &run.drive, window, interval };
-            let count = to - from;
-            let [mass, level, gain, clock] = shares;
-            let shares = ([mass, level, gain], clock);
-            let plant = like.apart(
-                #[inline(always)]
-                || Plant::new(nominal, run.slope_deg, first.active, &values, shares),
-            );
-            let Scratch { head: motion, rear, seen } = &mut *scratch;
-            let (own, all) = (P::LANES, 3 * P::LANES);
-            // What a cancelled run leaves out is 0, not another column's.
-            motion.clear();
-            motion.resize(count * all, 0.0);
-            seen.resize(seen.len().max(count * own), 0.0);
-            head(
-                &plant,
-                samples,
-                start,
-                go_on,
-                #[inline(always)]
-                |i, reading| {
-                    let to = &mut motion[i * all..(i + 1) * all];
-                    reading.x.store(&mut to[..own]);
-                    reading.v.store(&mut to[own..2 * own]);
-                    reading.force.store(&mut to[2 * own..]);
-                },
-            );
-            let slides = plant.body.is_some();
-            if let Some(anchored) = &plant.body {
-                rear.clear();
-                rear.resize(count * own, 0.0);
-                body(
-                    &plant,
-                    anchored,
-                    samples,
-                    #[inline(always)]
-                    |i: usize| P::load(token, &motion[i * all + 2 * own..]),
-                    go_on,
-                    #[inline(always)]
-                    |i, x: P| x.store(&mut rear[i * own..]),
-                );
-            }
-            for i in 0..count {
-                let x = sensed(
-                    &plant,
-                    samples,
-                    i,
-                    #[inline(always)]
-                    |i: usize| {
-                        let at = &motion[i * all..];
-                        (P::load(token, at), P::load(token, &at[own..]))
-                    },
-                );
-                x.store(&mut seen[i * own..]);
-            }
-            // Tile by tile, so that what is read for one lane is at hand for the next.
-            for first in (0..count).step_by(TILE) {
-                let last = (first + TILE).min(count);
-                for (lane, (_, [x, v, x_rear, force])) in part.iter_mut().enumerate() {
-                    let moved = &motion[first * all + lane..last * all];
-                    spread(&seen[first * own + lane..last * own], own, &mut x[first..last]);
-                    spread(&moved[own..], all, &mut v[first..last]);
-                    spread(&moved[2 * own..], all, &mut force[first..last]);
-                    if slides {
-                        spread(
-                            &rear[first * own + lane..last * own],
-                            own,
-                            &mut x_rear[first..last],
-                        );
-                    }
-                }
-            }
-        }
-    }
 }

@@ -2,14 +2,15 @@
 //! on a block. No cell's result depends on where those cuts fall.
 
 use super::chunks::{Buffer, Chunk, cut};
-use super::columns::{BLOCK, Cursor, PADDING, Vary, is_wide};
-use super::grid::Axis;
 use super::job::{Job, Request};
-use super::kernel::{FoldAll, FoldBest, Kept, Rivals};
 use super::pool::pool;
 use super::reduce::{Reduce, quantile};
-use super::registry::{Closed, Entry, Points, Search, Way};
+use super::registry::{Entry, Way};
 use super::runs::{RUN_BLOCK, Runs};
+use crate::cells::closed::{Closed, Points, Search};
+use crate::cells::columns::{BLOCK, Cursor, PADDING, Vary, is_wide};
+use crate::cells::grid::Axis;
+use crate::cells::kernel::{FoldAll, FoldBest, Kept, Rivals};
 use crate::error::{Error, Result};
 use crate::lane::{self, Level, stream};
 use crate::physics::closed_form::TIE;

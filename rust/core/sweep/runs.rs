@@ -1,15 +1,16 @@
 //! Simulated quantities of a block of cells: one simulation serves all of them.
 
-use super::columns::{Columns, PADDING};
 use super::gait_outputs::GaitOutput;
 use super::job::Job;
-use super::outputs::Output;
 use super::registry::Way;
-use super::trajectories::{Fate, Stretch};
+use crate::cells::columns::{Columns, PADDING};
 use crate::integrate::Watch;
 use crate::integrate::robot::ensemble;
 use crate::lane::Level;
 use crate::physics::Status;
+use crate::simulate::outputs::Output;
+use crate::simulate::packs::{Fate, Stretch};
+use crate::simulate::trajectories::simulate;
 use std::sync::atomic::AtomicBool;
 
 /// Cells that are simulated together.
@@ -93,7 +94,7 @@ impl Runs {
         for (_, values) in &mut self.outputs {
             values.resize(len, f64::NAN);
         }
-        (simulation.kernel)(
+        simulate(
             level,
             Stretch {
                 columns,

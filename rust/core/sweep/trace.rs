@@ -1,13 +1,14 @@
 //! Trajectories themselves, at evenly spread times: for looking, not for sweeps.
 
-use super::columns::{Cursor, PADDING, Vary};
 use super::job::Job;
 use super::pool::pool;
 use super::run::{Control, Options};
 use super::runs::RUN_BLOCK;
-use super::trajectories::{Stretch, Trace};
+use crate::cells::columns::{Cursor, PADDING, Vary};
 use crate::error::{Error, Result};
 use crate::integrate::Watch;
+use crate::simulate::packs::{Stretch, Trace};
+use crate::simulate::trajectories::simulate;
 use std::sync::atomic::Ordering;
 use std::sync::{Mutex, PoisonError};
 
@@ -63,7 +64,7 @@ pub fn trace(job: &Job, stations: &[f64], options: Options, control: &Control) -
                     }
                     fates.resize(padded, 0.0);
                     let [x, v, force, way] = &mut buffers;
-                    (simulation.kernel)(
+                    simulate(
                         options.level,
                         Stretch {
                             columns: cursor.at(cell, Vary::ANY),

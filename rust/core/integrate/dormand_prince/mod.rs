@@ -10,9 +10,8 @@
 mod dense;
 mod pair;
 
-use super::ground::Ground;
+use super::ground::{PlainContact, wait};
 use super::{Advance, MOST_STIFF_STEPS, State, Tally};
-use crate::physics::friction::Dry;
 use crate::physics::segment::Segment;
 use dense::Quartic;
 use pair::{NODES, Slopes, WEIGHTS};
@@ -29,9 +28,9 @@ const FLOORS: [f64; 2] = [1e-6, 1e-4];
 const PROPORTIONAL: f64 = 0.17;
 const INTEGRAL: f64 = 0.04;
 
-pub struct DormandPrince<'a, 'b, Q: Dry, F> {
+pub struct DormandPrince<'a, 'b, F> {
     segment: &'b Segment<'a, f64>,
-    set: Q::Set<f64>,
+    contact: &'b dyn PlainContact,
     adaptive: bool,
     locate: bool,
     go_on: F,
@@ -69,7 +68,7 @@ struct Step {
     error: f64,
 }
 
-impl<Q: Dry, F: FnMut() -> bool> Advance<f64> for DormandPrince<'_, '_, Q, F> {
+impl<F: FnMut() -> bool> Advance<f64> for DormandPrince<'_, '_, F> {
     fn advance(&mut self, state: &mut State<f64>, tally: &mut Tally<f64>, until: f64) -> bool {
         let mut count = 0;
         while self.front.t < until {
@@ -92,12 +91,12 @@ impl<Q: Dry, F: FnMut() -> bool> Advance<f64> for DormandPrince<'_, '_, Q, F> {
     }
 }
 
-impl<'a, 'b, Q: Dry, F: FnMut() -> bool> DormandPrince<'a, 'b, Q, F> {
+impl<'a, 'b, F: FnMut() -> bool> DormandPrince<'a, 'b, F> {
     /// `adaptive`: steps from the tolerance; else all as given. Without `locate`
     /// events count at the end of their step.
     pub fn new(
         segment: &'b Segment<'a, f64>,
-        set: Q::Set<f64>,
+        contact: &'b dyn PlainContact,
         (adaptive, locate): (bool, bool),
         go_on: F,
     ) -> Self {
@@ -110,7 +109,7 @@ impl<'a, 'b, Q: Dry, F: FnMut() -> bool> DormandPrince<'a, 'b, Q, F> {
         };
         DormandPrince {
             segment,
-            set,
+            contact,
             adaptive,
             locate,
             go_on,
@@ -121,10 +120,6 @@ impl<'a, 'b, Q: Dry, F: FnMut() -> bool> DormandPrince<'a, 'b, Q, F> {
             row: (0.0, 0.0),
             events: (0, 0.0),
         }
-    }
-
-    fn ground(&self) -> Ground<'a, '_, Q, f64> {
-        Ground { segment: self.segment, set: &self.set }
     }
 
     /// The state at a time that the front has reached.
@@ -169,7 +164,7 @@ impl<'a, 'b, Q: Dry, F: FnMut() -> bool> DormandPrince<'a, 'b, Q, F> {
             }
         }
         let mut longest = if self.adaptive { left } else { self.until_mark(left) };
-        if Q::PLACED || self.front.way == 0.0 {
+        if self.contact.placed() || self.front.way == 0.0 {
             // What lies along the way, or in the drive's course, may be short.
             longest = longest.min(self.segment.step);
         }
@@ -254,14 +249,12 @@ impl<'a, 'b, Q: Dry, F: FnMut() -> bool> DormandPrince<'a, 'b, Q, F> {
         self.front = State { t: self.segment.duration, x: f64::NAN, v: f64::NAN, ..self.front };
     }
 
-    #[inline(never)]
     fn slope(&self, t: f64, x: f64, v: f64) -> (f64, f64, f64) {
-        self.ground().slope(&self.front, t, x, v)
+        self.contact.slope(self.segment, &self.front, (t, x, v))
     }
 
-    #[inline(never)]
     fn excess(&self, state: &State<f64>) -> (f64, f64) {
-        self.ground().excess(state, state.t)
+        self.contact.excess(self.segment, state, state.t)
     }
 
     /// One step of sliding from the front.
@@ -324,7 +317,7 @@ impl<'a, 'b, Q: Dry, F: FnMut() -> bool> DormandPrince<'a, 'b, Q, F> {
         if tally.watch.peaks {
             tally.peak_v = v.peak().map_or(tally.peak_v, |peak| tally.peak_v.max(peak));
         }
-        if Q::PLACED && begin.way > 0.0 {
+        if self.contact.placed() && begin.way > 0.0 {
             self.front.swept += step.x - begin.x;
         }
         let left = end - begin.t;
@@ -369,7 +362,8 @@ impl<'a, 'b, Q: Dry, F: FnMut() -> bool> DormandPrince<'a, 'b, Q, F> {
     /// Rests until friction gives way, at most for `longest`.
     fn rest(&mut self, tally: &mut Tally<f64>, end: f64, longest: f64) {
         let begin = self.front;
-        let (wait, way) = self.ground().wait(&begin, longest, self.locate);
+        let (wait, way) =
+            wait(begin.t, longest, self.locate, |t| self.contact.excess(self.segment, &begin, t));
         tally.stuck += wait;
         self.front.t = if wait >= end - begin.t { end } else { begin.t + wait };
         (self.front.v, self.front.way) = (0.0, way);

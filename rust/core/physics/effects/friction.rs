@@ -2,12 +2,12 @@
 //! friction effects on top, each left out where it is not active.
 
 use super::{Active, Effect};
-use crate::lane::Lane;
-use crate::lane::exp::exp_less_one;
-use crate::physics::friction::{
+use crate::friction::{
     Bristle, Contact, Dry, Given, Law, LawInfo, MOST_STATES, Partials, Place, Worked, directed,
     dragged, ploughed, pressed, rippled, share_left,
 };
+use crate::lane::Lane;
+use crate::lane::exp::exp_less_one;
 
 /// The friction of one measured head.
 pub struct Measured;

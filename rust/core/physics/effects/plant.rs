@@ -3,9 +3,9 @@
 
 use super::friction::Coefficients;
 use super::{Active, EFFECT_PARAMS, Effect};
+use crate::drive::Path;
 use crate::lane::Lane;
 use crate::lane::trig::{cos_turns, sin_turns};
-use crate::physics::drive::Path;
 
 /// What is known of a rig before it is measured; one value per file.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,7 +2,7 @@
 
 use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
 use crate::lane::Lane;
-use crate::physics::params::ParamId;
+use crate::params::ParamId;
 
 pub struct Directional;
 

@@ -5,7 +5,7 @@ use super::lugre::Bristles;
 use super::{Bristle, Contact, Given, Law, LawInfo, MOST_STATES, Partials, Worked};
 use crate::lane::Lane;
 use crate::lane::trig::{cos_turns, sin_turns};
-use crate::physics::params::ParamId;
+use crate::params::ParamId;
 
 pub struct ElastoPlastic;
 

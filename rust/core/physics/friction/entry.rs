@@ -4,48 +4,6 @@ use super::imposed::{self, Motion};
 use super::*;
 use crate::describe::nearest;
 use crate::error::{Error, Result};
-use crate::physics::point::{COLUMNS, columns};
-
-/// Parameters of one contact: those given, defaults for the rest, NaN for what
-/// has neither.
-#[derive(Debug, Clone)]
-pub struct Values([f64; COLUMNS]);
-
-/// Weight, groove and wall: what the normal force is made of, for every law.
-pub const NORMAL: &[ParamId] =
-    &[ParamId::Mass, ParamId::Gravity, ParamId::SlopeDeg, ParamId::CornerDeg, ParamId::WallForce];
-
-impl Values {
-    pub fn of(given: &[(ParamId, f64)]) -> Values {
-        let mut all = [f64::NAN; COLUMNS];
-        for id in ParamId::all() {
-            let value = given.iter().rev().find(|(g, _)| *g == id).map(|(_, v)| *v);
-            if let Some(value) = value.or(id.param().default) {
-                [all[id.main()], all[id.derived()]] = columns(id, value);
-            }
-        }
-        Values(all)
-    }
-
-    /// The same from names, each value checked against its range.
-    pub fn named(given: &[(&str, f64)]) -> Result<Values> {
-        let mut pairs = Vec::with_capacity(given.len());
-        for (name, value) in given {
-            let id = ParamId::parse(name)?;
-            pairs.push((id, id.param().check(*value, None)?));
-        }
-        Ok(Values::of(&pairs))
-    }
-}
-
-impl Given<f64> for Values {
-    fn get(&self, id: ParamId) -> f64 {
-        self.0[id.main()]
-    }
-    fn derived(&self, id: ParamId) -> f64 {
-        self.0[id.derived()]
-    }
-}
 
 impl Place<f64> {
     /// The origin of the track, nothing swept, no drive.
@@ -168,7 +126,7 @@ fn steady<B: Bristle>(values: &Values, v: f64) -> f64 {
 }
 
 macro_rules! entries {
-    ($($kind:ident $law:ident),+ $(,)?) => {
+    ($($kind:ident $file:ident::$law:ident),+ $(,)?) => {
         /// Every law, in the order users see them.
         pub static LAWS: &[LawEntry] = &[$(LawEntry::$kind::<$law>()),+];
     };

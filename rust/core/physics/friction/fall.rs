@@ -3,7 +3,7 @@
 use super::{Contact, Given};
 use crate::lane::Lane;
 use crate::lane::exp::exp;
-use crate::physics::params::ParamId;
+use crate::params::ParamId;
 
 /// Levels of a dry law between which a share of the drop remains.
 #[derive(Clone, Copy)]

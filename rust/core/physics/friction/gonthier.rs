@@ -4,7 +4,7 @@ use super::fall::sign;
 use super::{Bristle, Contact, Given, Law, LawInfo, MOST_STATES, Partials, Worked};
 use crate::lane::Lane;
 use crate::lane::exp::{exp, exp_less_one};
-use crate::physics::params::ParamId;
+use crate::params::ParamId;
 
 /// Least relaxation time of the bristles, s: the law divides by their damping.
 const LEAST_RELAXATION: f64 = 1e-6;

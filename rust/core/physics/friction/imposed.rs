@@ -2,7 +2,7 @@
 //! of a motion that was measured instead of simulated. States of a bristle law
 //! are integrated along the motion.
 
-use super::entry::Values;
+use super::values::Values;
 use super::{Bristle, Contact, Dry, Law, MOST_STATES, Place, Smooth};
 use nalgebra::{LU, Matrix4, U4, Vector4};
 

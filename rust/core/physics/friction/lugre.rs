@@ -4,7 +4,7 @@ use super::fall::{Bell, sign};
 use super::{Bristle, Contact, Given, Law, LawInfo, MOST_STATES, Partials, Worked};
 use crate::lane::Lane;
 use crate::lane::exp::exp;
-use crate::physics::params::ParamId;
+use crate::params::ParamId;
 
 pub struct Lugre;
 

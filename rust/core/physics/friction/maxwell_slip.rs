@@ -14,7 +14,7 @@
 use super::fall::{Bell, sign};
 use super::{Bristle, Contact, Given, Law, LawInfo, MOST_STATES, Partials, Worked};
 use crate::lane::Lane;
-use crate::physics::params::ParamId;
+use crate::params::ParamId;
 
 /// Each element's share of the steady friction.
 const SHARE: f64 = 1.0 / MOST_STATES as f64;

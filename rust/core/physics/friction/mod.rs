@@ -1,5 +1,6 @@
 //! LAW REGISTRY: friction between a segment and the ground. A new law is one
-//! file here, its `mod` line, and one line in `for_each_law!`.
+//! file here, its `mod` line, and one line in `for_each_law!`; `tests/fit/laws.rs` tells
+//! whether fits know its parameters.
 //!
 //! There are three kinds. A *dry* law is set-valued at rest: it gives levels,
 //! never a signed force, and the integrator owns the sign and the sticking. A
@@ -39,37 +40,54 @@ mod tanh;
 mod threlfall;
 mod track;
 mod tustin;
+mod values;
 
-pub use bengisu_akay::*;
-pub use bo_pavelescu::*;
-pub use brown_mcphee::*;
-pub use buildup::*;
-pub use coulomb::*;
-pub use coulomb_viscous::*;
-pub use dahl::*;
-pub use directional::*;
-pub use elasto_plastic::*;
 pub use entry::*;
-pub use gonthier::*;
-pub use hess_soom::*;
-pub use load_friction::*;
-pub use load_viscous::*;
-pub use lugre::*;
-pub use maxwell_slip::*;
-pub use mixed::*;
-pub use modelica::*;
-pub use patch::*;
-pub use power_drag::*;
-pub use quadratic::*;
-pub use ripple::*;
-pub use simscape::*;
-pub use static_coulomb::*;
-pub use static_viscous::*;
-pub use stribeck::*;
-pub use tanh::*;
-pub use threlfall::*;
-pub use track::*;
-pub use tustin::*;
+pub use values::*;
+
+/// Calls a macro with the kind, the file and the type of every law, in the order users
+/// see them.
+#[macro_export]
+macro_rules! for_each_law {
+    ($mac:ident) => {
+        $mac! {
+            dry coulomb::Coulomb,
+            dry coulomb_viscous::CoulombViscous,
+            dry quadratic::Quadratic,
+            dry power_drag::PowerDrag,
+            dry static_coulomb::StaticCoulomb,
+            dry static_viscous::StaticViscous,
+            dry tustin::Tustin,
+            dry bo_pavelescu::BoPavelescu,
+            dry stribeck::Stribeck,
+            dry hess_soom::HessSoom,
+            dry modelica::Modelica,
+            dry load_friction::LoadFriction,
+            dry load_viscous::LoadViscous,
+            dry directional::Directional,
+            dry ripple::Ripple,
+            dry patch::Patch,
+            dry track::Track,
+            dry buildup::Buildup,
+            dry mixed::Mixed,
+            smooth tanh::Tanh,
+            smooth threlfall::Threlfall,
+            smooth bengisu_akay::BengisuAkay,
+            smooth brown_mcphee::BrownMcphee,
+            smooth simscape::Simscape,
+            bristle dahl::Dahl,
+            bristle lugre::Lugre,
+            bristle elasto_plastic::ElastoPlastic,
+            bristle maxwell_slip::MaxwellSlip,
+            bristle gonthier::Gonthier,
+        }
+    };
+}
+
+macro_rules! reexport {
+    ($($kind:ident $file:ident::$law:ident),+ $(,)?) => { $(pub use $file::*;)+ };
+}
+crate::for_each_law!(reexport);
 
 use super::params::ParamId;
 use crate::lane::Lane;
@@ -331,43 +349,4 @@ impl<S: Smooth> Bristle for Stiff<S> {
     fn steady<L: Lane>(_: &S::Set<L>, v: L) -> [L; MOST_STATES] {
         [v.with(0.0); MOST_STATES]
     }
-}
-
-/// Calls a macro with the kind and the type of every law, in the order users
-/// see them.
-#[macro_export]
-macro_rules! for_each_law {
-    ($mac:ident) => {
-        $mac! {
-            dry Coulomb,
-            dry CoulombViscous,
-            dry Quadratic,
-            dry PowerDrag,
-            dry StaticCoulomb,
-            dry StaticViscous,
-            dry Tustin,
-            dry BoPavelescu,
-            dry Stribeck,
-            dry HessSoom,
-            dry Modelica,
-            dry LoadFriction,
-            dry LoadViscous,
-            dry Directional,
-            dry Ripple,
-            dry Patch,
-            dry Track,
-            dry Buildup,
-            dry Mixed,
-            smooth Tanh,
-            smooth Threlfall,
-            smooth BengisuAkay,
-            smooth BrownMcphee,
-            smooth Simscape,
-            bristle Dahl,
-            bristle Lugre,
-            bristle ElastoPlastic,
-            bristle MaxwellSlip,
-            bristle Gonthier,
-        }
-    };
 }

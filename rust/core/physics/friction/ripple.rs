@@ -3,7 +3,7 @@
 use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
 use crate::lane::Lane;
 use crate::lane::trig::sin_turns;
-use crate::physics::params::ParamId;
+use crate::params::ParamId;
 
 pub struct Ripple;
 

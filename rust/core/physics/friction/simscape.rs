@@ -3,7 +3,7 @@
 use super::{Contact, Given, Law, LawInfo, Smooth, Worked};
 use crate::lane::Lane;
 use crate::lane::exp::{exp, tanh};
-use crate::physics::params::ParamId;
+use crate::params::ParamId;
 
 pub struct Simscape;
 

@@ -4,7 +4,7 @@ use super::fall::sign;
 use super::{Contact, Given, Law, LawInfo, Smooth, Worked};
 use crate::lane::Lane;
 use crate::lane::exp::exp_less_one;
-use crate::physics::params::ParamId;
+use crate::params::ParamId;
 
 pub struct Threlfall;
 

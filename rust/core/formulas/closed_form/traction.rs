@@ -1,7 +1,7 @@
 //! What pushes a moving segment and whether it moves at all.
 
 use crate::lane::Lane;
-use crate::physics::{Point, Status};
+use crate::{Point, Status};
 
 /// Accelerations at or below this are no motion: the stroke would take longer
 /// than any number can tell.

@@ -1,14 +1,13 @@
 //! How the trajectories of a sweep are simulated: law, drive and method, chosen
 //! once for all of them.
 
-use super::grid::Grid;
-use super::trajectories::{Kernel, kernel_of};
 use crate::error::{Error, Result};
+use crate::grid::Grid;
 use crate::integrate::Method;
 use crate::integrate::smooth::LAST;
 use crate::physics::ParamId;
 use crate::physics::drive::{Drive, DriveKind, Table};
-use crate::physics::friction::{Given, Kind, LawEntry};
+use crate::physics::friction::{Given, Kind, LAWS, LawEntry};
 use crate::physics::point::columns;
 
 /// Most steps over which the drive's shape is worked out ahead: 24 MB.
@@ -49,7 +48,8 @@ impl Default for Choice {
 /// A checked choice for one grid.
 pub struct Simulation {
     pub law: &'static LawEntry,
-    pub kernel: Kernel,
+    /// The law's place among all.
+    pub place: usize,
     pub drive: DriveKind,
     pub method: Method,
     pub locate: bool,
@@ -63,7 +63,8 @@ pub struct Simulation {
 
 impl Simulation {
     pub fn new(choice: &Choice, grid: &Grid) -> Result<Simulation> {
-        let (law, kernel) = kernel_of(&choice.law)?;
+        let law = LawEntry::parse(&choice.law)?;
+        let place = LAWS.iter().position(|entry| entry.info.name == law.info.name);
         let drive = DriveKind::parse(&choice.drive)?;
         check_table(drive, choice)?;
         let sprung = [ParamId::SpringStiffness, ParamId::SpringDamping]
@@ -84,7 +85,7 @@ impl Simulation {
         };
         let mut simulation = Simulation {
             law,
-            kernel,
+            place: place.unwrap_or(0),
             drive,
             method,
             locate: choice.locate,

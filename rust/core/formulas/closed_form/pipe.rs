@@ -4,7 +4,7 @@ use super::Quantity;
 use super::traction::or_else;
 use crate::describe::Info;
 use crate::lane::Lane;
-use crate::physics::{Point, Status};
+use crate::{Point, Status};
 
 /// Wall force per segment that the gait needs.
 pub struct Preload;

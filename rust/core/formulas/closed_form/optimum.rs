@@ -6,8 +6,8 @@ use super::phase::braking_works;
 use super::traction::{or_else, traction, why_not_anchored};
 use crate::describe::Info;
 use crate::lane::Lane;
-use crate::physics::point::columns;
-use crate::physics::{ParamId, Point, Status};
+use crate::point::columns;
+use crate::{ParamId, Point, Status};
 
 /// Relative difference below which two velocities are a tie; the lower count wins.
 pub const TIE: f64 = 1e-12;
@@ -316,7 +316,7 @@ fn last_that(holds: impl Fn(f64) -> bool, mut low: f64, mut high: f64) -> f64 {
 mod tests {
     use super::super::traction::limited;
     use super::*;
-    use crate::physics::ParamId::*;
+    use crate::ParamId::*;
 
     #[test]
     fn limit_by_formula_and_by_bisection_agree() {

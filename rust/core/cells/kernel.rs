@@ -2,7 +2,6 @@
 //! per set of varying parameters and per SIMD level.
 
 use super::columns::{Columns, PADDING, Vary};
-use super::registry::used_by;
 use crate::lane::{Pack, Task, stream};
 use crate::physics::Quantity;
 use std::marker::PhantomData;
@@ -21,7 +20,7 @@ impl<Q: Quantity, const PLAIN: bool, const VARY: u8> Task for Dense<'_, Q, PLAIN
 
     #[inline(always)]
     fn run<P: Pack>(self, token: P::Token) {
-        let used = const { used_by(Q::INFO.params) };
+        let used = Q::USED;
         let len = self.out.len();
         let points = self.columns.reader::<P, VARY>(token, used, 0, len);
         // Streaming wants whole cache lines: the cells before the first one and
@@ -73,7 +72,7 @@ impl<Q: Quantity, const MIN: bool> Task for Extremum<'_, Q, MIN> {
 
     #[inline(always)]
     fn run<P: Pack>(self, token: P::Token) {
-        let used = const { used_by(Q::INFO.params) };
+        let used = Q::USED;
         let main = self.rivals.main;
         let derived = &self.rivals.derived[..main.len()];
         let places = &self.rivals.places[..main.len()];

@@ -234,10 +234,15 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// A pack of one column from cell `start` on.
+    #[inline(never)]
+    fn called(&self, column: usize, start: usize) -> (&'a [f64], bool) {
+        self.column(column, start)
+    }
+
+    /// A pack of one column from cell `start` on. Looked up by a call, as in `find`.
     #[inline(always)]
     pub fn load<P: Pack>(&self, token: P::Token, column: usize, start: usize) -> P {
-        let (numbers, runs) = self.column(column, start);
+        let (numbers, runs) = self.called(column, start);
         if runs { P::load(token, numbers) } else { P::splat(token, numbers[0]) }
     }
 
@@ -251,17 +256,14 @@ impl<'a> Columns<'a> {
         start: usize,
         len: usize,
     ) -> Reader<'a, P, VARY> {
+        let Found { columns, masks } = self.find(used, start);
         let is_used = |c: usize| used >> (c / 2) & 1 == 1;
-        let mut masks = [0; COLUMNS];
-        let wide = Point::gather(
+        let wide = columns.map(
             #[inline(always)]
-            |c| {
+            |c, column| {
                 if !is_used(c) || !is_wide(VARY, c) {
-                    return &[][..];
-                }
-                let (column, runs) = self.column(c, start);
-                if VARY == Vary::ANY {
-                    masks[c] = if runs { usize::MAX } else { 0 };
+                    &[][..]
+                } else if VARY == Vary::ANY {
                     column
                 } else {
                     // One length for all: bounds are checked here, not per pack.
@@ -269,15 +271,31 @@ impl<'a> Columns<'a> {
                 }
             },
         );
-        let constant = Point::gather(
+        let constant = columns.map(
             #[inline(always)]
-            |c| {
+            |c, column| {
                 let known = is_used(c) && !is_wide(VARY, c);
                 // Unused columns are NaN, which lets the compiler drop them.
-                P::splat(token, if known { self.column(c, start).0[0] } else { f64::NAN })
+                P::splat(token, if known { column[0] } else { f64::NAN })
             },
         );
         Reader { token, used, wide, constant, masks }
+    }
+
+    /// Where the used columns lie. Looked up by a call: written out, the look-ups would be
+    /// half of many a kernel.
+    #[inline(never)]
+    fn find(&self, used: u128, start: usize) -> Found<'a> {
+        let mut masks = [0; COLUMNS];
+        let columns = Point::gather(|c| {
+            if used >> (c / 2) & 1 == 0 {
+                return &[][..];
+            }
+            let (column, runs) = self.column(c, start);
+            masks[c] = if runs { usize::MAX } else { 0 };
+            column
+        });
+        Found { columns, masks }
     }
 
     /// All columns of cell `i`.
@@ -295,6 +313,12 @@ impl<'a> Columns<'a> {
             column[if runs { i } else { 0 }]
         })
     }
+}
+
+/// The columns of a point, and the bits of a cell's number that count in each.
+struct Found<'a> {
+    columns: Point<&'a [f64]>,
+    masks: [usize; COLUMNS],
 }
 
 /// Points of consecutive cells, a pack at a time.

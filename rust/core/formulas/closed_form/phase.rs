@@ -2,9 +2,9 @@
 //! speed limit and a brake.
 
 use super::traction::{Traction, grip_against_drive, limited};
+use crate::Point;
 use crate::lane::Lane;
 use crate::lane::exp::{log_factor, log_path_factor, path_factor, speed_factor};
-use crate::physics::Point;
 
 /// How the moving segments cover one stroke. All NaN where they don't.
 pub struct Phase<L> {

@@ -6,7 +6,7 @@ use super::traction::{Traction, traction};
 use super::{Quantity, ground};
 use crate::describe::Info;
 use crate::lane::Lane;
-use crate::physics::{Point, Status};
+use crate::{Point, Status};
 
 /// Work of the drive on one moving segment in one phase, per mass: full force
 /// on the driven path, just the resistance at the speed limit, none in braking.

@@ -5,7 +5,7 @@ use super::traction::{anchored, has_room_ahead, or_else, why_not_anchored};
 use super::{Quantity, ground};
 use crate::describe::Info;
 use crate::lane::Lane;
-use crate::physics::{Point, Status};
+use crate::{Point, Status};
 
 /// Share of a stroke that the anchors lose by sliding back in one phase.
 pub struct SlipRatio;

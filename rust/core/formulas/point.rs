@@ -48,6 +48,12 @@ macro_rules! point {
         }
 
         impl<T: Copy> Point<T> {
+            /// Makes a point from another, column by column.
+            #[inline(always)]
+            pub fn map<V>(&self, mut f: impl FnMut(usize, T) -> V) -> Point<V> {
+                Point { $($field: f(ParamId::$id.$column(), self.$field)),+ }
+            }
+
             /// Makes a point from two others, column by column.
             #[inline(always)]
             pub fn zip<U: Copy, V>(

@@ -17,6 +17,7 @@ pub use optimum::*;
 pub use pipe::*;
 pub use slip::*;
 
+use super::params::used_by;
 use super::{Point, Status};
 use crate::describe::Info;
 use crate::lane::Lane;
@@ -24,6 +25,9 @@ use crate::lane::Lane;
 /// A closed form over the parameters of a point.
 pub trait Quantity: 'static {
     const INFO: Info;
+    /// One bit per parameter that enters. Worked out here once per quantity: a kernel's own
+    /// constant would be, for each of its variants.
+    const USED: u128 = used_by(Self::INFO.params);
 
     /// NaN exactly where there is no value.
     ///

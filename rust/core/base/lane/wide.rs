@@ -8,7 +8,7 @@ use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdMask, f64x8, u
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A [`Lane`] that can be loaded from and stored to memory.
-pub trait Pack: Lane {
+pub trait Pack: Lane + 'static {
     type Token: Simd;
     const LANES: usize;
     fn splat(token: Self::Token, value: f64) -> Self;

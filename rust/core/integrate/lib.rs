@@ -8,7 +8,7 @@
 pub mod bristle;
 pub mod dormand_prince;
 pub mod exact;
-mod ground;
+pub mod ground;
 pub mod replay;
 pub mod robot;
 pub mod runge_kutta;
@@ -19,10 +19,12 @@ mod tally;
 
 pub use tally::{Tally, Watch};
 
-use crate::lane::Lane;
-use crate::physics::drive::Clock;
-use crate::physics::friction::MOST_STATES;
-use crate::physics::segment::Segment;
+use lane::Lane;
+use locosweep_base::{error, lane};
+use locosweep_physics as physics;
+use physics::drive::Clock;
+use physics::friction::MOST_STATES;
+use physics::segment::Segment;
 
 /// Where a trajectory is.
 #[derive(Clone, Copy)]

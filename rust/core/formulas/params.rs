@@ -345,3 +345,36 @@ impl ParamId {
         2 * self as usize + 1
     }
 }
+
+/// One bit per parameter named.
+pub const fn used_by(params: &[&str]) -> u128 {
+    let (mut bits, mut i) = (0, 0);
+    while i < params.len() {
+        let (mut k, mut found) = (0, false);
+        while k < PARAMS.len() {
+            if same(params[i], PARAMS[k].name) {
+                bits |= 1 << k;
+                found = true;
+            }
+            k += 1;
+        }
+        assert!(found, "a quantity names a parameter that is not in the registry");
+        i += 1;
+    }
+    bits
+}
+
+const fn same(a: &str, b: &str) -> bool {
+    let (a, b) = (a.as_bytes(), b.as_bytes());
+    if a.len() != b.len() {
+        return false;
+    }
+    let mut i = 0;
+    while i < a.len() {
+        if a[i] != b[i] {
+            return false;
+        }
+        i += 1;
+    }
+    true
+}

@@ -7,7 +7,7 @@ use super::{Quantity, ground};
 use crate::describe::Info;
 use crate::lane::Lane;
 use crate::lane::exp::speed_factor;
-use crate::physics::{Point, Status};
+use crate::{Point, Status};
 
 /// Acceleration of the moving segments.
 pub struct Acceleration;
@@ -287,7 +287,7 @@ impl Quantity for TimeConstant {
 mod tests {
     use super::super::traction::limited;
     use super::*;
-    use crate::physics::ParamId::*;
+    use crate::ParamId::*;
 
     #[test]
     fn force_per_mass_is_the_propulsive_force() {

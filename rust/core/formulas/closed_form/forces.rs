@@ -4,7 +4,7 @@ use super::traction::{anchored, has_room_ahead, or_else, why_not_anchored};
 use super::{Quantity, anchors, ground};
 use crate::describe::Info;
 use crate::lane::Lane;
-use crate::physics::{Point, Status};
+use crate::{Point, Status};
 
 /// Gross force that all anchors together hold.
 pub struct AnchorCapacity;
@@ -272,7 +272,7 @@ impl Quantity for AnchorSafety {
 mod tests {
     use super::super::traction::limited;
     use super::*;
-    use crate::physics::ParamId::*;
+    use crate::ParamId::*;
 
     #[test]
     fn share_per_mass_and_total_force_agree() {

@@ -1,0 +1,171 @@
+//! Replays of packs of columns (candidates, perturbed parameters, restarts), a column
+//! per lane.
+
+use crate::integrate::replay::{Samples, body, head, sensed};
+use crate::lane::{Level, Pack, Task, run};
+use crate::physics::effects::{Active, EFFECT_PARAMS, Nominal, Plant};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A measured run: drive samples, and the slope where it differs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// Seconds since the first sample, rising from 0.
+    pub times: Vec<f64>,
+    pub drive: Vec<f64>,
+    pub slope_deg: f64,
+}
+
+/// One trajectory: a run, a set of effects and their parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    pub run: usize,
+    /// First sample and one beyond the last: a window.
+    pub window: (usize, usize),
+    pub active: Active,
+    /// Parameters of all effects, in the order of the registry.
+    pub values: [f64; EFFECT_PARAMS],
+    /// Factors on nominal mass, Coulomb level and gain, and the clock offset, s.
+    pub shares: [f64; 4],
+    /// Position and speed at the window's start.
+    pub start: (f64, f64),
+}
+
+/// Readings of one column: x, v, x_rear, force.
+pub type Part<'a> = [&'a mut [f64]; 4];
+
+/// Replays a group at a level.
+#[inline(never)]
+pub fn replay_pack(level: Level, group: Group) {
+    run(level, group);
+}
+
+/// Columns that one task takes: the widest pack.
+pub const PACK: usize = 16;
+
+/// Columns that share run, window and effects, at most `PACK` of them.
+pub struct Group<'a, 'b, 'c> {
+    pub nominal: &'a Nominal,
+    pub runs: &'a [Run],
+    pub intervals: &'a [f64],
+    pub group: &'b mut [(&'a Column, Part<'c>)],
+    pub cancel: &'a AtomicBool,
+    pub scratch: &'b mut Scratch,
+}
+
+/// Readings of one pack, a sample after another, kept from group to group.
+#[derive(Default)]
+pub struct Scratch {
+    /// x, v and force of all lanes.
+    head: Vec<f64>,
+    rear: Vec<f64>,
+    /// What the position sensor reads.
+    seen: Vec<f64>,
+}
+
+/// Every `stride`th of `from`.
+#[inline(always)]
+fn spread(from: &[f64], stride: usize, to: &mut [f64]) {
+    for (to, from) in to.iter_mut().zip(from.iter().step_by(stride)) {
+        *to = *from;
+    }
+}
+
+/// Samples that go to the columns at a time.
+const TILE: usize = 32;
+
+impl Task for Group<'_, '_, '_> {
+    type Output = ();
+    const SCALAR_BASELINE: bool = true;
+
+    #[inline(always)]
+    fn run<P: Pack>(self, token: P::Token) {
+        let Group { nominal, runs, intervals, group, cancel, scratch } = self;
+        let go_on = || !cancel.load(Ordering::Relaxed);
+        let like = P::splat(token, 0.0);
+        for part in group.chunks_mut(P::LANES) {
+            let first = part[0].0;
+            let run = &runs[first.run];
+            let (from, to) = first.window;
+            // A pack that is not full repeats its last column.
+            let column = |lane: usize| part[lane.min(part.len() - 1)].0;
+            let values = std::array::from_fn(|k| like.fill(|lane| column(lane).values[k]));
+            let shares: [P; 4] = std::array::from_fn(|k| like.fill(|lane| column(lane).shares[k]));
+            let start =
+                (like.fill(|lane| column(lane).start.0), like.fill(|lane| column(lane).start.1));
+            let interval = intervals[first.run];
+            let window = (from, to);
+            let samples = Samples { times: &run.times, drive: &run.drive, window, interval };
+            let count = to - from;
+            let [mass, level, gain, clock] = shares;
+            let shares = ([mass, level, gain], clock);
+            let plant = like.apart(
+                #[inline(always)]
+                || Plant::new(nominal, run.slope_deg, first.active, &values, shares),
+            );
+            let Scratch { head: motion, rear, seen } = &mut *scratch;
+            let (own, all) = (P::LANES, 3 * P::LANES);
+            // What a cancelled run leaves out is 0, not another column's.
+            motion.clear();
+            motion.resize(count * all, 0.0);
+            seen.resize(seen.len().max(count * own), 0.0);
+            head(
+                &plant,
+                samples,
+                start,
+                go_on,
+                #[inline(always)]
+                |i, reading| {
+                    let to = &mut motion[i * all..(i + 1) * all];
+                    reading.x.store(&mut to[..own]);
+                    reading.v.store(&mut to[own..2 * own]);
+                    reading.force.store(&mut to[2 * own..]);
+                },
+            );
+            let slides = plant.body.is_some();
+            if let Some(anchored) = &plant.body {
+                rear.clear();
+                rear.resize(count * own, 0.0);
+                body(
+                    &plant,
+                    anchored,
+                    samples,
+                    #[inline(always)]
+                    |i: usize| P::load(token, &motion[i * all + 2 * own..]),
+                    go_on,
+                    #[inline(always)]
+                    |i, x: P| x.store(&mut rear[i * own..]),
+                );
+            }
+            for i in 0..count {
+                let x = sensed(
+                    &plant,
+                    samples,
+                    i,
+                    #[inline(always)]
+                    |i: usize| {
+                        let at = &motion[i * all..];
+                        (P::load(token, at), P::load(token, &at[own..]))
+                    },
+                );
+                x.store(&mut seen[i * own..]);
+            }
+            // Tile by tile, so that what is read for one lane is at hand for the next.
+            for first in (0..count).step_by(TILE) {
+                let last = (first + TILE).min(count);
+                for (lane, (_, [x, v, x_rear, force])) in part.iter_mut().enumerate() {
+                    let moved = &motion[first * all + lane..last * all];
+                    spread(&seen[first * own + lane..last * own], own, &mut x[first..last]);
+                    spread(&moved[own..], all, &mut v[first..last]);
+                    spread(&moved[2 * own..], all, &mut force[first..last]);
+                    if slides {
+                        spread(
+                            &rear[first * own + lane..last * own],
+                            own,
+                            &mut x_rear[first..last],
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
