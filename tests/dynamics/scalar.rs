@@ -3,7 +3,7 @@
 use super::*;
 use locosweep::integrate::bristle::{self, BristleContact, Rosenbrock};
 use locosweep::integrate::dormand_prince::DormandPrince;
-use locosweep::integrate::exact::Exact;
+use locosweep::integrate::exact::{self, Exact};
 use locosweep::integrate::ground::{self, DryContact};
 use locosweep::integrate::runge_kutta::RungeKutta;
 use locosweep::integrate::smooth::{self, Ahead, Steps};
@@ -26,7 +26,10 @@ fn dry<Q: Dry>(segment: &Segment<f64>, values: &Values, method: &str) -> Tally<f
     let bound = ground::Bound::<Q, f64>(Q::set(&segment.contact, values));
     let contact: &dyn DryContact<f64> = &bound;
     match method {
-        "exact" => end(segment, Exact { segment, contact, go_on }),
+        "exact" => {
+            let contact = &exact::Bound::<Q, f64>(Q::set(&segment.contact, values));
+            end(segment, Exact { segment, contact, go_on })
+        }
         "dormand_prince" => end(segment, DormandPrince::new(segment, &bound, (true, true), go_on)),
         "dormand_prince_fixed" => {
             end(segment, DormandPrince::new(segment, &bound, (false, true), go_on))

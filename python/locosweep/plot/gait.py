@@ -53,7 +53,8 @@ def space_time(run: GaitRun, ax: Axes) -> Axes:
     Examples
     --------
     >>> import locosweep as ls
-    >>>     >>> from locosweep.plot.gait import space_time
+    >>> from matplotlib.figure import Figure
+    >>> from locosweep.plot.gait import space_time
     >>> run = ls.run_gait("single", segments=3, mu_static=0.5, mu_coulomb=0.3,
     ...                   drive_limit=0.85, break_away=0, cycles=1)
     >>> space_time(run, Figure().subplots()).get_xlabel()

@@ -256,34 +256,40 @@ impl<'a> Columns<'a> {
         start: usize,
         len: usize,
     ) -> Reader<'a, P, VARY> {
-        let Found { columns, masks } = self.find(used, start);
         let is_used = |c: usize| used >> (c / 2) & 1 == 1;
-        let wide = columns.map(
+        if VARY == Vary::ANY {
+            let Found { columns: wide, masks } = self.find(used, start);
+            let constant = wide.map(
+                #[inline(always)]
+                |_, _| P::splat(token, f64::NAN),
+            );
+            return Reader { token, used, wide, constant, masks };
+        }
+        let wide = Point::gather(
             #[inline(always)]
-            |c, column| {
+            |c| {
                 if !is_used(c) || !is_wide(VARY, c) {
-                    &[][..]
-                } else if VARY == Vary::ANY {
-                    column
-                } else {
-                    // One length for all: bounds are checked here, not per pack.
-                    &column[..len + P::LANES]
+                    return &[][..];
                 }
+                // One length for all: bounds are checked here, not per pack.
+                &self.column(c, start).0[..len + P::LANES]
             },
         );
-        let constant = columns.map(
+        // Looked up in place: numbers that came from a call are taken apart into scalars,
+        // or lose that both halves of a pack are the same.
+        let constant = Point::gather(
             #[inline(always)]
-            |c, column| {
+            |c| {
                 let known = is_used(c) && !is_wide(VARY, c);
                 // Unused columns are NaN, which lets the compiler drop them.
-                P::splat(token, if known { column[0] } else { f64::NAN })
+                P::splat(token, if known { self.column(c, start).0[0] } else { f64::NAN })
             },
         );
-        Reader { token, used, wide, constant, masks }
+        Reader { token, used, wide, constant, masks: [0; COLUMNS] }
     }
 
-    /// Where the used columns lie. Looked up by a call: written out, the look-ups would be
-    /// half of many a kernel.
+    /// Where the used columns lie, for kernels that take any column cell by cell. Looked
+    /// up by a call: written out, the look-ups would be half of many a kernel.
     #[inline(never)]
     fn find(&self, used: u128, start: usize) -> Found<'a> {
         let mut masks = [0; COLUMNS];

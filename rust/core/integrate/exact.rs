@@ -7,15 +7,14 @@
 //! missed. With y = b t/m, v = v0 e^-y + (f t/m) E1(y) and
 //! x = x0 + v0 t E1(y) + (f t^2/m) E2(y), smooth at b = 0.
 
-use super::ground::DryContact;
 use super::{Advance, MOST_STEPS, State, Tally};
 use crate::lane::Lane;
 use crate::lane::exp::motion_factors;
 use crate::lane::log::ln_1p;
-use crate::physics::friction::Place;
+use crate::physics::friction::{Dry, Place};
 use crate::physics::segment::Segment;
 
-pub struct Exact<'a, 'b, C: ?Sized, L, F> {
+pub struct Exact<'a, 'b, C, L, F> {
     pub segment: &'b Segment<'a, L>,
     pub contact: &'b C,
     /// Whether to go on; asked once in a while.
@@ -58,7 +57,7 @@ impl<L: Lane> Leg<L> {
     }
 }
 
-impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> Advance<L> for Exact<'_, '_, C, L, F> {
+impl<C: LinearContact<L>, L: Lane, F: FnMut() -> bool> Advance<L> for Exact<'_, '_, C, L, F> {
     #[inline(always)]
     fn advance(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) -> bool {
         let mut count = 0;
@@ -66,7 +65,7 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> Advance<L> for Exac
             let end = self.segment.drive.piece_end(state.clock.piece);
             let active = state.t.lt(until);
             let to = end.min(until);
-            self.piece(state, tally, to);
+            self.contact.piece(self.segment, state, tally, to);
             let over = L::and(active, end.le(to));
             self.segment.drive.turn_over(&mut state.clock, end, over);
             count += 1;
@@ -87,20 +86,19 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> Advance<L> for Exac
     }
 }
 
-impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> Exact<'_, '_, C, L, F> {
-    /// Direction in which a force moves what is at rest, 0 if friction holds it.
-    #[inline(always)]
-    fn release(&self, push: L, drive: L, x: L, t: L) -> L {
-        let way = push.sign();
-        let place = Place { way, x, swept: x.with(0.0), drive, t };
-        let holds = self.contact.linear_holds(&place);
-        L::select(holds.lt(push.abs()), way, x.with(0.0))
-    }
-
+/// A linear law with its coefficients, as the integrator meets it: a piece at a time.
+/// Not behind `dyn`: a piece is too short to hide a call.
+pub trait LinearContact<L: Lane> {
     /// To time `to` within one piece.
+    fn piece(&self, segment: &Segment<L>, state: &mut State<L>, tally: &mut Tally<L>, to: L);
+}
+
+/// The coefficients of law `Q`.
+pub struct Bound<Q: Dry, L: Lane>(pub Q::Set<L>);
+
+impl<Q: Dry, L: Lane> LinearContact<L> for Bound<Q, L> {
     #[inline(always)]
-    fn piece(&mut self, state: &mut State<L>, tally: &mut Tally<L>, to: L) {
-        let segment = self.segment;
+    fn piece(&self, segment: &Segment<L>, state: &mut State<L>, tally: &mut Tally<L>, to: L) {
         let zero = state.t.with(0.0);
         let dt = (to - state.t).max(zero);
         let t = dt.mul_add(zero.with(0.5), state.t);
@@ -115,7 +113,7 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> Exact<'_, '_, C, L,
         }
         let moving = zero.lt(way.abs());
         let place = Place { way, x: state.x, swept: zero, drive, t };
-        let (level, viscous) = self.contact.linear(&place);
+        let (level, viscous) = Q::linear(&self.0, &place);
         let rate = viscous * segment.per_mass;
         // At rest friction balances the push, whatever it is.
         let pull = L::select(moving, (push - way * level) * segment.per_mass, zero);
@@ -127,7 +125,7 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> Exact<'_, '_, C, L,
             let turn = Turn { turned, way, leg, v, path, drive, level };
             return zero.apart(
                 #[inline(always)]
-                || self.turn(state, tally, to, turn),
+                || self.turn(segment, state, tally, to, turn),
             );
         }
         let rested = L::select(moving, zero, dt);
@@ -138,11 +136,29 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> Exact<'_, '_, C, L,
         state.t = L::select(zero.lt(dt), to, state.t);
         state.way = way;
     }
+}
+
+impl<Q: Dry, L: Lane> Bound<Q, L> {
+    /// Direction in which a force moves what is at rest, 0 if friction holds it.
+    #[inline(always)]
+    fn release(&self, push: L, drive: L, x: L, t: L) -> L {
+        let way = push.sign();
+        let place = Place { way, x, swept: x.with(0.0), drive, t };
+        let (level, _) = Q::linear(&self.0, &place);
+        let holds = Q::holding(&self.0, &place).max(level);
+        L::select(holds.lt(push.abs()), way, x.with(0.0))
+    }
 
     /// The same where some lanes stop on the way.
     #[inline(always)]
-    fn turn(&mut self, state: &mut State<L>, tally: &mut Tally<L>, to: L, turn: Turn<L>) {
-        let segment = self.segment;
+    fn turn(
+        &self,
+        segment: &Segment<L>,
+        state: &mut State<L>,
+        tally: &mut Tally<L>,
+        to: L,
+        turn: Turn<L>,
+    ) {
         let zero = state.t.with(0.0);
         let one = zero.with(1.0);
         let Turn { turned, way, leg, v, path, drive, level } = turn;
@@ -166,7 +182,7 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> Exact<'_, '_, C, L,
         let rest = leg.dt - used;
         let t = rest.mul_add(zero.with(0.5), state.t);
         let back = Place { way: released, x: state.x, swept: zero, drive, t };
-        let (level, viscous) = self.contact.linear(&back);
+        let (level, viscous) = Q::linear(&self.0, &back);
         let pull = (push - released * level) * segment.per_mass;
         let goes = L::and(turned, zero.lt(released.abs()));
         let second = Leg::new(L::select(goes, rest, zero), pull, viscous * segment.per_mass);

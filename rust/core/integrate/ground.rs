@@ -20,12 +20,6 @@ pub trait DryContact<L: Lane> {
     /// Force that friction would have to hold at rest, and by how much it
     /// exceeds what it can.
     fn excess(&self, segment: &Segment<L>, state: &State<L>, t: L) -> (L, L);
-
-    /// See `Dry::linear`.
-    fn linear(&self, place: &Place<L>) -> (L, L);
-
-    /// What holds a linear law at rest.
-    fn linear_holds(&self, place: &Place<L>) -> L;
 }
 
 /// The same for methods that take plain numbers stage by stage.
@@ -154,22 +148,6 @@ impl<Q: Dry, L: Lane> DryContact<L> for Bound<Q, L> {
         t.apart(
             #[inline(always)]
             || self.excess_here(segment, state, t),
-        )
-    }
-
-    #[inline(always)]
-    fn linear(&self, place: &Place<L>) -> (L, L) {
-        place.x.apart(
-            #[inline(always)]
-            || Q::linear(&self.0, place),
-        )
-    }
-
-    #[inline(always)]
-    fn linear_holds(&self, place: &Place<L>) -> L {
-        place.x.apart(
-            #[inline(always)]
-            || Q::holding(&self.0, place).max(Q::linear(&self.0, place).0),
         )
     }
 }

@@ -2,7 +2,7 @@
 //! read at every sample, a trajectory per lane.
 
 use super::bristle::{self, Rosenbrock};
-use super::exact::Exact;
+use super::exact::{self, Exact};
 use super::ground::Bound;
 use super::runge_kutta::RungeKutta;
 use super::settle::Cubic;
@@ -160,7 +160,7 @@ pub fn head<L: Lane>(
         let method = Rosenbrock::new(&segment, &contact, true, go_on);
         over_samples(plant, &segment, method, |_, _| {}, &mut state, &mut tally, samples, read);
     } else if plant.is_linear() {
-        let contact = Bound::<Measured, L>(set);
+        let contact = exact::Bound::<Measured, L>(set);
         let method = Exact { segment: &segment, contact: &contact, go_on };
         over_samples(plant, &segment, method, |_, _| {}, &mut state, &mut tally, samples, read);
     } else {
@@ -234,7 +234,7 @@ pub fn body<L: Lane>(
     friction.per_stribeck = zero.with(1e30);
     friction.exponent = zero.with(1.0);
     let back = Path { gain: -plant.path.gain, ..plant.path };
-    let friction = Bound::<Measured, L>(friction);
+    let friction = exact::Bound::<Measured, L>(friction);
     let mut own = segment(plant, &back, samples, (zero, zero));
     own.mass = body.mass;
     own.per_mass = zero.with(1.0) / body.mass;

@@ -4,7 +4,7 @@
 use super::packs::{Cells, Stretch, Visit, each_pack};
 use super::scalar;
 use crate::integrate::bristle::{self, BristleContact, Rosenbrock};
-use crate::integrate::exact::Exact;
+use crate::integrate::exact::{self, Exact};
 use crate::integrate::ground::{self, DryContact};
 use crate::integrate::runge_kutta::RungeKutta;
 use crate::integrate::smooth::{self, Ahead, SmoothContact, Steps};
@@ -101,40 +101,49 @@ impl<Q: Dry> Task for DryRuns<'_, Q> {
 
     #[inline(always)]
     fn run<P: Pack>(self, token: P::Token) {
-        dry_runs(token, self.stretch, |segment: &Segment<P>, cells, then| {
-            let set = segment.mass.apart(
+        if const { Q::LINEAR } && self.stretch.simulation.method == Method::Exact {
+            // A piece is too short to hide a call.
+            let Stretch { watch, cancel, .. } = self.stretch;
+            let go_on = || !cancel.load(Ordering::Relaxed);
+            each_pack::<P>(
+                token,
+                self.stretch,
                 #[inline(always)]
-                || Q::set(&segment.contact, cells),
+                |cells, segment, visit| {
+                    let contact = &exact::Bound::<Q, P>(Q::set(&segment.contact, cells));
+                    visit.drive(Exact { segment, contact, go_on }, watch)
+                },
             );
-            then(&ground::Bound::<Q, P>(set));
-        });
+        } else {
+            dry_runs(token, self.stretch, |segment: &Segment<P>, cells, then| {
+                then(&ground::Bound::<Q, P>(coefficients::<Q, P>(segment, cells)));
+            });
+        }
     }
+}
+
+#[inline(always)]
+fn coefficients<Q: Law, P: Pack>(segment: &Segment<P>, cells: &Cells<P>) -> Q::Set<P> {
+    segment.mass.apart(
+        #[inline(always)]
+        || Q::set(&segment.contact, cells),
+    )
 }
 
 fn dry_runs<P: Pack>(token: P::Token, stretch: Stretch, bind: Bind<P, dyn DryContact<P>>) {
     let Stretch { simulation, watch, cancel, .. } = stretch;
     let go_on = || !cancel.load(Ordering::Relaxed);
     let locate = simulation.locate;
-    if simulation.method == Method::Exact {
-        each_bound(
-            token,
-            stretch,
-            bind,
-            #[inline(always)]
-            |contact, segment, visit| visit.drive(Exact { segment, contact, go_on }, watch),
-        );
-    } else {
-        each_bound(
-            token,
-            stretch,
-            bind,
-            #[inline(always)]
-            |contact, segment, visit| {
-                let step = segment.step;
-                visit.drive(RungeKutta { segment, contact, locate, step, go_on }, watch)
-            },
-        );
-    }
+    each_bound(
+        token,
+        stretch,
+        bind,
+        #[inline(always)]
+        |contact, segment, visit| {
+            let step = segment.step;
+            visit.drive(RungeKutta { segment, contact, locate, step, go_on }, watch)
+        },
+    );
 }
 
 struct SmoothRuns<'a, Q> {
@@ -150,11 +159,7 @@ impl<Q: Smooth> Task for SmoothRuns<'_, Q> {
     #[inline(always)]
     fn run<P: Pack>(self, token: P::Token) {
         smooth_runs(token, self.stretch, |segment: &Segment<P>, cells, then| {
-            let set = segment.mass.apart(
-                #[inline(always)]
-                || Q::set(&segment.contact, cells),
-            );
-            then(&smooth::Bound::<Q, P>(set));
+            then(&smooth::Bound::<Q, P>(coefficients::<Q, P>(segment, cells)));
         });
     }
 }
@@ -188,11 +193,7 @@ impl<Q: Bristle> Task for BristleRuns<'_, Q> {
     #[inline(always)]
     fn run<P: Pack>(self, token: P::Token) {
         bristle_runs(token, self.stretch, |segment: &Segment<P>, cells, then| {
-            let set = segment.mass.apart(
-                #[inline(always)]
-                || Q::set(&segment.contact, cells),
-            );
-            then(&bristle::Bound::<Q, P>(set));
+            then(&bristle::Bound::<Q, P>(coefficients::<Q, P>(segment, cells)));
         });
     }
 }

@@ -289,7 +289,7 @@ ELSEWHERE = {
     # Mass and damping of a fitted motion.
     "diagnosis/estimate/motion.py": {"payload_mass", "viscous_friction", "back_emf"},
     # Ripples are tried over many lengths.
-    "diagnosis/select/search.py": {"position_dependent_friction"},
+    "diagnosis/select/extension.py": {"position_dependent_friction"},
     # Play and spring with a rigid joint are one; the shortest delay a force sensor sees.
     "validation/sizes.py": {"transmission_backlash", "transmission_compliance"},
     "validation/cases.py": {
