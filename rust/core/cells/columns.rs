@@ -234,15 +234,10 @@ impl<'a> Columns<'a> {
         }
     }
 
-    #[inline(never)]
-    fn called(&self, column: usize, start: usize) -> (&'a [f64], bool) {
-        self.column(column, start)
-    }
-
-    /// A pack of one column from cell `start` on. Looked up by a call, as in `find`.
+    /// A pack of one column from cell `start` on.
     #[inline(always)]
     pub fn load<P: Pack>(&self, token: P::Token, column: usize, start: usize) -> P {
-        let (numbers, runs) = self.called(column, start);
+        let (numbers, runs) = self.column(column, start);
         if runs { P::load(token, numbers) } else { P::splat(token, numbers[0]) }
     }
 
