@@ -82,8 +82,8 @@ impl Task for MultiplyAdds {
 
     #[inline(always)]
     fn run<P: Pack>(self, token: P::Token) -> f64 {
-        let (a, b) = (P::splat(token, black_box(0.999)), P::splat(token, black_box(0.001)));
-        let mut chains = [P::splat(token, black_box(1.0)); Self::CHAINS];
+        let (a, b) = (P::broadcast(token, black_box(0.999)), P::broadcast(token, black_box(0.001)));
+        let mut chains = [P::broadcast(token, black_box(1.0)); Self::CHAINS];
         // A pack is 8 to 32 lanes wide: the same work whatever the level.
         for _ in 0..self.rounds * Self::LANES / P::LANES {
             for chain in &mut chains {

@@ -23,7 +23,7 @@ RUST_ORDER = [
     {"integrate"},
     {"simulate"},
     {"sweep"},
-    {"fit"},
+    {"friction_fit"},
 ]
 # What a record of a parameter refuses with is an error, and an error says a name's neighbour.
 RUST_CIRCLES = {
@@ -84,7 +84,7 @@ def crates() -> dict[str, tuple[Path, dict[str, Any]]]:
     """Folder and manifest of every crate of the core."""
     found = {path.parent.name: path for path in CORE.glob("*/Cargo.toml")}
     manifests = {name: (path.parent, path) for name, path in found.items()}
-    manifests["fit"] = (CORE / "fit", ROOT / "Cargo.toml")
+    manifests["friction_fit"] = (CORE / "friction_fit", ROOT / "Cargo.toml")
     return {n: (folder, tomllib.loads(p.read_text())) for n, (folder, p) in manifests.items()}
 
 
@@ -347,7 +347,7 @@ def test_nothing_is_executed_from_data() -> None:
 
 @pytest.mark.parametrize(
     ("crate", "used"),
-    [("base", "physics"), ("physics", "sweep"), ("cells", "physics"), ("sweep", "fit")],
+    [("base", "physics"), ("physics", "sweep"), ("cells", "physics"), ("sweep", "friction_fit")],
 )
 def test_planted_arrows_between_crates_are_found(crate: str, used: str) -> None:
     assert crate_faults({crate: {used}}) == [f"{crate} uses {used}"]

@@ -1,4 +1,4 @@
-//! The single way into Rust for calls that can last: releases the GIL, keeps
+//! The single entry to Rust for calls that can last: releases the GIL, keeps
 //! Ctrl-C and progress alive, turns errors and panics into exceptions.
 
 use locosweep::Error;

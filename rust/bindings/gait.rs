@@ -5,7 +5,8 @@ use crate::sweep::CancelToken;
 use crate::tables::Parameter;
 use locosweep::Error;
 use locosweep::integrate::robot::{
-    GAIT_OUTPUTS, GAIT_PARAMS, GaitTally, GivenRun, Now, Observer, PerPart, Plan, Trace, simulate,
+    GAIT_OUTPUTS, GAIT_PARAMS, GaitTally, Now, Observer, PerPart, Plan, RunParameters, Trace,
+    simulate,
 };
 use locosweep::physics::gait::{GAITS, Gait};
 use locosweep::sweep::Control;
@@ -122,7 +123,7 @@ pub struct GaitResult {
     status: u8,
     /// Name and value, in the order of `gait_outputs`.
     results: Vec<(&'static str, f64)>,
-    /// Way that each segment slides backward per cycle, m.
+    /// Distance that each segment slides backward per cycle, m.
     slip: Py<PyArray1<f64>>,
     t: Py<PyArray1<f64>>,
     phase: Py<PyArray1<i64>>,
@@ -149,7 +150,7 @@ pub fn gait_run(
     token: Option<&CancelToken>,
 ) -> PyResult<GaitResult> {
     let given = Gait::parse(gait)
-        .and_then(|gait| Ok((gait, GivenRun::new(&parameters, &per_segment, &per_joint)?)));
+        .and_then(|gait| Ok((gait, RunParameters::new(&parameters, &per_segment, &per_joint)?)));
     let (gait, run) = given.map_err(|error| raise(py, error))?;
     let control = token.map_or_else(Default::default, CancelToken::control);
     let every = trace_every.filter(|every| *every > 0.0).unwrap_or(NEVER);

@@ -3,7 +3,7 @@
 mod arrays;
 mod door;
 mod effects;
-mod fit;
+mod friction_fit;
 mod gait;
 mod reality;
 mod replay;
@@ -17,7 +17,7 @@ mod _core {
     #[pymodule_export]
     use super::effects::{EffectFit, EffectRecord, EffectShape, effect_parameter_count, effects};
     #[pymodule_export]
-    use super::fit::{
+    use super::friction_fit::{
         FrictionCandidate, FrictionData, FrictionOutcome, FrictionParameter, derivative,
         imposed_force, noise, pressings, rank_fits, spikes,
     };

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use reality::{Effect, FORMS, Job, Readings, Rig, SOURCE, Samples, run_all};
 use std::collections::{BTreeMap, HashMap};
 
-type GivenRun<'py> = (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>, f64);
+type RunParameters<'py> = (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>, f64);
 type GivenEffect = (String, String, BTreeMap<String, f64>);
 type GivenJob = (usize, HashMap<String, f64>, Vec<GivenEffect>, (f64, f64), f64, u64);
 
@@ -56,7 +56,7 @@ fn rig(py: Python<'_>, given: &HashMap<String, f64>) -> PyResult<Rig> {
 #[allow(clippy::type_complexity)]
 pub fn reality_run<'py>(
     py: Python<'py>,
-    runs: Vec<GivenRun<'py>>,
+    runs: Vec<RunParameters<'py>>,
     jobs: Vec<GivenJob>,
     threads: usize,
     token: Option<&CancelToken>,

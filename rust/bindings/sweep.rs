@@ -163,8 +163,9 @@ impl Sweep {
         let control = token.map_or_else(Default::default, CancelToken::control);
         let total = self.job.cells() as u64;
         let work = || trace(&self.job, &stations, options, &control);
-        let Traces { x, v, force, way } = enter(py, &control, total, progress.as_ref(), work)?;
-        Ok([x, v, force, way].map(|field| field.into_pyarray(py)))
+        let Traces { x, v, force, direction } =
+            enter(py, &control, total, progress.as_ref(), work)?;
+        Ok([x, v, force, direction].map(|field| field.into_pyarray(py)))
     }
 
     /// Bytes needed beside the results.

@@ -5,7 +5,7 @@ use locosweep::describe::Param;
 use locosweep::integrate::Method;
 use locosweep::lane::Level;
 use locosweep::physics::drive::DriveKind;
-use locosweep::physics::friction::{LAWS, LawEntry, Place, Values};
+use locosweep::physics::friction::{ContactState, LAWS, LawEntry, Values};
 use locosweep::physics::params::{FILE_CHOICES, FILE_KEYS};
 use locosweep::physics::{PARAMS, ParamId, Status};
 use locosweep::sweep::{Entry, QUANTITIES, Reduce};
@@ -205,7 +205,7 @@ pub fn characteristic<'py>(
         let values = Values::named(&given)?;
         law.check(&values)?;
         let at = |v: &f64| match *v {
-            0.0 => (law.holding)(&values, &Place::start(1.0)),
+            0.0 => (law.break_away)(&values, &ContactState::start(1.0)),
             v => (law.steady)(&values, v),
         };
         Ok(speeds.as_array().iter().map(at).collect::<Vec<_>>())

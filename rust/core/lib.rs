@@ -4,7 +4,7 @@
 //! compiler holds all kernels at once. This one gathers them under one name and adds
 //! the fits, the highest layer.
 
-pub mod fit;
+pub mod friction_fit;
 
 pub use locosweep_base::{Error, Result, describe, error, lane};
 pub use locosweep_formulas::for_each_quantity;

@@ -35,8 +35,8 @@ pub fn run_all(
             let Some(job) = jobs.get(i) else { return };
             let samples = &runs[job.run];
             let readings = simulate(&job.rig, &job.effects, samples, job.start, job.step, job.seed);
-            if let Ok(mut place) = found[i].lock() {
-                *place = Some(readings);
+            if let Ok(mut slot) = found[i].lock() {
+                *slot = Some(readings);
             }
             done.fetch_add(1, Ordering::Relaxed);
         }
@@ -47,5 +47,5 @@ pub fn run_all(
         }
         work();
     });
-    found.into_iter().map(|place| place.into_inner().unwrap_or(None)).collect()
+    found.into_iter().map(|slot| slot.into_inner().unwrap_or(None)).collect()
 }

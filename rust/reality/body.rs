@@ -7,7 +7,7 @@ use crate::rig::Rig;
 pub struct Body {
     mass: f64,
     pull: f64,
-    holding: f64,
+    break_away: f64,
     coulomb: f64,
     /// Speed over which grip falls to its sliding level; 0 for at once.
     v0: f64,
@@ -33,7 +33,7 @@ impl Body {
         Some(Body {
             mass,
             pull: mass * rig.gravity * alpha.sin(),
-            holding: (mu_static * normal).max(mu_coulomb * normal),
+            break_away: (mu_static * normal).max(mu_coulomb * normal),
             coulomb: mu_coulomb * normal,
             v0,
         })
@@ -43,7 +43,7 @@ impl Body {
         if self.v0 == 0.0 {
             return self.coulomb;
         }
-        self.coulomb + (self.holding - self.coulomb) * (-speed / self.v0).exp()
+        self.coulomb + (self.break_away - self.coulomb) * (-speed / self.v0).exp()
     }
 
     /// Moves for `dt` under the reaction to a drive force.
@@ -51,12 +51,12 @@ impl Body {
         let push = -drive - self.pull;
         let mut left = dt;
         while left > 0.0 {
-            if state.v == 0.0 && push.abs() <= self.holding {
+            if state.v == 0.0 && push.abs() <= self.break_away {
                 return;
             }
-            let way = if state.v == 0.0 { push.signum() } else { state.v.signum() };
-            let a = (push - way * self.level(state.v.abs())) / self.mass;
-            let stops = if way * a < 0.0 { -state.v / a } else { f64::INFINITY };
+            let direction = if state.v == 0.0 { push.signum() } else { state.v.signum() };
+            let a = (push - direction * self.level(state.v.abs())) / self.mass;
+            let stops = if direction * a < 0.0 { -state.v / a } else { f64::INFINITY };
             let step = left.min(stops);
             state.x += step * (state.v + 0.5 * a * step);
             state.v = if stops <= left { 0.0 } else { state.v + a * step };

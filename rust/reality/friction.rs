@@ -14,9 +14,9 @@ pub struct Ground {
 
 /// Where and how the head moves.
 #[derive(Debug, Clone, Copy)]
-pub struct Place {
+pub struct ContactState {
     /// Way of the motion, or of the push on a head at rest.
-    pub way: f64,
+    pub direction: f64,
     /// Along `way`, never negative.
     pub speed: f64,
     pub x: f64,
@@ -28,17 +28,17 @@ pub struct Place {
 }
 
 /// `coulomb` is the level at the run's own slope and mass.
-fn dry(effects: &[Effect], ground: &Ground, coulomb: f64, place: &Place) -> f64 {
+fn dry(effects: &[Effect], ground: &Ground, coulomb: f64, contact: &ContactState) -> f64 {
     let reference = ground.reference;
     let side = |forward: f64, backward: f64| {
-        (if place.way < 0.0 { backward } else { forward }) - reference
+        (if contact.direction < 0.0 { backward } else { forward }) - reference
     };
     let mut level = coulomb;
     for effect in effects {
         level += match *effect {
             Effect::Direction { forward, backward } => side(forward, backward),
             Effect::DirectionFading { forward, backward, v0 } => {
-                side(forward, backward) * -(-place.speed / v0).exp_m1()
+                side(forward, backward) * -(-contact.speed / v0).exp_m1()
             }
             _ => 0.0,
         };
@@ -47,19 +47,19 @@ fn dry(effects: &[Effect], ground: &Ground, coulomb: f64, place: &Place) -> f64 
     for effect in effects {
         level *= match *effect {
             Effect::Position { a, length, phase } => {
-                1.0 + a * (std::f64::consts::TAU * place.x / length + phase).sin()
+                1.0 + a * (std::f64::consts::TAU * contact.x / length + phase).sin()
             }
             Effect::PositionBump { a, at, width } => {
-                1.0 + a * (-((place.x - at) / width).powi(2)).exp()
+                1.0 + a * (-((contact.x - at) / width).powi(2)).exp()
             }
             Effect::PositionStep { a, at, width } => {
-                1.0 + 0.5 * a * (1.0 + ((place.x - at) / width).tanh())
+                1.0 + 0.5 * a * (1.0 + ((contact.x - at) / width).tanh())
             }
-            Effect::Drift { a, time } => 1.0 - a * (-place.t / time).exp_m1(),
-            Effect::DriftLinear { a, time } => 1.0 + a * place.t / time,
-            Effect::DriftLate { a, time, width } => 1.0 + a * late(place.t, time, width),
+            Effect::Drift { a, time } => 1.0 - a * (-contact.t / time).exp_m1(),
+            Effect::DriftLinear { a, time } => 1.0 + a * contact.t / time,
+            Effect::DriftLate { a, time, width } => 1.0 + a * late(contact.t, time, width),
             Effect::Vibration { a, frequency } => {
-                1.0 + a * (std::f64::consts::TAU * frequency * place.t).sin()
+                1.0 + a * (std::f64::consts::TAU * frequency * contact.t).sin()
             }
             _ => 1.0,
         };
@@ -95,15 +95,15 @@ fn fall(effects: &[Effect], ground: &Ground, speed: f64) -> f64 {
     more
 }
 
-fn heap(effects: &[Effect], place: &Place) -> f64 {
-    if place.way <= 0.0 {
+fn heap(effects: &[Effect], contact: &ContactState) -> f64 {
+    if contact.direction <= 0.0 {
         return 0.0;
     }
     let mut more = 0.0;
     for effect in effects {
         more += match *effect {
-            Effect::Buildup { k_b } => k_b * place.swept,
-            Effect::BuildupLevelling { k_b, s0 } => -k_b * s0 * (-place.swept / s0).exp_m1(),
+            Effect::Buildup { k_b } => k_b * contact.swept,
+            Effect::BuildupLevelling { k_b, s0 } => -k_b * s0 * (-contact.swept / s0).exp_m1(),
             _ => 0.0,
         };
     }
@@ -125,14 +125,19 @@ fn smooth(effects: &[Effect], ground: &Ground, speed: f64) -> f64 {
 }
 
 /// What resists at a place: of a head at rest, what has to be exceeded.
-pub fn resistance(effects: &[Effect], ground: &Ground, coulomb: f64, place: &Place) -> f64 {
-    steady(effects, ground, coulomb, place) + smooth(effects, ground, place.speed)
+pub fn resistance(
+    effects: &[Effect],
+    ground: &Ground,
+    coulomb: f64,
+    contact: &ContactState,
+) -> f64 {
+    steady(effects, ground, coulomb, contact) + smooth(effects, ground, contact.speed)
 }
 
 /// The part that a bristle carries.
-fn steady(effects: &[Effect], ground: &Ground, coulomb: f64, place: &Place) -> f64 {
-    let level = dry(effects, ground, coulomb, place) + load(effects, place.drive);
-    level + fall(effects, ground, place.speed) + heap(effects, place)
+fn steady(effects: &[Effect], ground: &Ground, coulomb: f64, contact: &ContactState) -> f64 {
+    let level = dry(effects, ground, coulomb, contact) + load(effects, contact.drive);
+    level + fall(effects, ground, contact.speed) + heap(effects, contact)
 }
 
 /// A contact that gives way before it slides.
@@ -152,8 +157,8 @@ impl Bristle {
         })
     }
 
-    pub fn level(effects: &[Effect], ground: &Ground, coulomb: f64, place: &Place) -> f64 {
-        steady(effects, ground, coulomb, place).max(1e-9)
+    pub fn level(effects: &[Effect], ground: &Ground, coulomb: f64, contact: &ContactState) -> f64 {
+        steady(effects, ground, coulomb, contact).max(1e-9)
     }
 
     /// Deflection after `dt` at a speed, exact for a speed that stays.

@@ -4,7 +4,7 @@
 use crate::disturbances::{self, Drawn};
 use crate::drive;
 use crate::effects::{Effect, first};
-use crate::friction::{self, Bristle, Ground, Place};
+use crate::friction::{self, Bristle, ContactState, Ground};
 use crate::rig::Rig;
 use crate::transmission::Joint;
 
@@ -14,7 +14,7 @@ pub struct State {
     pub x: f64,
     pub v: f64,
     /// 0 at rest.
-    way: f64,
+    direction: f64,
     /// Where the head last rested or turned.
     origin: f64,
     bristle: f64,
@@ -158,7 +158,7 @@ impl<'a> Head<'a> {
         State {
             x,
             v,
-            way: if v == 0.0 { 0.0 } else { v.signum() },
+            direction: if v == 0.0 { 0.0 } else { v.signum() },
             origin: x,
             lag: [told; 2],
             open,
@@ -232,10 +232,10 @@ impl<'a> Head<'a> {
         level.max(0.0)
     }
 
-    fn place(&self, state: &State, way: f64, handed: f64) -> Place {
-        Place {
-            way,
-            speed: (way * state.v).max(0.0),
+    fn contact(&self, state: &State, direction: f64, handed: f64) -> ContactState {
+        ContactState {
+            direction,
+            speed: (direction * state.v).max(0.0),
             x: state.x,
             t: state.t,
             swept: (state.x - state.origin).max(0.0),
@@ -244,8 +244,8 @@ impl<'a> Head<'a> {
     }
 
     fn bristle_level(&self, state: &State, handed: f64, share: f64) -> f64 {
-        let place = self.place(state, state.way, handed);
-        Bristle::level(self.effects, &self.ground, self.coulomb(state, share), &place)
+        let contact = self.contact(state, state.direction, handed);
+        Bristle::level(self.effects, &self.ground, self.coulomb(state, share), &contact)
     }
 
     fn rates(&self, state: &State, command: f64, slides: bool) -> Rates {
@@ -259,9 +259,10 @@ impl<'a> Head<'a> {
                 bristle.force(state.bristle, state.v, level)
                     + friction::smooth_force(self.effects, &self.ground, state.v)
             } else {
-                let place = self.place(state, state.way, handed);
+                let contact = self.contact(state, state.direction, handed);
                 let coulomb = self.coulomb(state, share);
-                state.way * friction::resistance(self.effects, &self.ground, coulomb, &place)
+                state.direction
+                    * friction::resistance(self.effects, &self.ground, coulomb, &contact)
             };
             v = (self.push(state, handed, share) - friction) / (self.inertia * share);
         }
@@ -322,18 +323,19 @@ impl<'a> Head<'a> {
         let (_, handed) = self.drive(state, command);
         let share = disturbances::mass_share(self.effects, state.t);
         let push = self.push(state, handed, share);
-        let place = Place { swept: 0.0, speed: 0.0, ..self.place(state, push.signum(), handed) };
+        let contact =
+            ContactState { swept: 0.0, speed: 0.0, ..self.contact(state, push.signum(), handed) };
         let coulomb = self.coulomb(state, share);
-        (push, push.abs() - friction::resistance(self.effects, &self.ground, coulomb, &place))
+        (push, push.abs() - friction::resistance(self.effects, &self.ground, coulomb, &contact))
     }
 
     fn step(&self, state: &mut State, command: f64, dt: f64) {
         if self.bristle.is_some() {
             let moved = self.moved(state, command, dt, true);
-            let turned = moved.v.signum() != state.way;
+            let turned = moved.v.signum() != state.direction;
             *state = moved;
             if turned {
-                (state.way, state.origin) = (moved.v.signum(), moved.x);
+                (state.direction, state.origin) = (moved.v.signum(), moved.x);
             }
             return;
         }
@@ -342,10 +344,10 @@ impl<'a> Head<'a> {
             if left <= 0.0 {
                 return;
             }
-            if state.way == 0.0 {
+            if state.direction == 0.0 {
                 let (push, before) = self.excess(state, command);
                 if before > 0.0 {
-                    state.way = push.signum();
+                    state.direction = push.signum();
                     continue;
                 }
                 let held = self.moved(state, command, left, false);
@@ -356,28 +358,28 @@ impl<'a> Head<'a> {
                 }
                 let share = before / (before - after);
                 *state = self.moved(state, command, share * left, false);
-                state.way = push.signum();
+                state.direction = push.signum();
                 left *= 1.0 - share;
                 continue;
             }
             let moved = self.moved(state, command, left, true);
-            if state.way * moved.v > 0.0 {
+            if state.direction * moved.v > 0.0 {
                 *state = moved;
                 return;
             }
             if state.v == 0.0 {
                 // Let go, and held again at once.
-                state.way = 0.0;
+                state.direction = 0.0;
                 break;
             }
             let share = state.v / (state.v - moved.v);
             *state = self.moved(state, command, share * left, true);
-            (state.v, state.way, state.origin) = (0.0, 0.0, state.x);
+            (state.v, state.direction, state.origin) = (0.0, 0.0, state.x);
             left *= 1.0 - share;
         }
-        let way = state.way;
+        let direction = state.direction;
         *state = self.moved(state, command, left, false);
-        state.way = if state.v == 0.0 { 0.0 } else { way };
+        state.direction = if state.v == 0.0 { 0.0 } else { direction };
     }
 
     /// Moves until an instant; `each` sees the state and the length of each step.

@@ -51,8 +51,8 @@ impl Joint {
         if depth <= 0.0 {
             return 0.0;
         }
-        let way = stretch.signum();
-        way * (self.k * depth + self.d * way * rate).max(0.0)
+        let direction = stretch.signum();
+        direction * (self.k * depth + self.d * direction * rate).max(0.0)
     }
 
     /// Stretch of a spring that carries a force at rest; a play starts in its middle.

@@ -132,7 +132,7 @@ fn nothing_along_the_way_is_stepped_over() {
     let away = free.with(&[("patch_start", 50.0)]);
     let [met, missed] = [&patch, &away].map(|case| case.get(&["dissipated", "final_position"]));
     let level = missed[0] / (missed[1] - 0.01);
-    // The patch counts as so much more way.
+    // The patch counts as so much more distance.
     near(met[0] / level - (met[1] - 0.01), (1.6 - 1.0) * 2e-3, 0.05);
 }
 

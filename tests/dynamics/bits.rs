@@ -99,8 +99,8 @@ fn any_order_of_axes_gives_the_same_bits() {
             let sizes = axes.each_ref().map(|(_, values)| values.len());
             for (k, name) in outputs().iter().enumerate() {
                 let what = format!("{law} {name} in order {order:?}");
-                for (place, value) in expected[k].iter().enumerate() {
-                    let (row, rest) = (place / sizes[2], place % sizes[2]);
+                for (at, value) in expected[k].iter().enumerate() {
+                    let (row, rest) = (at / sizes[2], at % sizes[2]);
                     let index = [row / sizes[1], row % sizes[1], rest];
                     let there = order.iter().fold(0, |n, i| n * sizes[*i] + index[*i]);
                     same(&[got[k][there]], &[*value], &what);
@@ -171,8 +171,8 @@ fn reductions_of_trajectories() {
                         axis[along.iter().position(|v| *v <= least + tie).unwrap()]
                     }
                     _ => {
-                        let place = (sorted.len() - 1) as f64 * 0.5;
-                        let (i, share) = (place.floor() as usize, place.fract());
+                        let at = (sorted.len() - 1) as f64 * 0.5;
+                        let (i, share) = (at.floor() as usize, at.fract());
                         let next = sorted[(i + 1).min(sorted.len() - 1)];
                         sorted[i] + (next - sorted[i]) * share
                     }

@@ -125,7 +125,7 @@ fn reductions_of_robots() {
     let (best, _) = results(&job, options(2, 64));
     for (along, best) in dense.chunks(counts.len()).zip(&best[0]) {
         let most = along.iter().copied().filter(|v| !v.is_nan()).fold(f64::MIN, f64::max);
-        let place = counts.iter().position(|n| n == best).unwrap();
-        assert!(along[place] >= most * (1.0 - 1e-12), "{along:?}: {best}");
+        let at = counts.iter().position(|n| n == best).unwrap();
+        assert!(along[at] >= most * (1.0 - 1e-12), "{along:?}: {best}");
     }
 }

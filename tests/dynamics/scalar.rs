@@ -3,8 +3,8 @@
 use super::*;
 use locosweep::integrate::bristle::{self, BristleContact, Rosenbrock};
 use locosweep::integrate::dormand_prince::DormandPrince;
+use locosweep::integrate::dry_contact::{self, DryContact};
 use locosweep::integrate::exact::{self, Exact};
-use locosweep::integrate::ground::{self, DryContact};
 use locosweep::integrate::runge_kutta::RungeKutta;
 use locosweep::integrate::smooth::{self, Ahead, Steps};
 use locosweep::integrate::{Advance, Tally, Watch, drive};
@@ -23,11 +23,11 @@ fn end(segment: &Segment<f64>, method: impl Advance<f64>) -> Tally<f64> {
 }
 
 fn dry<Q: Dry>(segment: &Segment<f64>, values: &Values, method: &str) -> Tally<f64> {
-    let bound = ground::Bound::<Q, f64>(Q::set(&segment.contact, values));
+    let bound = dry_contact::Bound::<Q, f64>(Q::coefficients(&segment.contact, values));
     let contact: &dyn DryContact<f64> = &bound;
     match method {
         "exact" => {
-            let contact = &exact::Bound::<Q, f64>(Q::set(&segment.contact, values));
+            let contact = &exact::Bound::<Q, f64>(Q::coefficients(&segment.contact, values));
             end(segment, Exact { segment, contact, go_on })
         }
         "dormand_prince" => end(segment, DormandPrince::new(segment, &bound, (true, true), go_on)),
@@ -45,12 +45,12 @@ fn smooth<Q: Smooth>(segment: &Segment<f64>, values: &Values, method: &str) -> T
     if method != "runge_kutta" {
         return bristle::<Stiff<Q>>(segment, values, method);
     }
-    let contact = smooth::Bound::<Q, f64>(Q::set(&segment.contact, values));
+    let contact = smooth::Bound::<Q, f64>(Q::coefficients(&segment.contact, values));
     end(segment, Steps::new(segment, &contact, true, Ahead(&[]), go_on))
 }
 
 fn bristle<Q: Bristle>(segment: &Segment<f64>, values: &Values, method: &str) -> Tally<f64> {
-    let bound = bristle::Bound::<Q, f64>(Q::set(&segment.contact, values));
+    let bound = bristle::Bound::<Q, f64>(Q::coefficients(&segment.contact, values));
     let contact: &dyn BristleContact<f64> = &bound;
     end(segment, Rosenbrock::new(segment, contact, method == "rosenbrock", go_on))
 }

@@ -29,7 +29,7 @@ fn stations_on_the_way_change_what_a_step_does() {
         let allowed = match case.choice.method.as_deref() {
             Some("exact") => 1e-14,
             Some("dormand_prince" | "dormand_prince_fixed") => 0.0,
-            // Its friction jumps along the way, wherever the steps fall.
+            // Its friction jumps along the direction, wherever the steps fall.
             Some("runge_kutta") if case.choice.law == "patch" => 2e-5,
             Some("runge_kutta") => 2e-7,
             Some("rosenbrock") => 2e-6,
@@ -46,12 +46,12 @@ fn stations_on_the_way_change_what_a_step_does() {
         }
         let dry = LawEntry::parse(&case.choice.law).unwrap().kind == Kind::Dry;
         for i in 0..44 {
-            let (v, way, force) = (all.v[i], all.way[i], all.force[i]);
+            let (v, direction, force) = (all.v[i], all.direction[i], all.force[i]);
             assert!(force.abs() <= 1.6, "{} {force}", case.name());
-            assert!([-1.0, 0.0, 1.0].contains(&way), "{} {way}", case.name());
-            assert!(way * v >= 0.0, "{} {way} {v}", case.name());
+            assert!([-1.0, 0.0, 1.0].contains(&direction), "{} {direction}", case.name());
+            assert!(direction * v >= 0.0, "{} {direction} {v}", case.name());
             // Friction of a dry law holds or not; the others always slide.
-            assert!(!dry || way != 0.0 || v == 0.0, "{} creeps at {v}", case.name());
+            assert!(!dry || direction != 0.0 || v == 0.0, "{} creeps at {v}", case.name());
         }
     }
 }

@@ -15,7 +15,7 @@ use std::marker::PhantomData;
 #[derive(Debug, Clone, Copy)]
 struct Ask<L> {
     speed: L,
-    place: Place<L>,
+    contact_state: ContactState<L>,
     states: [L; MOST_STATES],
 }
 
@@ -23,7 +23,7 @@ const OUTPUTS: usize = 36;
 
 /// All functions of a law at once, on any lanes.
 trait Probe {
-    fn outputs<L: Lane>(given: &impl Given<L>, ask: &Ask<L>) -> [L; OUTPUTS];
+    fn outputs<L: Lane>(params: &impl Parameters<L>, ask: &Ask<L>) -> [L; OUTPUTS];
 }
 
 struct OfDry<D>(PhantomData<D>);
@@ -32,13 +32,13 @@ struct OfBristle<B>(PhantomData<B>);
 
 impl<D: Dry> Probe for OfDry<D> {
     #[inline(always)]
-    fn outputs<L: Lane>(given: &impl Given<L>, ask: &Ask<L>) -> [L; OUTPUTS] {
-        let set = D::set(&Contact::of(given), given);
-        let mut all = [ask.speed.with(0.0); OUTPUTS];
-        all[0] = D::resistance(&set, ask.speed, &ask.place);
-        all[1] = D::holding(&set, &ask.place);
+    fn outputs<L: Lane>(params: &impl Parameters<L>, ask: &Ask<L>) -> [L; OUTPUTS] {
+        let law = D::coefficients(&Contact::of(params), params);
+        let mut all = [ask.speed.splat(0.0); OUTPUTS];
+        all[0] = D::resistance(&law, ask.speed, &ask.contact_state);
+        all[1] = D::break_away(&law, &ask.contact_state);
         if D::LINEAR {
-            (all[2], all[3]) = D::linear(&set, &ask.place);
+            (all[2], all[3]) = D::linear(&law, &ask.contact_state);
         }
         all
     }
@@ -46,26 +46,26 @@ impl<D: Dry> Probe for OfDry<D> {
 
 impl<S: Smooth> Probe for OfSmooth<S> {
     #[inline(always)]
-    fn outputs<L: Lane>(given: &impl Given<L>, ask: &Ask<L>) -> [L; OUTPUTS] {
-        let set = S::set(&Contact::of(given), given);
-        let mut all = [ask.speed.with(0.0); OUTPUTS];
-        all[0] = S::force(&set, ask.speed);
+    fn outputs<L: Lane>(params: &impl Parameters<L>, ask: &Ask<L>) -> [L; OUTPUTS] {
+        let law = S::coefficients(&Contact::of(params), params);
+        let mut all = [ask.speed.splat(0.0); OUTPUTS];
+        all[0] = S::force(&law, ask.speed);
         all
     }
 }
 
 impl<B: Bristle> Probe for OfBristle<B> {
     #[inline(always)]
-    fn outputs<L: Lane>(given: &impl Given<L>, ask: &Ask<L>) -> [L; OUTPUTS] {
-        let set = B::set(&Contact::of(given), given);
-        let zero = ask.speed.with(0.0);
-        let rates = B::rates(&set, ask.speed, &ask.states);
-        let partials = B::partials(&set, ask.speed, &ask.states);
+    fn outputs<L: Lane>(params: &impl Parameters<L>, ask: &Ask<L>) -> [L; OUTPUTS] {
+        let law = B::coefficients(&Contact::of(params), params);
+        let zero = ask.speed.splat(0.0);
+        let rates = B::rates(&law, ask.speed, &ask.states);
+        let partials = B::partials(&law, ask.speed, &ask.states);
         let mut all = [zero; OUTPUTS];
-        all[0] = B::force(&set, ask.speed, &ask.states, &rates);
-        all[1] = B::stored(&set, &ask.states);
+        all[0] = B::force(&law, ask.speed, &ask.states, &rates);
+        all[1] = B::stored(&law, &ask.states);
         all[2] = partials.force_v;
-        let steady = B::steady(&set, ask.speed);
+        let steady = B::steady(&law, ask.speed);
         for i in 0..B::STATES {
             all[4 + i] = rates[i];
             all[8 + i] = steady[i];
@@ -92,7 +92,7 @@ struct Lanes<'a, P> {
     cases: &'a [Case],
 }
 
-impl<P: Pack> Given<P> for Lanes<'_, P> {
+impl<P: Pack> Parameters<P> for Lanes<'_, P> {
     #[inline(always)]
     fn get(&self, id: ParamId) -> P {
         self.like.fill(|i| self.cases[i].values.get(id))
@@ -114,17 +114,17 @@ impl<T: Probe> Task for Wide<'_, T> {
 
     #[inline(always)]
     fn run<P: Pack>(self, token: P::Token) {
-        let like = P::splat(token, 0.0);
+        let like = P::broadcast(token, 0.0);
         for cases in self.cases.chunks_exact(P::LANES) {
             let lanes = |f: &dyn Fn(&Ask<f64>) -> f64| like.fill(|i| f(&cases[i].ask));
             let ask = Ask {
                 speed: lanes(&|ask| ask.speed),
-                place: Place {
-                    way: lanes(&|ask| ask.place.way),
-                    x: lanes(&|ask| ask.place.x),
-                    swept: lanes(&|ask| ask.place.swept),
-                    drive: lanes(&|ask| ask.place.drive),
-                    t: lanes(&|ask| ask.place.t),
+                contact_state: ContactState {
+                    direction: lanes(&|ask| ask.contact_state.direction),
+                    x: lanes(&|ask| ask.contact_state.x),
+                    sliding_distance: lanes(&|ask| ask.contact_state.sliding_distance),
+                    drive: lanes(&|ask| ask.contact_state.drive),
+                    t: lanes(&|ask| ask.contact_state.t),
                 },
                 states: [0, 1, 2, 3].map(|k| lanes(&|ask| ask.states[k])),
             };
@@ -213,10 +213,10 @@ impl Random {
         let speed = self.log(1e-5, 3.0) * self.sign();
         Ask {
             speed,
-            place: Place {
-                way: speed.signum(),
+            contact_state: ContactState {
+                direction: speed.signum(),
                 x: 0.2 * (self.unit() - 0.3),
-                swept: 0.1 * self.unit(),
+                sliding_distance: 0.1 * self.unit(),
                 drive: 10.0 * (self.unit() - 0.5),
                 t: 0.0,
             },
@@ -227,7 +227,7 @@ impl Random {
     fn usual_case(&mut self, law: &LawEntry) -> Case {
         let values = Values::of(&self.values(Random::usual));
         let contact = Contact::of(&values);
-        let mut ask = self.ask(contact.holding / values.get(ParamId::BristleStiffness));
+        let mut ask = self.ask(contact.break_away / values.get(ParamId::BristleStiffness));
         if law.kind == Kind::Dry {
             ask.speed = ask.speed.abs();
         }

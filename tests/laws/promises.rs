@@ -26,18 +26,21 @@ fn records_are_complete() {
 }
 
 #[test]
-fn worked_numbers() {
+fn reference_values() {
     for law in LAWS {
-        let Worked { given, speed, at, states, force, digits } = law.info.worked;
+        let ReferenceValue { parameters, speed, at, states, force, digits } = law.info.reference;
         let name = law.info.name;
-        assert!(force != 0.0, "{name} has no worked number");
-        let values = Values::named(given).unwrap();
+        assert!(force != 0.0, "{name} has no reference value");
+        let values = Values::named(parameters).unwrap();
         law.check(&values).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let way = if speed < 0.0 { -1.0 } else { 1.0 };
-        let place = Place { way, x: at.0, swept: at.1, drive: at.2, t: 0.0 };
+        let direction = if speed < 0.0 { -1.0 } else { 1.0 };
+        let contact_state =
+            ContactState { direction, x: at.0, sliding_distance: at.1, drive: at.2, t: 0.0 };
         let got = match law.kind {
-            Kind::Dry => way * (law.resistance)(&values, speed.abs(), &place, &states),
-            _ => (law.resistance)(&values, speed, &place, &states),
+            Kind::Dry => {
+                direction * (law.resistance)(&values, speed.abs(), &contact_state, &states)
+            }
+            _ => (law.resistance)(&values, speed, &contact_state, &states),
         };
         let error = (got / force - 1.0).abs();
         assert!(error <= digits, "{name}: {got:.17} and not {force:.17}");
@@ -73,7 +76,7 @@ fn every_named_parameter_counts_and_no_other() {
 fn friction_never_drives() {
     let mut random = Random(5);
     for law in laws() {
-        let LawEntry { info: LawInfo { name, .. }, resistance, steady, holding, .. } = law.entry;
+        let LawEntry { info: LawInfo { name, .. }, resistance, steady, break_away, .. } = law.entry;
         for _ in 0..3000 {
             let mut case = random.usual_case(law.entry);
             let v = case.ask.speed;
@@ -81,7 +84,7 @@ fn friction_never_drives() {
                 case.values = Values::of(&random.values(Random::hostile));
             }
             let Case { values, ask } = &case;
-            let force = resistance(values, v, &ask.place, &ask.states);
+            let force = resistance(values, v, &ask.contact_state, &ask.states);
             if law.entry.kind != Kind::Bristle {
                 assert!(force * v >= 0.0, "{name}: {force} at {v}");
             }
@@ -89,13 +92,13 @@ fn friction_never_drives() {
                 assert!(steady(values, v) * v >= 0.0, "{name}: {} at {v}", steady(values, v));
             }
             if law.entry.kind == Kind::Smooth {
-                let back = resistance(values, -v, &ask.place, &ask.states);
+                let back = resistance(values, -v, &ask.contact_state, &ask.states);
                 assert_eq!(back, -force, "{name} is not odd at {v}");
-                assert_eq!(resistance(values, 0.0, &ask.place, &ask.states), 0.0, "{name}");
+                assert_eq!(resistance(values, 0.0, &ask.contact_state, &ask.states), 0.0, "{name}");
             }
-            for way in [1.0, -1.0] {
-                let place = Place { way, ..ask.place };
-                assert!(holding(values, &place) >= 0.0, "{name}");
+            for direction in [1.0, -1.0] {
+                let contact_state = ContactState { direction, ..ask.contact_state };
+                assert!(break_away(values, &contact_state) >= 0.0, "{name}");
             }
         }
     }
@@ -114,8 +117,8 @@ fn all_numbers_stay_finite() {
                 (1, _) => 0.0,
                 _ => ask.speed,
             };
-            ask.place.x *= [1.0, 1e6][k % 2];
-            ask.place.swept *= [1.0, -1e-3, 1e6][k % 3];
+            ask.contact_state.x *= [1.0, 1e6][k % 2];
+            ask.contact_state.sliding_distance *= [1.0, -1e-3, 1e6][k % 3];
             let case = Case { values: Values::of(&values), ask };
             // At rest bristles have no steady state.
             let skip = if ask.speed == 0.0 { 8..12 } else { 0..0 };
@@ -166,7 +169,7 @@ fn linear_laws_are_linear() {
     for law in laws().iter().filter(|law| law.entry.linear) {
         for _ in 0..500 {
             let mut case = random.usual_case(law.entry);
-            case.ask.place.way = random.sign();
+            case.ask.contact_state.direction = random.sign();
             let [force, _, level, viscous, ..] = (law.outputs)(&case);
             let line = viscous.mul_add(case.ask.speed, level);
             assert_eq!(force, line, "{}", law.entry.info.name);
@@ -185,9 +188,10 @@ fn holding_meets_the_start_of_sliding() {
                 values[ParamId::MuStatic as usize].1 = values[ParamId::MuCoulomb as usize].1;
             }
             let values = Values::of(&values);
-            let place = Place { way: random.sign(), ..random.ask(0.0).place };
-            let start = (law.resistance)(&values, 0.0, &place, &[0.0; MOST_STATES]);
-            assert_eq!((law.holding)(&values, &place), start, "{}", law.info.name);
+            let contact_state =
+                ContactState { direction: random.sign(), ..random.ask(0.0).contact_state };
+            let start = (law.resistance)(&values, 0.0, &contact_state, &[0.0; MOST_STATES]);
+            assert_eq!((law.break_away)(&values, &contact_state), start, "{}", law.info.name);
         }
     }
 }
@@ -213,7 +217,7 @@ fn partials_match_central_differences() {
                 let size = if by == 0 { case.ask.speed } else { case.ask.states[by - 1] };
                 let step = 1e-5 * size.abs();
                 let (low, high) = (at(-step), at(step));
-                // Total force, then each rate: place of the value, of its derivative.
+                // Total force, then each rate: index of the value, of its derivative.
                 let force = (0, if by == 0 { 2 } else { 15 + by });
                 let rates = (0..law.entry.states)
                     .map(|i| (4 + i, if by == 0 { 12 + i } else { 20 + 4 * i + by - 1 }));

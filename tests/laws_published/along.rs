@@ -4,7 +4,7 @@ use super::*;
 
 /// Friction along the track, at no viscous part.
 fn along(name: &str, values: &Values, x: f64) -> f64 {
-    (law(name).resistance)(values, 1.0, &Place { x, ..Place::start(1.0) }, &NONE)
+    (law(name).resistance)(values, 1.0, &ContactState { x, ..ContactState::start(1.0) }, &NONE)
 }
 
 #[test]
@@ -34,7 +34,7 @@ fn spline_of_the_track_is_smooth_periodic_and_never_negative() {
             close(next, here, 1e-12);
         }
     }
-    // Just below zero the place rounds to the end of the track.
+    // Just below zero the position rounds to the end of the track.
     close(along("track", &values, -1e-300), ratios[0], 1e-14);
     let spike = track([0.0, 0.0, 0.0, 9.0, 0.0, 0.0]);
     for k in 0..1000 {

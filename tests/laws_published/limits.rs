@@ -30,11 +30,12 @@ fn laws_without_their_term_are_simpler_laws() {
     ];
     for (name, given, simpler) in cases {
         let values = contact(9.81, given);
-        for way in [1.0, -1.0] {
-            let place = Place { way, x: 0.37, swept: 0.2, drive: 4.0, t: 0.0 };
+        for direction in [1.0, -1.0] {
+            let contact_state =
+                ContactState { direction, x: 0.37, sliding_distance: 0.2, drive: 4.0, t: 0.0 };
             for speed in [0.0, 1e-4, 0.03, 2.0] {
-                let [got, expected] =
-                    [name, simpler].map(|n| (law(n).resistance)(&values, speed, &place, &NONE));
+                let [got, expected] = [name, simpler]
+                    .map(|n| (law(n).resistance)(&values, speed, &contact_state, &NONE));
                 assert_eq!(got.to_bits(), expected.to_bits(), "{name} and {simpler} at {speed}");
             }
         }
@@ -77,7 +78,7 @@ fn limits_between_laws() {
     }
     // Equal levels and no damping: LuGre is Dahl's curve with exponent 1.
     let plain = contact(10.0, &[("mu_static", 0.5), ("mu_coulomb", 0.5), ("bristle_damping", 0.0)]);
-    let (lugre, dahl) = (set::<Lugre>(&plain), set::<Dahl>(&plain));
+    let (lugre, dahl) = (coefficients::<Lugre>(&plain), coefficients::<Dahl>(&plain));
     for z in [-4e-5, -1e-6, 0.0, 3e-5, 4.9e-5] {
         for v in [-0.3, 0.01] {
             let z = [z, 0.0, 0.0, 0.0];
@@ -87,38 +88,38 @@ fn limits_between_laws() {
     }
     for law in LAWS.iter().filter(|law| law.kind == Kind::Bristle) {
         let mu = if law.uses(ParamId::MuStatic) { 0.8 } else { 0.5 };
-        close((law.holding)(&values, &Place::start(-1.0)), 10.0 * mu, 1e-9);
+        close((law.break_away)(&values, &ContactState::start(-1.0)), 10.0 * mu, 1e-9);
     }
 }
 
 #[test]
 fn elasto_plastic_bristles_do_not_slide_below_their_share() {
     let values = standard(&[("elastic_share", 0.7)]);
-    let set = set::<ElastoPlastic>(&values);
+    let law = coefficients::<ElastoPlastic>(&values);
     // 0.7 F_C/sigma_0 is 7 um; g at rest 15 um.
     for v in [-1e-3, 1e-6, 0.2] {
         for um in [-6.9, -1.0, 0.0, 5.0, 6.9] {
             let z = [um * 1e-6, 0.0, 0.0, 0.0];
-            assert_eq!(ElastoPlastic::rates(&set, v, &z)[0], v);
+            assert_eq!(ElastoPlastic::rates(&law, v, &z)[0], v);
         }
         let back = [-v.signum() * 14e-6, 0.0, 0.0, 0.0];
-        assert_eq!(ElastoPlastic::rates(&set, v, &back)[0], v);
+        assert_eq!(ElastoPlastic::rates(&law, v, &back)[0], v);
         let beyond = [v.signum() * 20e-6, 0.0, 0.0, 0.0];
-        assert!(ElastoPlastic::rates(&set, v, &beyond)[0] / v < 0.0);
+        assert!(ElastoPlastic::rates(&law, v, &beyond)[0] / v < 0.0);
     }
 }
 
 #[test]
 fn gonthier_breaks_away_at_what_it_dwelled_for() {
-    let set = set::<Gonthier>(&standard(&[("viscous", 0.0), ("dwell_time", 2.0)]));
+    let law = coefficients::<Gonthier>(&standard(&[("viscous", 0.0), ("dwell_time", 2.0)]));
     for (dwell, level) in [(0.0, 1.0), (0.5, 1.25), (1.0, 1.5)] {
         let z = [1.0, dwell, 0.0, 0.0];
-        let rates = Gonthier::rates(&set, 1e-9, &z);
-        close(Gonthier::force(&set, 1e-9, &z, &rates), level, 1e-9);
+        let rates = Gonthier::rates(&law, 1e-9, &z);
+        close(Gonthier::force(&law, 1e-9, &z, &rates), level, 1e-9);
         assert!((rates[1] - (1.0 - dwell) / 2.0).abs() < 1e-8);
     }
     // Sliding forgets at the relaxation time of the bristles.
-    let rates = Gonthier::rates(&set, 0.1, &[1e-5, 1.0, 0.0, 0.0]);
+    let rates = Gonthier::rates(&law, 0.1, &[1e-5, 1.0, 0.0, 0.0]);
     close(rates[1], -(1e5 / 316.227_766_016_837_94), 1e-12);
 }
 
@@ -127,8 +128,12 @@ fn directional_skin_holds_both_ways() {
     let given = [("mu_static", 0.5), ("mu_coulomb", 0.25), ("skin_ratio", 3.0), ("viscous", 2.0)];
     let values = contact(8.0, &given);
     let skin = law("directional");
-    for (way, holds, slides) in [(1.0, 4.0, 2.2), (-1.0, 12.0, 6.2)] {
-        assert_eq!((skin.holding)(&values, &Place::start(way)), holds);
-        close((skin.resistance)(&values, 0.1, &Place::start(way), &NONE), slides, 1e-15);
+    for (direction, holds, slides) in [(1.0, 4.0, 2.2), (-1.0, 12.0, 6.2)] {
+        assert_eq!((skin.break_away)(&values, &ContactState::start(direction)), holds);
+        close(
+            (skin.resistance)(&values, 0.1, &ContactState::start(direction), &NONE),
+            slides,
+            1e-15,
+        );
     }
 }

@@ -23,7 +23,7 @@ fn law(name: &str) -> &'static LawEntry {
 
 /// Resistance at the origin.
 fn force(name: &str, values: &Values, v: f64) -> f64 {
-    (law(name).resistance)(values, v, &Place::start(v.signum()), &NONE)
+    (law(name).resistance)(values, v, &ContactState::start(v.signum()), &NONE)
 }
 
 fn steady(name: &str, values: &Values, v: f64) -> f64 {
@@ -36,14 +36,14 @@ fn close(got: f64, expected: f64, relative: f64) {
     assert!(error <= relative * expected.abs(), "{got:.12} and not {expected:.12}");
 }
 
-fn set<B: Bristle>(values: &Values) -> B::Set<f64> {
-    B::set(&Contact::of(values), values)
+fn coefficients<B: Bristle>(values: &Values) -> B::Coefficients<f64> {
+    B::coefficients(&Contact::of(values), values)
 }
 
 /// Force and work after moving slowly through `turns` from `z`: Runge-Kutta
 /// along the path, where only the direction of the speed counts.
 struct Path<B: Bristle> {
-    set: B::Set<f64>,
+    law: B::Coefficients<f64>,
     x: f64,
     z: States,
     work: f64,
@@ -51,26 +51,26 @@ struct Path<B: Bristle> {
 
 impl<B: Bristle> Path<B> {
     fn start(values: &Values) -> Self {
-        Path { set: set::<B>(values), x: 0.0, z: NONE, work: 0.0 }
+        Path { law: coefficients::<B>(values), x: 0.0, z: NONE, work: 0.0 }
     }
 
-    fn slope(&self, way: f64, z: &States) -> (States, f64) {
-        let v = way * 1e-12;
-        let rates = B::rates(&self.set, v, z);
-        (rates.map(|rate| rate / v), B::force(&self.set, 0.0, z, &NONE))
+    fn slope(&self, direction: f64, z: &States) -> (States, f64) {
+        let v = direction * 1e-12;
+        let rates = B::rates(&self.law, v, z);
+        (rates.map(|rate| rate / v), B::force(&self.law, 0.0, z, &NONE))
     }
 
     fn to(&mut self, x: f64, steps: usize) -> f64 {
         let step = (x - self.x) / steps as f64;
-        let way = step.signum();
+        let direction = step.signum();
         for _ in 0..steps {
             let along = |k: &(States, f64), share: f64| {
                 std::array::from_fn(|i| self.z[i] + share * step * k.0[i])
             };
-            let a = self.slope(way, &self.z);
-            let b = self.slope(way, &along(&a, 0.5));
-            let c = self.slope(way, &along(&b, 0.5));
-            let d = self.slope(way, &along(&c, 1.0));
+            let a = self.slope(direction, &self.z);
+            let b = self.slope(direction, &along(&a, 0.5));
+            let c = self.slope(direction, &along(&b, 0.5));
+            let d = self.slope(direction, &along(&c, 1.0));
             let mean = |a: f64, b: f64, c: f64, d: f64| (a + 2.0 * b + 2.0 * c + d) / 6.0;
             for i in 0..B::STATES {
                 self.z[i] += step * mean(a.0[i], b.0[i], c.0[i], d.0[i]);
@@ -78,7 +78,7 @@ impl<B: Bristle> Path<B> {
             self.work += step * mean(a.1, b.1, c.1, d.1);
         }
         self.x = x;
-        B::force(&self.set, 0.0, &self.z, &NONE)
+        B::force(&self.law, 0.0, &self.z, &NONE)
     }
 }
 
@@ -103,12 +103,12 @@ fn numbers_of_a_friction_library() {
             ("viscous", 0.2),
         ],
     );
-    let set = set::<Lugre>(&values);
+    let law = coefficients::<Lugre>(&values);
     let z = [0.01, 0.0, 0.0, 0.0];
     for (v, rate, force) in [(0.2, 0.1731481, 1.2997222), (-0.2, -0.2268519, 0.6197222)] {
-        let rates = Lugre::rates(&set, v, &z);
+        let rates = Lugre::rates(&law, v, &z);
         close(rates[0], rate, 1e-6);
-        close(Lugre::force(&set, v, &z, &rates), force, 1e-7);
+        close(Lugre::force(&law, v, &z, &rates), force, 1e-7);
     }
 }
 
@@ -158,15 +158,15 @@ fn maxwell_slip_elements_slide_one_after_the_other() {
     let turn = path.x;
     close(path.to(turn - 28e-6, 20_000), 1.5 - 2.0 * (0.75 + 0.42), 1e-6);
     // At speed the level has fallen to 1 N: what is above decays at C (w - 1).
-    let set = set::<MaxwellSlip>(&values);
+    let law = coefficients::<MaxwellSlip>(&values);
     let z = [1e4, 2e4, 4e4, 8e4].map(|k| 0.375 / k);
-    let rates = MaxwellSlip::rates(&set, 0.1, &z);
+    let rates = MaxwellSlip::rates(&law, 0.1, &z);
     for (rate, k) in rates.iter().zip([1e4, 2e4, 4e4, 8e4]) {
         close(k * rate, -100.0 * 0.25 * 0.5, 1e-12);
     }
     // Back and stopped elements bend elastically.
-    assert_eq!(MaxwellSlip::rates(&set, -0.1, &z), [-0.1; 4]);
-    assert_eq!(MaxwellSlip::rates(&set, 0.0, &z), NONE);
+    assert_eq!(MaxwellSlip::rates(&law, -0.1, &z), [-0.1; 4]);
+    assert_eq!(MaxwellSlip::rates(&law, 0.0, &z), NONE);
 }
 
 fn standard(more: &[(&str, f64)]) -> Values {
@@ -194,10 +194,10 @@ fn standard_set_of_lugre() {
     }
     // Damping ratio of a unit mass on the bristles, and their time constant in
     // sliding.
-    let set = set::<Lugre>(&values);
-    let rest = Lugre::partials(&set, 0.0, &NONE);
+    let law = coefficients::<Lugre>(&values);
+    let rest = Lugre::partials(&law, 0.0, &NONE);
     close(rest.force_v / (2.0 * rest.force_z[0].sqrt()), 0.50063, 1e-5);
-    let sliding = Lugre::partials(&set, 0.1, &NONE);
+    let sliding = Lugre::partials(&law, 0.1, &NONE);
     close(-1.0 / sliding.rate_z[0][0], 1e-4, 1e-12);
 }
 
@@ -239,7 +239,7 @@ fn regularised_laws_creep_at_half_the_level() {
         close(force("threlfall", &values, v), 3.0 * 0.950213, 1e-6);
     }
     for law in LAWS {
-        let held = (law.holding)(&values, &Place::start(1.0));
+        let held = (law.break_away)(&values, &ContactState::start(1.0));
         assert_eq!(held == 0.0, law.kind == Kind::Smooth, "{} holds {held}", law.info.name);
     }
 }

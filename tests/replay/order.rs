@@ -45,8 +45,8 @@ const STATIC: [Effect; 4] =
 
 /// Sample that acts at `t`, `delay` late; before the first one it has its value.
 fn held(run: &Run, t: f64, delay: f64) -> f64 {
-    let place = run.times.partition_point(|time| time + delay <= t);
-    run.drive[place.saturating_sub(1)]
+    let at = run.times.partition_point(|time| time + delay <= t);
+    run.drive[at.saturating_sub(1)]
 }
 
 #[test]

@@ -38,9 +38,9 @@ fn three_surfaces_of_the_paper() {
         near(run.power_mean, 10.0 * 0.85 / 1.7, 1e-12);
         assert_eq!(run.slip_max, 0.0);
     }
-    let way = on_dry.segment(0);
-    assert!(way.windows(2).all(|x| x[1] >= x[0]));
-    assert!(lubricated.segment(0).iter().zip(&way).all(|(a, b)| a <= b));
+    let path = on_dry.segment(0);
+    assert!(path.windows(2).all(|x| x[1] >= x[0]));
+    assert!(lubricated.segment(0).iter().zip(&path).all(|(a, b)| a <= b));
 }
 
 // The registry, and what has no value.

@@ -48,7 +48,7 @@ struct Together<'a>(Gait, &'a [Row]);
 
 struct Lanes<'a, P>(P, &'a [Row]);
 
-impl<P: Pack> locosweep::physics::friction::Given<P> for Lanes<'_, P> {
+impl<P: Pack> locosweep::physics::friction::Parameters<P> for Lanes<'_, P> {
     fn get(&self, id: ParamId) -> P {
         self.0.fill(|i| self.1[i][id.main()])
     }
@@ -62,7 +62,7 @@ impl Task for Together<'_> {
     fn run<P: Pack>(self, token: P::Token) -> Self::Output {
         let mut all = Vec::new();
         for rows in self.1.chunks_exact(P::LANES) {
-            let tally = gait_tally(self.0, &Lanes(P::splat(token, 0.0), rows));
+            let tally = gait_tally(self.0, &Lanes(P::broadcast(token, 0.0), rows));
             all.extend((0..P::LANES).map(|i| tally.lane(i)));
         }
         all

@@ -115,7 +115,7 @@ fn once(robot: &Robot<f64>, schedule: &Schedule, options: &RunOptions<f64>) -> G
 
 struct Values(Row);
 
-impl locosweep::physics::friction::Given<f64> for Values {
+impl locosweep::physics::friction::Parameters<f64> for Values {
     fn get(&self, id: ParamId) -> f64 {
         self.0[id.main()]
     }

@@ -52,8 +52,8 @@ fn reordered(axes: &Axes, order: &[usize], values: impl Fn(&Axes) -> Vec<f64>) -
             index[*axis] = rest % axes[*axis].1.len();
             rest /= axes[*axis].1.len();
         }
-        let place = index.iter().zip(axes).fold(0, |n, (i, (_, v))| n * v.len() + i);
-        back[place] = *value;
+        let found = index.iter().zip(axes).fold(0, |n, (i, (_, v))| n * v.len() + i);
+        back[found] = *value;
     }
     back
 }

@@ -21,8 +21,8 @@ fn reference(axis: &[f64], values: &[f64], reduce: Reduce) -> f64 {
         Reduce::Quantile(q) => {
             let mut sorted = works;
             sorted.sort_by(f64::total_cmp);
-            let place = (sorted.len() - 1) as f64 * q;
-            let (i, share) = (place.floor() as usize, place.fract());
+            let position = (sorted.len() - 1) as f64 * q;
+            let (i, share) = (position.floor() as usize, position.fract());
             let next = sorted[(i + 1).min(sorted.len() - 1)];
             sorted[i] + (next - sorted[i]) * share
         }
@@ -30,11 +30,11 @@ fn reference(axis: &[f64], values: &[f64], reduce: Reduce) -> f64 {
 }
 
 fn against_reference(axes: &Axes, fixed: &Fixed, over: &str, quantity: &str) {
-    let place = axes.iter().position(|(name, _)| *name == over).unwrap();
-    let axis = &axes[place].1;
+    let position = axes.iter().position(|(name, _)| *name == over).unwrap();
+    let axis = &axes[position].1;
     let entry = Entry::parse(quantity).unwrap();
     let dense = values(&job(axes, fixed, vec![Request { entry, reduce: None }]), options(2, 4096));
-    let inner: usize = axes[place + 1..].iter().map(|(_, v)| v.len()).product();
+    let inner: usize = axes[position + 1..].iter().map(|(_, v)| v.len()).product();
     let cells = dense.len() / axis.len();
     for (job, reduce) in reduced(axes, fixed, over, quantity).iter().zip(REDUCTIONS) {
         let (got, codes) = results(job, options(2, 777));

@@ -54,7 +54,7 @@ impl Param {
         allowed
     }
 
-    /// Checks one value; `index` is its place on an axis.
+    /// Checks one value; `index` is its position on an axis.
     pub fn check(&self, value: f64, index: Option<usize>) -> Result<f64> {
         if self.allows(value) {
             // `-0.0` would print as an odd axis label and split symmetric cases.

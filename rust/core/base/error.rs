@@ -9,7 +9,7 @@ pub enum Error {
     #[error("unknown {kind} '{given}'{}", hint(.nearest, .known))]
     UnknownName { kind: &'static str, given: String, nearest: Option<String>, known: Vec<String> },
 
-    #[error("{name}{} is {value:?}{}: allowed is {allowed}", place(.index), with_space(.unit))]
+    #[error("{name}{} is {value:?}{}: allowed is {allowed}", bracketed(.index), with_space(.unit))]
     OutOfRange { name: String, value: f64, index: Option<usize>, allowed: String, unit: String },
 
     #[error("{name} is needed for {quantity} and has no default: give a value or an axis")]
@@ -44,7 +44,7 @@ fn hint(nearest: &Option<String>, known: &[String]) -> String {
     }
 }
 
-fn place(index: &Option<usize>) -> String {
+fn bracketed(index: &Option<usize>) -> String {
     index.map_or(String::new(), |i| format!("[{i}]"))
 }
 

@@ -238,7 +238,7 @@ impl<'a> Columns<'a> {
     #[inline(always)]
     pub fn load<P: Pack>(&self, token: P::Token, column: usize, start: usize) -> P {
         let (numbers, runs) = self.column(column, start);
-        if runs { P::load(token, numbers) } else { P::splat(token, numbers[0]) }
+        if runs { P::load(token, numbers) } else { P::broadcast(token, numbers[0]) }
     }
 
     /// A reader of packs over the cells from `start` on, for a kernel that uses
@@ -256,7 +256,7 @@ impl<'a> Columns<'a> {
             let Found { columns: wide, masks } = self.find(used, start);
             let constant = wide.map(
                 #[inline(always)]
-                |_, _| P::splat(token, f64::NAN),
+                |_, _| P::broadcast(token, f64::NAN),
             );
             return Reader { token, used, wide, constant, masks };
         }
@@ -277,7 +277,7 @@ impl<'a> Columns<'a> {
             |c| {
                 let known = is_used(c) && !is_wide(VARY, c);
                 // Unused columns are NaN, which lets the compiler drop them.
-                P::splat(token, if known { self.column(c, start).0[0] } else { f64::NAN })
+                P::broadcast(token, if known { self.column(c, start).0[0] } else { f64::NAN })
             },
         );
         Reader { token, used, wide, constant, masks: [0; COLUMNS] }

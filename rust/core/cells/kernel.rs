@@ -44,18 +44,18 @@ impl<Q: Quantity, const PLAIN: bool, const VARY: u8> Task for Dense<'_, Q, PLAIN
     }
 }
 
-/// Segment counts to choose from: N, 1/N and their places on the axis.
+/// Segment counts to choose from: N, 1/N and their indices on the axis.
 #[derive(Clone, Copy)]
 pub struct Rivals<'a> {
     pub main: &'a [f64],
     pub derived: &'a [f64],
-    pub places: &'a [f64],
+    pub indices: &'a [f64],
 }
 
 /// Running best over segment counts of plain points, the case that decides how
 /// fast a design sweep is: with the parameter known at compile time, all that
 /// does not depend on it leaves the loop. `best` holds the score that a rival
-/// must beat, `at` its place on the axis (NaN while there is none); a rival must
+/// must beat, `at` its index on the axis (NaN while there is none); a rival must
 /// exceed the best so far by the factor `ahead`.
 pub struct Extremum<'a, Q, const MIN: bool> {
     pub columns: Columns<'a>,
@@ -75,9 +75,9 @@ impl<Q: Quantity, const MIN: bool> Task for Extremum<'_, Q, MIN> {
         let used = Q::USED;
         let main = self.rivals.main;
         let derived = &self.rivals.derived[..main.len()];
-        let places = &self.rivals.places[..main.len()];
-        let ahead = P::splat(token, self.ahead);
-        let factor = P::splat(token, 1.0 + self.ahead);
+        let indices = &self.rivals.indices[..main.len()];
+        let ahead = P::broadcast(token, self.ahead);
+        let factor = P::broadcast(token, 1.0 + self.ahead);
         let points = self.columns.reader::<P, { Vary::MAIN }>(token, used, 0, self.best.len());
         let mut i = 0;
         while i + P::LANES <= self.best.len() {
@@ -85,8 +85,8 @@ impl<Q: Quantity, const MIN: bool> Task for Extremum<'_, Q, MIN> {
             let mut best = P::load(token, &self.best[i..]);
             let mut at = P::load(token, &self.at[i..]);
             for j in 0..main.len() {
-                point.segments = P::splat(token, main[j]);
-                point.per_segments = P::splat(token, derived[j]);
+                point.segments = P::broadcast(token, main[j]);
+                point.per_segments = P::broadcast(token, derived[j]);
                 let score =
                     if MIN { -Q::value::<P, true>(&point) } else { Q::score::<P, true>(&point) };
                 let wins = best.lt(score);
@@ -98,7 +98,7 @@ impl<Q: Quantity, const MIN: bool> Task for Extremum<'_, Q, MIN> {
                     score.abs().mul_add(ahead, score)
                 };
                 best = P::select(wins, mark, best);
-                at = P::select(wins, P::splat(token, places[j]), at);
+                at = P::select(wins, P::broadcast(token, indices[j]), at);
             }
             best.store(&mut self.best[i..]);
             at.store(&mut self.at[i..]);
@@ -120,7 +120,7 @@ pub struct Kept<'a> {
 pub struct FoldBest<'a> {
     pub values: &'a [f64],
     pub kept: Kept<'a>,
-    pub place: usize,
+    pub index: usize,
     pub ahead: f64,
     pub sign: f64,
 }
@@ -130,8 +130,8 @@ impl Task for FoldBest<'_> {
 
     #[inline(always)]
     fn run<P: Pack>(self, token: P::Token) {
-        let (sign, ahead) = (P::splat(token, self.sign), P::splat(token, self.ahead));
-        let place = P::splat(token, self.place as f64);
+        let (sign, ahead) = (P::broadcast(token, self.sign), P::broadcast(token, self.ahead));
+        let index = P::broadcast(token, self.index as f64);
         let mut i = 0;
         while i + P::LANES <= self.values.len() {
             let score = P::load(token, &self.values[i..]) * sign;
@@ -140,17 +140,17 @@ impl Task for FoldBest<'_> {
             P::select(wins, score.abs().mul_add(ahead, score), best)
                 .store(&mut self.kept.best[i..]);
             let at = P::load(token, &self.kept.at[i..]);
-            P::select(wins, place, at).store(&mut self.kept.at[i..]);
+            P::select(wins, index, at).store(&mut self.kept.at[i..]);
             i += P::LANES;
         }
     }
 }
 
-/// Takes one rival's values into sum, count and last place.
+/// Takes one rival's values into sum, count and last index.
 pub struct FoldAll<'a> {
     pub values: &'a [f64],
     pub kept: Kept<'a>,
-    pub place: usize,
+    pub index: usize,
 }
 
 impl Task for FoldAll<'_> {
@@ -158,7 +158,7 @@ impl Task for FoldAll<'_> {
 
     #[inline(always)]
     fn run<P: Pack>(self, token: P::Token) {
-        let place = P::splat(token, self.place as f64);
+        let index = P::broadcast(token, self.index as f64);
         let mut i = 0;
         while i + P::LANES <= self.values.len() {
             let value = P::load(token, &self.values[i..]);
@@ -166,7 +166,7 @@ impl Task for FoldAll<'_> {
             let sum = P::load(token, &self.kept.best[i..]);
             P::select(works, sum + value, sum).store(&mut self.kept.best[i..]);
             let at = P::load(token, &self.kept.at[i..]);
-            P::select(works, place, at).store(&mut self.kept.at[i..]);
+            P::select(works, index, at).store(&mut self.kept.at[i..]);
             let count = P::load(token, &self.kept.count[i..]);
             P::select(works, count + 1.0, count).store(&mut self.kept.count[i..]);
             i += P::LANES;

@@ -307,10 +307,19 @@ const fn key(
     unit: &'static str,
     default: Option<f64>,
     range: (f64, f64),
-    place: (&'static str, &'static str),
+    file_key: (&'static str, &'static str),
     meaning: &'static str,
 ) -> Param {
-    Param { name, symbol: "", unit, default, range, integer: false, file_key: Some(place), meaning }
+    Param {
+        name,
+        symbol: "",
+        unit,
+        default,
+        range,
+        integer: false,
+        file_key: Some(file_key),
+        meaning,
+    }
 }
 
 impl ParamId {

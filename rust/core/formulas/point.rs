@@ -110,7 +110,7 @@ impl<L: Lane> Point<L> {
     #[inline(always)]
     pub fn with_segments(mut self, segments: L) -> Self {
         self.segments = segments;
-        self.per_segments = segments.with(1.0) / segments;
+        self.per_segments = segments.splat(1.0) / segments;
         self
     }
 
@@ -124,12 +124,12 @@ impl<L: Lane> Point<L> {
 
     #[inline(always)]
     pub fn anchor_normal(&self) -> L {
-        self.normal(self.gravity.with(1.0))
+        self.normal(self.gravity.splat(1.0))
     }
 
     #[inline(always)]
     pub fn mover_normal(&self) -> L {
-        self.normal(self.gravity.with(1.0) - self.wall_release)
+        self.normal(self.gravity.splat(1.0) - self.wall_release)
     }
 
     /// Friction coefficient of the anchors, which lean backward.

@@ -8,10 +8,10 @@
 
 mod system;
 
-use super::settle::Cubic;
+use super::event_location::Cubic;
 use super::{Advance, Clock, MOST_STIFF_STEPS, State, Tally};
 use crate::lane::Lane;
-use crate::physics::friction::{Bristle, MOST_STATES, Place};
+use crate::physics::friction::{Bristle, ContactState, MOST_STATES};
 use crate::physics::segment::Segment;
 use system::{Ledger, Solver};
 
@@ -85,12 +85,12 @@ pub trait BristleContact<L: Lane> {
 }
 
 /// The coefficients of law `Q`.
-pub struct Bound<Q: Bristle, L: Lane>(pub Q::Set<L>);
+pub struct Bound<Q: Bristle, L: Lane>(pub Q::Coefficients<L>);
 
 impl<Q: Bristle, L: Lane> BristleContact<L> for Bound<Q, L> {
     #[inline(always)]
     fn attempt(&self, segment: &Segment<L>, state: &State<L>, dt: L, energy: bool) -> Step<L> {
-        dt.apart(
+        dt.outlined(
             #[inline(always)]
             || self.attempt_here(segment, state, dt, energy),
         )
@@ -98,7 +98,7 @@ impl<Q: Bristle, L: Lane> BristleContact<L> for Bound<Q, L> {
 
     #[inline(always)]
     fn stored(&self, z: &[L; MOST_STATES]) -> L {
-        z[0].apart(
+        z[0].outlined(
             #[inline(always)]
             || Q::stored(&self.0, z),
         )
@@ -125,7 +125,7 @@ where
 
     #[inline(always)]
     fn step(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) {
-        let zero = state.t.with(0.0);
+        let zero = state.t.splat(0.0);
         let active = state.t.lt(until);
         let piece_end = self.segment.drive.piece_end(state.clock.piece);
         let end = piece_end.min(until);
@@ -135,8 +135,8 @@ where
         // A lane that has arrived steps over a nominal time and is then ignored.
         let dt = L::select(zero.lt(dt), dt, self.segment.step);
         let step = self.contact.attempt(self.segment, state, dt, tally.watch.energy);
-        let one = zero.with(1.0);
-        let finite = step.error.lt(zero.with(f64::INFINITY));
+        let one = zero.splat(1.0);
+        let finite = step.error.lt(zero.splat(f64::INFINITY));
         let mut accepted = active;
         if self.adaptive {
             let smallest = left * SMALLEST + 1e-300;
@@ -146,9 +146,9 @@ where
             let given_up = L::and(active, L::and(tiny, L::not(fine)));
             tally.lost = L::select(given_up, tally.lost + 1.0, tally.lost);
             // Error falls with the third power of the step.
-            let error = L::select(finite, step.error.max(zero.with(1e-9)), zero.with(1e6));
-            let factor = (cube_root(error) * (1.0 / 0.9)).max(zero.with(1.0 / 6.0));
-            let factor = factor.min(zero.with(5.0));
+            let error = L::select(finite, step.error.max(zero.splat(1e-9)), zero.splat(1e6));
+            let factor = (cube_root(error) * (1.0 / 0.9)).max(zero.splat(1.0 / 6.0));
+            let factor = factor.min(zero.splat(5.0));
             let proposed = dt / factor;
             // The last stretch before a station says nothing about the step that
             // fits, unless it was too long.
@@ -171,14 +171,14 @@ impl<Q: Bristle, L: Lane> Bound<Q, L> {
     fn rates(
         &self,
         segment: &Segment<L>,
-        set: &Q::Set<L>,
+        law: &Q::Coefficients<L>,
         t: L,
         clock: &Clock<L>,
         y: &Vector<L>,
     ) -> (L, [L; MOST_STATES], L, L) {
-        t.apart(
+        t.outlined(
             #[inline(always)]
-            || self.rates_here(segment, set, t, clock, y),
+            || self.rates_here(segment, law, t, clock, y),
         )
     }
 
@@ -186,15 +186,15 @@ impl<Q: Bristle, L: Lane> Bound<Q, L> {
     fn rates_here(
         &self,
         segment: &Segment<L>,
-        set: &Q::Set<L>,
+        law: &Q::Coefficients<L>,
         t: L,
         clock: &Clock<L>,
         y: &Vector<L>,
     ) -> (L, [L; MOST_STATES], L, L) {
         let (x, v) = (y[0], y[1]);
         let z: [L; MOST_STATES] = std::array::from_fn(|i| y[2 + i]);
-        let rates = Q::rates(set, v, &z);
-        let against = Q::force(set, v, &z, &rates);
+        let rates = Q::rates(law, v, &z);
+        let against = Q::force(law, v, &z, &rates);
         let force = segment.force(t, clock, x, v);
         let a = (force - segment.pull_back(x) - against) * segment.per_mass;
         (a, rates, force, against)
@@ -202,27 +202,27 @@ impl<Q: Bristle, L: Lane> Bound<Q, L> {
 
     #[inline(always)]
     fn attempt_here(&self, segment: &Segment<L>, state: &State<L>, dt: L, energy: bool) -> Step<L> {
-        let zero = dt.with(0.0);
+        let zero = dt.splat(0.0);
         let count = Q::STATES;
         let mut y: Vector<L> = [zero; MOST_STATES + 2];
         (y[0], y[1]) = (state.x, state.v);
         y[2..2 + count].copy_from_slice(&state.z[..count]);
         // Where the law varies along the way it is taken at the step's middle.
-        let middle = Place {
-            way: state.v.sign(),
+        let middle = ContactState {
+            direction: state.v.sign(),
             x: (dt * 0.5).mul_add(state.v, state.x),
-            swept: state.swept,
+            sliding_distance: state.sliding_distance,
             drive: segment.commanded(state.t, &state.clock),
             t: state.t + dt * 0.5,
         };
-        let set = Q::placed(&self.0, &middle);
-        let partials = Q::partials(&set, state.v, &state.z);
-        let per_dt = dt.with(1.0) / dt;
+        let law = Q::placed(&self.0, &middle);
+        let partials = Q::partials(&law, state.v, &state.z);
+        let per_dt = dt.splat(1.0) / dt;
         let solver = Solver::new::<Q>(segment, &partials, per_dt * 2.0);
         let force_t = segment.force_slope(state.t, &state.clock);
         let slope_t = force_t * segment.per_mass;
 
-        let (a, rates, f1, r1) = self.rates(segment, &set, state.t, &state.clock, &y);
+        let (a, rates, f1, r1) = self.rates(segment, &law, state.t, &state.clock, &y);
         // Stage 1: f + dt/2 f_t.
         let mut right: Vector<L> = [zero; MOST_STATES + 2];
         let fill = |right: &mut Vector<L>, v: L, a: L, rates: &[L; MOST_STATES]| {
@@ -254,7 +254,7 @@ impl<Q: Bristle, L: Lane> Bound<Q, L> {
             *at = *at + *k1 * 2.0;
         }
         let later = state.t + dt;
-        let (a, rates, f3, r3) = self.rates(segment, &set, later, &state.clock, &at);
+        let (a, rates, f3, r3) = self.rates(segment, &law, later, &state.clock, &at);
         fill(&mut right, at[1], a, &rates);
         for i in 0..right.len() {
             right[i] = per_dt.mul_add(k1[i] - k2[i], right[i]);
@@ -266,7 +266,7 @@ impl<Q: Bristle, L: Lane> Bound<Q, L> {
         for (at, k3) in at.iter_mut().zip(&k3) {
             *at = *at + *k3;
         }
-        let (a, rates, f4, r4) = self.rates(segment, &set, later, &state.clock, &at);
+        let (a, rates, f4, r4) = self.rates(segment, &law, later, &state.clock, &at);
         fill(&mut right, at[1], a, &rates);
         for i in 0..right.len() {
             right[i] = per_dt.mul_add(k1[i] - k2[i] - k3[i] * (8.0 / 3.0), right[i]);
@@ -288,7 +288,7 @@ impl<Q: Bristle, L: Lane> Bound<Q, L> {
             at[i] = new;
         }
         z[..count].copy_from_slice(&at[2..2 + count]);
-        let error = L::select(error.not_nan(), error, zero.with(f64::INFINITY));
+        let error = L::select(error.not_nan(), error, zero.splat(f64::INFINITY));
         Step { x: at[0], v: at[1], z, work, heat, error }
     }
 }
@@ -315,7 +315,7 @@ fn take<L: Lane>(
     mask: L::Mask,
 ) {
     // The same for all laws: compiled once.
-    dt.apart(
+    dt.outlined(
         #[inline(always)]
         || take_here(segment, state, tally, step, dt, mask),
     );
@@ -330,7 +330,7 @@ fn take_here<L: Lane>(
     dt: L,
     mask: L::Mask,
 ) {
-    let zero = dt.with(0.0);
+    let zero = dt.splat(0.0);
     let x = L::select(mask, step.x, state.x);
     let v = L::select(mask, step.v, state.v);
     if tally.watch.stroke {
@@ -338,7 +338,7 @@ fn take_here<L: Lane>(
         if L::any(arrives) {
             let target = segment.target;
             let gone = Cubic::new(dt, (target - state.x, -state.v), (target - x, -v));
-            let when = state.t + dt * gone.fall(dt.with(1.0));
+            let when = state.t + dt * gone.fall(dt.splat(1.0));
             tally.stroke_time = L::select(arrives, when, tally.stroke_time);
         }
     }
@@ -347,14 +347,14 @@ fn take_here<L: Lane>(
     }
     let far = L::and(mask, (state.v * v).lt(zero));
     if L::any(far) {
-        let place = Cubic::new(dt, (state.x, state.v), (x, v));
-        let peak = place.at(place.turn());
+        let position = Cubic::new(dt, (state.x, state.v), (x, v));
+        let peak = position.at(position.turn());
         tally.peak_x = L::select(far, tally.peak_x.max(peak), tally.peak_x);
     }
     // Swept since the last turn; backward motion leaves nothing to push.
-    let swept = (state.swept + (x - state.x)).max(zero);
-    let swept = L::select(zero.lt(v), swept, zero);
-    state.swept = L::select(mask, swept, state.swept);
+    let sliding_distance = (state.sliding_distance + (x - state.x)).max(zero);
+    let sliding_distance = L::select(zero.lt(v), sliding_distance, zero);
+    state.sliding_distance = L::select(mask, sliding_distance, state.sliding_distance);
     for i in 0..MOST_STATES {
         state.z[i] = L::select(mask, step.z[i], state.z[i]);
     }

@@ -11,7 +11,7 @@ use super::{Advance, MOST_STEPS, State, Tally};
 use crate::lane::Lane;
 use crate::lane::exp::motion_factors;
 use crate::lane::log::ln_1p;
-use crate::physics::friction::{Dry, Place};
+use crate::physics::friction::{ContactState, Dry};
 use crate::physics::segment::Segment;
 
 pub struct Exact<'a, 'b, C, L, F> {
@@ -94,47 +94,48 @@ pub trait LinearContact<L: Lane> {
 }
 
 /// The coefficients of law `Q`.
-pub struct Bound<Q: Dry, L: Lane>(pub Q::Set<L>);
+pub struct Bound<Q: Dry, L: Lane>(pub Q::Coefficients<L>);
 
 impl<Q: Dry, L: Lane> LinearContact<L> for Bound<Q, L> {
     #[inline(always)]
     fn piece(&self, segment: &Segment<L>, state: &mut State<L>, tally: &mut Tally<L>, to: L) {
-        let zero = state.t.with(0.0);
+        let zero = state.t.splat(0.0);
         let dt = (to - state.t).max(zero);
-        let t = dt.mul_add(zero.with(0.5), state.t);
+        let t = dt.mul_add(zero.splat(0.5), state.t);
         let drive = segment.drive.mean(state.t, dt, &state.clock).clip(segment.limit);
         let push = drive - segment.weight;
         // What has come to a stop at the end of the last piece is decided anew.
         let resting = L::not(zero.lt(state.v.abs()));
         let may_move = L::and(resting, zero.lt(dt));
-        let mut way = state.way;
+        let mut direction = state.direction;
         if L::any(may_move) {
-            way = L::select(may_move, self.release(push, drive, state.x, state.t), way);
+            direction = L::select(may_move, self.release(push, drive, state.x, state.t), direction);
         }
-        let moving = zero.lt(way.abs());
-        let place = Place { way, x: state.x, swept: zero, drive, t };
-        let (level, viscous) = Q::linear(&self.0, &place);
+        let moving = zero.lt(direction.abs());
+        let contact_state =
+            ContactState { direction, x: state.x, sliding_distance: zero, drive, t };
+        let (level, viscous) = Q::linear(&self.0, &contact_state);
         let rate = viscous * segment.per_mass;
         // At rest friction balances the push, whatever it is.
-        let pull = L::select(moving, (push - way * level) * segment.per_mass, zero);
+        let pull = L::select(moving, (push - direction * level) * segment.per_mass, zero);
         let leg = Leg::new(dt, pull, rate);
         let v = L::select(moving, leg.speed(state.v), zero);
-        let turned = L::and(moving, (way * v).lt(zero));
+        let turned = L::and(moving, (direction * v).lt(zero));
         let path = L::select(moving, leg.path(state.v), zero);
         if L::any(turned) {
-            let turn = Turn { turned, way, leg, v, path, drive, level };
-            return zero.apart(
+            let turn = Turn { turned, direction, leg, v, path, drive, level };
+            return zero.outlined(
                 #[inline(always)]
                 || self.turn(segment, state, tally, to, turn),
             );
         }
         let rested = L::select(moving, zero, dt);
         tally.stuck = tally.stuck + rested;
-        let began = L::and(zero.lt(state.way.abs()), L::not(moving));
+        let began = L::and(zero.lt(state.direction.abs()), L::not(moving));
         tally.sticks = L::select(began, tally.sticks + 1.0, tally.sticks);
         account(segment, state, tally, leg, v, path, drive, level);
         state.t = L::select(zero.lt(dt), to, state.t);
-        state.way = way;
+        state.direction = direction;
     }
 }
 
@@ -142,11 +143,11 @@ impl<Q: Dry, L: Lane> Bound<Q, L> {
     /// Direction in which a force moves what is at rest, 0 if friction holds it.
     #[inline(always)]
     fn release(&self, push: L, drive: L, x: L, t: L) -> L {
-        let way = push.sign();
-        let place = Place { way, x, swept: x.with(0.0), drive, t };
-        let (level, _) = Q::linear(&self.0, &place);
-        let holds = Q::holding(&self.0, &place).max(level);
-        L::select(holds.lt(push.abs()), way, x.with(0.0))
+        let direction = push.sign();
+        let contact_state = ContactState { direction, x, sliding_distance: x.splat(0.0), drive, t };
+        let (level, _) = Q::linear(&self.0, &contact_state);
+        let holds = Q::break_away(&self.0, &contact_state).max(level);
+        L::select(holds.lt(push.abs()), direction, x.splat(0.0))
     }
 
     /// The same where some lanes stop on the way.
@@ -159,9 +160,9 @@ impl<Q: Dry, L: Lane> Bound<Q, L> {
         to: L,
         turn: Turn<L>,
     ) {
-        let zero = state.t.with(0.0);
-        let one = zero.with(1.0);
-        let Turn { turned, way, leg, v, path, drive, level } = turn;
+        let zero = state.t.splat(0.0);
+        let one = zero.splat(1.0);
+        let Turn { turned, direction, leg, v, path, drive, level } = turn;
         // tau = (v/-a) ln(1 + u)/u with u = (b/m) v/(-a).
         let brake = L::select(turned, -(state.v / leg.pull), zero);
         let u = (leg.rate * brake).max(zero);
@@ -169,7 +170,7 @@ impl<Q: Dry, L: Lane> Bound<Q, L> {
         let tau = (brake * whole).min(leg.dt);
         let first = Leg::new(tau, leg.pull, leg.rate);
         let stop = L::select(turned, first.path(state.v), path);
-        let moving = zero.lt(way.abs());
+        let moving = zero.lt(direction.abs());
         let mid = L::select(turned, zero, v);
         let used = L::select(turned, tau, leg.dt);
         let first = Leg::new(used, leg.pull, leg.rate);
@@ -180,8 +181,9 @@ impl<Q: Dry, L: Lane> Bound<Q, L> {
         let push = drive - segment.weight;
         let released = self.release(push, drive, state.x, state.t);
         let rest = leg.dt - used;
-        let t = rest.mul_add(zero.with(0.5), state.t);
-        let back = Place { way: released, x: state.x, swept: zero, drive, t };
+        let t = rest.mul_add(zero.splat(0.5), state.t);
+        let back =
+            ContactState { direction: released, x: state.x, sliding_distance: zero, drive, t };
         let (level, viscous) = Q::linear(&self.0, &back);
         let pull = (push - released * level) * segment.per_mass;
         let goes = L::and(turned, zero.lt(released.abs()));
@@ -191,10 +193,10 @@ impl<Q: Dry, L: Lane> Bound<Q, L> {
         account(segment, state, tally, second, v, path, drive, level);
         let stays = L::and(turned, L::not(goes));
         tally.stuck = tally.stuck + L::select(stays, rest, rested);
-        let began = L::and(zero.lt(state.way.abs()), L::not(moving));
+        let began = L::and(zero.lt(state.direction.abs()), L::not(moving));
         let began = L::or(stays, began);
         tally.sticks = L::select(began, tally.sticks + 1.0, tally.sticks);
-        state.way = L::select(turned, released, way);
+        state.direction = L::select(turned, released, direction);
         state.t = L::select(zero.lt(leg.dt), to, state.t);
     }
 }
@@ -217,7 +219,7 @@ fn account<L: Lane>(
         let arrives = tally.arrives(segment, state.x, x);
         if L::any(arrives) {
             // The same for all laws: compiled once.
-            let after = x.apart(
+            let after = x.outlined(
                 #[inline(always)]
                 || arrival(segment, state, leg),
             );
@@ -226,7 +228,7 @@ fn account<L: Lane>(
         }
     }
     if tally.watch.energy {
-        let viscous = x.apart(
+        let viscous = x.outlined(
             #[inline(always)]
             || viscous_heat(segment.mass, state.v, leg),
         );
@@ -242,7 +244,7 @@ fn account<L: Lane>(
 #[inline(always)]
 fn arrival<L: Lane>(segment: &Segment<L>, state: &State<L>, leg: Leg<L>) -> L {
     let left = segment.target - state.x;
-    let zero = left.with(0.0);
+    let zero = left.splat(0.0);
     let (mut low, mut high) = (zero, leg.dt);
     let mut t = leg.dt;
     // A lane that has settled stays, however long its neighbours take.
@@ -275,14 +277,14 @@ fn arrival<L: Lane>(segment: &Segment<L>, state: &State<L>, leg: Leg<L>) -> L {
 /// B = sum over n >= 2 of (-1)^n (2^n - 2) y^(n-2)/(n+1)!.
 #[inline(always)]
 fn viscous_heat<L: Lane>(mass: L, v: L, leg: Leg<L>) -> L {
-    let zero = v.with(0.0);
-    let one = zero.with(1.0);
+    let zero = v.splat(0.0);
+    let one = zero.splat(1.0);
     let y = leg.rate * leg.dt;
     let gain = leg.pull * leg.dt;
     let near = y.min(one);
     let mut sum = zero;
     for coefficient in SQUARES.iter().rev() {
-        sum = sum.mul_add(near, zero.with(*coefficient));
+        sum = sum.mul_add(near, zero.splat(*coefficient));
     }
     let q = (-near).mul_add(v, gain);
     let cross = (v * 2.0) * (q * leg.e2);
@@ -314,7 +316,7 @@ const SQUARES: [f64; 24] = {
 
 struct Turn<L: Lane> {
     turned: L::Mask,
-    way: L,
+    direction: L,
     leg: Leg<L>,
     v: L,
     path: L,

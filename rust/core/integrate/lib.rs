@@ -1,20 +1,20 @@
 //! Integrators of one segment (and, in `robot`, of the whole robot), over lanes: each lane is a trajectory of its own,
 //! with its own time, step and events; none looks at its neighbours.
 //!
-//! Sticking is a mode (`State::way` is 0), entered when the speed passes zero and
+//! Sticking is a mode (`State::direction` is 0), entered when the speed passes zero and
 //! left when the applied force exceeds what friction holds. Jumps of the drive
 //! are ends of its pieces, which no step crosses.
 
 pub mod bristle;
 pub mod dormand_prince;
+pub mod dry_contact;
+pub mod elastic_drive;
+mod event_location;
 pub mod exact;
-pub mod ground;
 pub mod replay;
 pub mod robot;
 pub mod runge_kutta;
-mod settle;
 pub mod smooth;
-pub mod switched;
 mod tally;
 
 pub use tally::{Tally, Watch};
@@ -34,9 +34,9 @@ pub struct State<L> {
     pub v: L,
     /// Direction of sliding, 1 or -1; 0 at rest. Of a law that never rests the
     /// sign of the speed does not matter, and it stays 1.
-    pub way: L,
+    pub direction: L,
     /// Distance moved forward since the last rest or turn.
-    pub swept: L,
+    pub sliding_distance: L,
     pub clock: Clock<L>,
     pub z: [L; MOST_STATES],
 }
@@ -44,13 +44,13 @@ pub struct State<L> {
 impl<L: Lane> State<L> {
     #[inline(always)]
     pub fn start(segment: &Segment<L>) -> Self {
-        let zero = segment.x.with(0.0);
+        let zero = segment.x.splat(0.0);
         State {
             t: zero,
             x: segment.x,
             v: segment.v,
-            way: segment.v.sign(),
-            swept: zero,
+            direction: segment.v.sign(),
+            sliding_distance: zero,
             clock: segment.drive.clock(zero),
             z: [zero; MOST_STATES],
         }
@@ -67,8 +67,8 @@ impl<L: Lane> State<L> {
             t: L::select(mask, self.t, other.t),
             x: L::select(mask, self.x, other.x),
             v: L::select(mask, self.v, other.v),
-            way: L::select(mask, self.way, other.way),
-            swept: L::select(mask, self.swept, other.swept),
+            direction: L::select(mask, self.direction, other.direction),
+            sliding_distance: L::select(mask, self.sliding_distance, other.sliding_distance),
             clock: self.clock.or(mask, other.clock),
             z,
         }
@@ -136,13 +136,13 @@ pub trait Advance<L: Lane> {
     /// Steps that a run will take at least, where that is known before.
     #[inline(always)]
     fn steps(&self, duration: L) -> L {
-        duration.with(0.0)
+        duration.splat(0.0)
     }
 
     /// Energy in the bristles, for laws that have some.
     #[inline(always)]
     fn elastic(&self, state: &State<L>) -> L {
-        state.x.with(0.0)
+        state.x.splat(0.0)
     }
 }
 
@@ -170,10 +170,10 @@ pub fn drive<L: Lane>(
     let mut state = State::start(segment);
     let mut tally = Tally::start(segment, watch);
     // What would take for ever is not begun.
-    let zero = segment.duration.with(0.0);
-    let long = zero.with(MOST_STEPS).lt(method.steps(segment.duration));
+    let zero = segment.duration.splat(0.0);
+    let long = zero.splat(MOST_STEPS).lt(method.steps(segment.duration));
     let duration = L::select(long, zero, segment.duration);
-    tally.long = L::select(long, zero.with(1.0), zero);
+    tally.long = L::select(long, zero.splat(1.0), zero);
     for (i, share) in stations.iter().enumerate() {
         if !method.advance(&mut state, &mut tally, duration * *share) {
             break;

@@ -2,16 +2,16 @@
 //! read at every sample, a trajectory per lane.
 
 use super::bristle::{self, Rosenbrock};
+use super::dry_contact::Bound;
+use super::elastic_drive::{ElasticDrive, Link};
+use super::event_location::Cubic;
 use super::exact::{self, Exact};
-use super::ground::Bound;
 use super::runge_kutta::RungeKutta;
-use super::settle::Cubic;
-use super::switched::{Link, Switched};
 use super::{Advance, State, Tally, Watch};
 use crate::lane::Lane;
 use crate::physics::drive::{Drive, DriveKind, Path, Table};
 use crate::physics::effects::{Active, Body, Effect, Measured, Plant};
-use crate::physics::friction::{Contact, Given};
+use crate::physics::friction::{Contact, Parameters};
 use crate::physics::params::ParamId;
 use crate::physics::segment::Segment;
 
@@ -39,7 +39,7 @@ impl Samples<'_> {
     #[inline(always)]
     fn start<L: Lane>(&self, segment: &Segment<L>) -> State<L> {
         let mut state = State::start(segment);
-        state.t = state.t.with(self.times[self.window.0]);
+        state.t = state.t.splat(self.times[self.window.0]);
         state.clock = segment.drive.clock(state.t);
         state
     }
@@ -67,14 +67,14 @@ pub struct Reading<L> {
 /// A drive that only holds the samples; everything else is in the path.
 struct Plain<L>(L);
 
-impl<L: Lane> Given<L> for Plain<L> {
+impl<L: Lane> Parameters<L> for Plain<L> {
     #[inline(always)]
     fn get(&self, id: ParamId) -> L {
-        self.0.with(if id == ParamId::Gain { 1.0 } else { 0.0 })
+        self.0.splat(if id == ParamId::Gain { 1.0 } else { 0.0 })
     }
     #[inline(always)]
     fn derived(&self, _: ParamId) -> L {
-        self.0.with(0.0)
+        self.0.splat(0.0)
     }
 }
 
@@ -85,8 +85,8 @@ fn segment<'a, L: Lane>(
     samples: Samples<'a>,
     (x, v): (L, L),
 ) -> Segment<'a, L> {
-    let zero = x.with(0.0);
-    let one = zero.with(1.0);
+    let zero = x.splat(0.0);
+    let one = zero.splat(1.0);
     let table = Table { times: samples.times, values: samples.drive };
     let mut drive = Drive::new(DriveKind::Table, table, &Plain(zero));
     drive.path = Some(path);
@@ -94,20 +94,20 @@ fn segment<'a, L: Lane>(
         mass: plant.mass,
         per_mass: one / plant.mass,
         weight: plant.weight,
-        limit: zero.with(f64::INFINITY),
+        limit: zero.splat(f64::INFINITY),
         swing: plant.swing,
         swings: plant.rotary,
         spring: zero,
         damper: zero,
         pull: zero,
         drive,
-        contact: Contact { normal: zero, coulomb: zero, holding: zero, viscous: zero },
+        contact: Contact { normal: zero, coulomb: zero, break_away: zero, viscous: zero },
         x,
         v,
-        duration: zero.with(samples.times.last().copied().unwrap_or(0.0)),
-        step: zero.with(STEEP.min(samples.interval)),
-        tolerance: zero.with(TOLERANCE),
-        target: zero.with(f64::INFINITY),
+        duration: zero.splat(samples.times.last().copied().unwrap_or(0.0)),
+        step: zero.splat(STEEP.min(samples.interval)),
+        tolerance: zero.splat(TOLERANCE),
+        target: zero.splat(f64::INFINITY),
     }
 }
 
@@ -133,20 +133,20 @@ pub fn head<L: Lane>(
     let segment = segment(plant, &path, samples, start);
     let mut state = samples.start(&segment);
     let mut tally = Tally::start(&segment, Watch::NOTHING);
-    let zero = start.0.with(0.0);
-    let set = plant.friction;
+    let zero = start.0.splat(0.0);
+    let law = plant.friction;
     let mut go_on = go_on;
     let steep = plant.is_steep();
     if let Some(link) = link {
         let longest = if steep { STEEP } else { BENT };
         let longest = (!plant.is_linear()).then_some(longest.min(samples.interval));
         let times = (samples.interval, longest);
-        let mut method = zero.apart(
+        let mut method = zero.outlined(
             #[inline(always)]
-            || Switched::new(&segment, set, link, &state, times),
+            || ElasticDrive::new(&segment, law, link, &state, times),
         );
         for (i, t) in samples.instants() {
-            method.advance(&mut state, &mut tally, zero.with(t));
+            method.advance(&mut state, &mut tally, zero.splat(t));
             let force = (-plant.emf).mul_add(state.v, method.force());
             read(i, Reading { x: state.x, v: state.v, force });
             if !go_on() {
@@ -156,20 +156,20 @@ pub fn head<L: Lane>(
         return;
     }
     if plant.active.has(Effect::PreslidingCompliance) {
-        let contact = bristle::Bound::<Measured, L>(set);
+        let contact = bristle::Bound::<Measured, L>(law);
         let method = Rosenbrock::new(&segment, &contact, true, go_on);
         over_samples(plant, &segment, method, |_, _| {}, &mut state, &mut tally, samples, read);
     } else if plant.is_linear() {
-        let contact = exact::Bound::<Measured, L>(set);
+        let contact = exact::Bound::<Measured, L>(law);
         let method = Exact { segment: &segment, contact: &contact, go_on };
         over_samples(plant, &segment, method, |_, _| {}, &mut state, &mut tally, samples, read);
     } else {
         let step = segment.step;
-        let contact = Bound::<Measured, L>(set);
+        let contact = Bound::<Measured, L>(law);
         let (segment, contact) = (&segment, &contact);
         let method = RungeKutta { segment, contact, locate: true, step, go_on };
-        let long = zero.with(samples.interval);
-        let least = zero.with(STEEP);
+        let long = zero.splat(samples.interval);
+        let least = zero.splat(STEEP);
         over_samples(
             plant,
             segment,
@@ -178,7 +178,7 @@ pub fn head<L: Lane>(
             #[inline(always)]
             |method: &mut RungeKutta<Bound<Measured, L>, L, _>, state: &State<L>| {
                 let a = if steep { method.acceleration(state) } else { zero };
-                let step = (zero.with(SHARE) / plant.pace(state.v, a, long)).max(least);
+                let step = (zero.splat(SHARE) / plant.pace(state.v, a, long)).max(least);
                 // As many equal ones as fill an interval.
                 let count = (long / step.min(long) * (1.0 - 1e-9)).floor() + 1.0;
                 method.step = long / count;
@@ -205,7 +205,7 @@ fn over_samples<L: Lane, M: Advance<L>>(
 ) {
     for (i, t) in samples.instants() {
         ready(&mut method, state);
-        if !method.advance(state, tally, state.t.with(t)) {
+        if !method.advance(state, tally, state.t.splat(t)) {
             return;
         }
         let force = segment.force(state.t, &state.clock, state.x, state.v);
@@ -225,19 +225,19 @@ pub fn body<L: Lane>(
     go_on: impl FnMut() -> bool + Copy,
     mut read: impl FnMut(usize, L),
 ) {
-    let zero = body.mass.with(0.0);
+    let zero = body.mass.splat(0.0);
     let mut friction = plant.friction;
     friction.active = Active::default().with(Effect::StribeckFriction);
     (friction.forward, friction.backward) = (body.levels.coulomb, body.levels.coulomb);
     friction.viscous = zero;
-    friction.drop = (body.levels.holding - body.levels.coulomb).max(zero);
-    friction.per_stribeck = zero.with(1e30);
-    friction.exponent = zero.with(1.0);
+    friction.drop = (body.levels.break_away - body.levels.coulomb).max(zero);
+    friction.per_stribeck = zero.splat(1e30);
+    friction.exponent = zero.splat(1.0);
     let back = Path { gain: -plant.path.gain, ..plant.path };
     let friction = exact::Bound::<Measured, L>(friction);
     let mut own = segment(plant, &back, samples, (zero, zero));
     own.mass = body.mass;
-    own.per_mass = zero.with(1.0) / body.mass;
+    own.per_mass = zero.splat(1.0) / body.mass;
     own.weight = body.weight;
     (own.swing, own.swings) = (zero, false);
     let mut state = samples.start(&own);
@@ -247,7 +247,7 @@ pub fn body<L: Lane>(
     // depends on the head's motion is taken at the interval's middle.
     let follows = plant.joint.is_some() || plant.active.has(Effect::BackEmf) || plant.path.lags;
     for (i, t) in samples.instants().skip(1) {
-        let until = zero.with(t);
+        let until = zero.splat(t);
         let mut now = own;
         if follows {
             let mean = (forces(i - 1) + forces(i)) * -0.5;
@@ -271,11 +271,11 @@ pub fn sensed<L: Lane>(
 ) -> L {
     let times = &samples.times[samples.window.0..samples.window.1];
     let [scale, drift, delay] = plant.sensor;
-    let t = delay.with(times[i]);
+    let t = delay.splat(times[i]);
     let start = motion(0).0;
     let (late, x) = if plant.active.has(Effect::SensorDelay) {
-        let last = t.with(times[times.len() - 1]);
-        let late = (t - delay).max(t.with(times[0])).min(last);
+        let last = t.splat(times[times.len() - 1]);
+        let late = (t - delay).max(t.splat(times[0])).min(last);
         // Each lane looks between its own two samples.
         let x = t.fill(|lane| {
             let at = late.lane(lane);

@@ -5,8 +5,8 @@
 //! passed zero by its end (or dipped below it within), the stop is located, the
 //! segment rests or turns there, and the rest of the step follows.
 
-use super::ground::{Bound, DryContact, Slide, wait};
-use super::settle::Cubic;
+use super::dry_contact::{Bound, DryContact, Slide, wait};
+use super::event_location::Cubic;
 use super::{Advance, MOST_STEPS, State, Tally};
 use crate::lane::Lane;
 use crate::physics::friction::Dry;
@@ -32,13 +32,13 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> Advance<L>
     #[inline(always)]
     fn advance(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) -> bool {
         let h = self.step;
-        let (mut from, mut taken) = (state.t, h.with(0.0));
+        let (mut from, mut taken) = (state.t, h.splat(0.0));
         let mut count = 0;
         while L::any(state.t.lt(until)) {
             let piece_end = self.segment.drive.piece_end(state.clock.piece);
             let active = state.t.lt(until);
             let end = piece_end.min(until);
-            let left = (end - state.t).max(h.with(0.0));
+            let left = (end - state.t).max(h.splat(0.0));
             // A step that would leave less than a rounding error takes it along.
             let last = left.le(h * (1.0 + 1e-9));
             let dt = L::select(last, left, h);
@@ -50,7 +50,7 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> Advance<L>
             let over = L::and(L::and(active, last), piece_end.le(until));
             self.segment.drive.turn_over(&mut state.clock, piece_end, over);
             from = L::select(over, end, from);
-            taken = L::select(over, h.with(0.0), taken);
+            taken = L::select(over, h.splat(0.0), taken);
             tally.steps = L::select(active, tally.steps + 1.0, tally.steps);
             count += 1;
             if count % PATIENCE == 0 {
@@ -73,9 +73,9 @@ impl<Q: Dry, L: Lane, F> RungeKutta<'_, '_, Bound<Q, L>, L, F> {
     /// Acceleration now; 0 at rest.
     #[inline(always)]
     pub fn acceleration(&self, state: &State<L>) -> L {
-        let zero = state.t.with(0.0);
+        let zero = state.t.splat(0.0);
         let slope = self.contact.slope(self.segment, state, (state.t, state.x, state.v)).0;
-        L::select(zero.lt(state.way.abs()), slope, zero)
+        L::select(zero.lt(state.direction.abs()), slope, zero)
     }
 }
 
@@ -104,11 +104,11 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> RungeKutta<'_, '_, 
     /// One step of `dt`, with whatever happens within.
     #[inline(always)]
     fn step(&mut self, state: &mut State<L>, tally: &mut Tally<L>, dt: L) {
-        let zero = dt.with(0.0);
+        let zero = dt.splat(0.0);
         // What a step left at rest is decided anew: the drive may have jumped.
         let still = L::not(zero.lt(state.v.abs()));
-        state.way = L::select(still, zero, state.way);
-        let moving = zero.lt(state.way.abs());
+        state.direction = L::select(still, zero, state.direction);
+        let moving = zero.lt(state.direction.abs());
         let resting = L::not(moving);
         // Most steps hold no event in any lane.
         if !L::any(resting) || (self.locate && self.stays(state, resting, dt)) {
@@ -120,7 +120,7 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> RungeKutta<'_, '_, 
                 return;
             }
         }
-        dt.apart(
+        dt.outlined(
             #[inline(always)]
             || self.eventful(state, tally, dt),
         );
@@ -130,19 +130,19 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> RungeKutta<'_, '_, 
     /// parabola through its middle, as a wait would find.
     #[inline(always)]
     fn stays(&self, state: &State<L>, resting: L::Mask, dt: L) -> bool {
-        if L::any(L::and(resting, dt.with(0.0).lt(self.excess(state, state.t).1))) {
+        if L::any(L::and(resting, dt.splat(0.0).lt(self.excess(state, state.t).1))) {
             return false;
         }
-        let (_, way) = self.wait(state, dt, true);
-        !L::any(L::and(resting, dt.with(0.0).lt(way.abs())))
+        let (_, direction) = self.wait(state, dt, true);
+        !L::any(L::and(resting, dt.splat(0.0).lt(direction.abs())))
     }
 
     /// Lanes whose speed passes zero within the step.
     #[inline(always)]
     fn stops(&self, state: &State<L>, step: &Slide<L>, dt: L) -> L::Mask {
-        let zero = dt.with(0.0);
-        let (from, to) = (state.way * state.v, state.way * step.v);
-        let (falls, rises) = (state.way * step.start, state.way * step.end);
+        let zero = dt.splat(0.0);
+        let (from, to) = (state.direction * state.v, state.direction * step.v);
+        let (falls, rises) = (state.direction * step.start, state.direction * step.end);
         let dips = L::and(falls.lt(zero), zero.lt(rises));
         let below = to.lt(zero);
         if self.locate && L::any(dips) {
@@ -154,7 +154,7 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> RungeKutta<'_, '_, 
 
     #[inline(always)]
     fn eventful(&mut self, state: &mut State<L>, tally: &mut Tally<L>, dt: L) {
-        let zero = dt.with(0.0);
+        let zero = dt.splat(0.0);
         let begin = state.t;
         let mut left = dt;
         let mut events = 0;
@@ -176,21 +176,21 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> RungeKutta<'_, '_, 
     /// step; returns the time that this took.
     #[inline(always)]
     fn part(&mut self, state: &mut State<L>, tally: &mut Tally<L>, left: L) -> L {
-        let zero = left.with(0.0);
+        let zero = left.splat(0.0);
         let open = zero.lt(left);
-        let resting = L::and(open, L::not(zero.lt(state.way.abs())));
+        let resting = L::and(open, L::not(zero.lt(state.direction.abs())));
         let mut used = left;
         let mut released = zero;
         if L::any(resting) {
             let (push, over) = self.excess(state, state.t);
             let at_once = zero.lt(over);
-            let (wait, way) = self.wait(state, left, self.locate);
+            let (wait, direction) = self.wait(state, left, self.locate);
             let wait = L::select(at_once, zero, wait);
-            released = L::select(at_once, push.sign(), way);
+            released = L::select(at_once, push.sign(), direction);
             used = L::select(resting, wait, used);
             tally.stuck = L::select(resting, tally.stuck + wait, tally.stuck);
         }
-        let moving = L::and(open, zero.lt(state.way.abs()));
+        let moving = L::and(open, zero.lt(state.direction.abs()));
         if L::any(moving) {
             let dt = L::select(moving, left, zero);
             let whole = self.slide(state, dt, tally.watch.energy);
@@ -205,16 +205,16 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> RungeKutta<'_, '_, 
                 let now = State { t: state.t + used, ..*state };
                 let (push, over) = self.excess(&now, now.t);
                 let goes = zero.lt(over);
-                let way = L::select(goes, push.sign(), zero);
+                let direction = L::select(goes, push.sign(), zero);
                 let rests = L::and(stops, L::not(goes));
                 tally.sticks = L::select(rests, tally.sticks + 1.0, tally.sticks);
-                state.swept = L::select(stops, zero, state.swept);
-                state.way = L::select(stops, way, state.way);
+                state.sliding_distance = L::select(stops, zero, state.sliding_distance);
+                state.direction = L::select(stops, direction, state.direction);
             } else {
                 take(self.segment, self.contact.placed(), state, tally, &whole, dt, moving);
             }
         }
-        state.way = L::select(resting, released, state.way);
+        state.direction = L::select(resting, released, state.direction);
         used
     }
 
@@ -222,11 +222,11 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> RungeKutta<'_, '_, 
     /// itself.
     #[inline(always)]
     fn stop_time(&self, state: &State<L>, whole: &Slide<L>, dt: L) -> L {
-        let zero = dt.with(0.0);
-        let (from, to) = (state.way * state.v, state.way * whole.v);
-        let slopes = (state.way * whole.start, state.way * whole.end);
+        let zero = dt.splat(0.0);
+        let (from, to) = (state.direction * state.v, state.direction * whole.v);
+        let slopes = (state.direction * whole.start, state.direction * whole.end);
         let cubic = Cubic::new(dt, (from, slopes.0), (to, slopes.1));
-        let end = L::select(to.lt(zero), dt.with(1.0), cubic.turn());
+        let end = L::select(to.lt(zero), dt.splat(1.0), cubic.turn());
         let mut until = dt * cubic.fall(end);
         for _ in 0..3 {
             let step = self.slide(state, until, false);
@@ -250,7 +250,7 @@ fn take<L: Lane>(
     mask: L::Mask,
 ) {
     // The same for all laws: compiled once.
-    dt.apart(
+    dt.outlined(
         #[inline(always)]
         || take_here(segment, placed, state, tally, step, dt, mask),
     );
@@ -266,7 +266,7 @@ fn take_here<L: Lane>(
     dt: L,
     mask: L::Mask,
 ) {
-    let zero = dt.with(0.0);
+    let zero = dt.splat(0.0);
     let x = L::select(mask, step.x, state.x);
     let v = L::select(mask, step.v, state.v);
     if tally.watch.stroke {
@@ -274,7 +274,7 @@ fn take_here<L: Lane>(
         if L::any(arrives) {
             let target = segment.target;
             let gone = Cubic::new(dt, (target - state.x, -state.v), (target - x, -v));
-            let when = state.t + dt * gone.fall(dt.with(1.0));
+            let when = state.t + dt * gone.fall(dt.splat(1.0));
             tally.stroke_time = L::select(arrives, when, tally.stroke_time);
         }
     }
@@ -290,9 +290,9 @@ fn take_here<L: Lane>(
         tally.peak_v = tally.peak_v.max(peak.abs());
     }
     if placed {
-        let forward = L::and(mask, zero.lt(state.way));
-        let swept = state.swept + (x - state.x);
-        state.swept = L::select(forward, swept, state.swept);
+        let forward = L::and(mask, zero.lt(state.direction));
+        let sliding_distance = state.sliding_distance + (x - state.x);
+        state.sliding_distance = L::select(forward, sliding_distance, state.sliding_distance);
     }
     state.x = x;
     state.v = v;

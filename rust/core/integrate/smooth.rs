@@ -2,7 +2,7 @@
 //! so every step is the same few operations. Such laws creep instead of resting;
 //! time at rest is therefore not counted.
 
-use super::settle::Cubic;
+use super::event_location::Cubic;
 use super::{Advance, State, Tally};
 use crate::lane::Lane;
 use crate::physics::friction::Smooth;
@@ -32,7 +32,7 @@ pub trait SmoothContact<L> {
 }
 
 /// The coefficients of law `Q`.
-pub struct Bound<Q: Smooth, L: Lane>(pub Q::Set<L>);
+pub struct Bound<Q: Smooth, L: Lane>(pub Q::Coefficients<L>);
 
 /// What a step needs beside the law.
 #[derive(Clone, Copy)]
@@ -73,13 +73,13 @@ impl<L: Lane, F: FnMut() -> bool> Advance<L> for Steps<'_, '_, L, F> {
         }
         let segment = self.around.segment;
         let h = segment.step;
-        let (mut from, mut taken) = (state.t, h.with(0.0));
+        let (mut from, mut taken) = (state.t, h.splat(0.0));
         let mut count = 0;
         while L::any(state.t.lt(until)) {
             let piece_end = segment.drive.piece_end(state.clock.piece);
             let active = state.t.lt(until);
             let end = piece_end.min(until);
-            let left = (end - state.t).max(h.with(0.0));
+            let left = (end - state.t).max(h.splat(0.0));
             let last = left.le(h * LAST);
             let dt = L::select(last, left, h);
             // Not a running sum, whose rounding would grow with the steps.
@@ -96,7 +96,7 @@ impl<L: Lane, F: FnMut() -> bool> Advance<L> for Steps<'_, '_, L, F> {
             let over = L::and(last, piece_end.le(until));
             segment.drive.turn_over(&mut state.clock, piece_end, over);
             from = L::select(over, state.t, from);
-            taken = L::select(over, h.with(0.0), taken);
+            taken = L::select(over, h.splat(0.0), taken);
             *state = state.or(active, old);
             count += 1;
             if count % PATIENCE == 0 && !(self.go_on)() {
@@ -128,9 +128,9 @@ impl<'a, 'b, L: Lane, F: FnMut() -> bool> Steps<'a, 'b, L, F> {
     ) -> Self {
         let slope = contact.rise(segment.mass) * (1.0 / SLOWEST);
         let rate = slope * segment.per_mass;
-        let level = segment.contact.holding.max(segment.contact.coulomb);
+        let level = segment.contact.break_away.max(segment.contact.coulomb);
         // A little early: the last step of a run may be longer by a rounding error.
-        let steep = L::any(rate.with(0.99 * STABLE).lt(segment.step * rate));
+        let steep = L::any(rate.splat(0.99 * STABLE).lt(segment.step * rate));
         let rest = Rest { rate, width: level / slope };
         Steps { contact, around: Around { segment, sprung, rest, steep }, ahead, go_on }
     }
@@ -146,7 +146,7 @@ impl<'a, 'b, L: Lane, F: FnMut() -> bool> Steps<'a, 'b, L, F> {
             let dt = if last { until - state.t } else { h };
             let mut forces = [h; 3];
             for (force, shape) in forces.iter_mut().zip(shapes) {
-                *force = segment.drive.shaped(h.with(*shape)).clip(segment.limit);
+                *force = segment.drive.shaped(h.splat(*shape)).clip(segment.limit);
             }
             self.step(state, tally, dt, forces);
             state.t = if last { until } else { h * (i + 1) as f64 };
@@ -169,7 +169,7 @@ impl<L: Lane> Around<'_, '_, L> {
     #[inline(always)]
     fn jumps(&self, dt: L, low: L, high: L) -> L::Mask {
         let Rest { rate, width } = self.rest;
-        let long = rate.with(STABLE).lt(dt * rate);
+        let long = rate.splat(STABLE).lt(dt * rate);
         let meets = L::and(low.lt(width), (-width).lt(high));
         let leaves = width.lt(high - low);
         L::and(long, L::and(meets, leaves))
@@ -178,9 +178,9 @@ impl<L: Lane> Around<'_, '_, L> {
 
 impl<Q: Smooth, L: Lane> SmoothContact<L> for Bound<Q, L> {
     fn rise(&self, like: L) -> L {
-        like.apart(
+        like.outlined(
             #[inline(always)]
-            || Q::force(&self.0, like.with(SLOWEST)),
+            || Q::force(&self.0, like.splat(SLOWEST)),
         )
     }
 
@@ -192,7 +192,7 @@ impl<Q: Smooth, L: Lane> SmoothContact<L> for Bound<Q, L> {
         dt: L,
         forces: [L; 3],
     ) {
-        dt.apart(
+        dt.outlined(
             #[inline(always)]
             || self.step_here(around, state, tally, dt, forces),
         );
@@ -212,7 +212,7 @@ impl<Q: Smooth, L: Lane> Bound<Q, L> {
         let segment = around.segment;
         let half = dt * 0.5;
         let sixth = dt * (1.0 / 6.0);
-        let zero = dt.with(0.0);
+        let zero = dt.splat(0.0);
         let (x0, v0) = (state.x, state.v);
         // The slopes of the previous stage, and the weighted sums.
         let (mut a, mut u) = (zero, v0);
@@ -244,8 +244,8 @@ impl<Q: Smooth, L: Lane> Bound<Q, L> {
             a = ((force - segment.weight) - against) * segment.per_mass;
             u = v;
             let weight = if stage == 1 || stage == 2 { 2.0 } else { 1.0 };
-            sum_a = a.mul_add(dt.with(weight), sum_a);
-            sum_v = v.mul_add(dt.with(weight), sum_v);
+            sum_a = a.mul_add(dt.splat(weight), sum_a);
+            sum_v = v.mul_add(dt.splat(weight), sum_v);
             if stage == 0 {
                 start = a;
             } else if stage == 1 {
@@ -259,8 +259,8 @@ impl<Q: Smooth, L: Lane> Bound<Q, L> {
                 tally.rough = L::select(rough, tally.rough + 1.0, tally.rough);
             }
             if tally.watch.energy {
-                work = (force * v).mul_add(dt.with(weight), work);
-                heat = (against * v).mul_add(dt.with(weight), heat);
+                work = (force * v).mul_add(dt.splat(weight), work);
+                heat = (against * v).mul_add(dt.splat(weight), heat);
             }
         }
         let v = sixth.mul_add(sum_a, v0);
@@ -278,21 +278,21 @@ impl<Q: Smooth, L: Lane> Bound<Q, L> {
             if L::any(arrives) {
                 let target = segment.target;
                 let gone = Cubic::new(dt, (target - x0, -v0), (target - x, -v));
-                let when = state.t + dt * gone.fall(dt.with(1.0));
+                let when = state.t + dt * gone.fall(dt.splat(1.0));
                 tally.stroke_time = L::select(arrives, when, tally.stroke_time);
             }
         }
         if tally.watch.peaks {
             // The speed peaks where its slope changes sign, the position where
             // the speed does.
-            let fast = (start * a).lt(dt.with(0.0));
-            let far = (v0 * v).lt(dt.with(0.0));
+            let fast = (start * a).lt(dt.splat(0.0));
+            let far = (v0 * v).lt(dt.splat(0.0));
             if L::any(L::or(fast, far)) {
                 let speed = Cubic::new(dt, (v0, start), (v, a));
                 let peak = speed.at(speed.turn()).abs();
                 tally.peak_v = L::select(fast, tally.peak_v.max(peak), tally.peak_v);
-                let place = Cubic::new(dt, (x0, v0), (x, v));
-                let peak = place.at(place.turn());
+                let position = Cubic::new(dt, (x0, v0), (x, v));
+                let peak = position.at(position.turn());
                 tally.peak_x = L::select(far, tally.peak_x.max(peak), tally.peak_x);
             }
             tally.look(x, v);

@@ -49,14 +49,14 @@ pub struct Tally<L> {
 impl<L: Lane> Tally<L> {
     #[inline(always)]
     pub fn start(segment: &Segment<L>, watch: Watch) -> Self {
-        let zero = segment.x.with(0.0);
+        let zero = segment.x.splat(0.0);
         Tally {
             watch,
             x: segment.x,
             v: segment.v,
             peak_x: segment.x,
             peak_v: segment.v.abs(),
-            stroke_time: zero.with(f64::NAN),
+            stroke_time: zero.splat(f64::NAN),
             stuck: zero,
             sticks: zero,
             work: zero,
@@ -73,9 +73,9 @@ impl<L: Lane> Tally<L> {
     /// Ends the lanes that have taken too many steps; looked at once in a while.
     #[inline(always)]
     pub fn give_up(&mut self, state: &mut State<L>, until: L, most: f64) {
-        let zero = until.with(0.0);
-        let long = L::and(state.t.lt(until), zero.with(most).lt(self.steps));
-        self.long = L::select(long, zero.with(1.0), self.long);
+        let zero = until.splat(0.0);
+        let long = L::and(state.t.lt(until), zero.splat(most).lt(self.steps));
+        self.long = L::select(long, zero.splat(1.0), self.long);
         state.t = L::select(long, until, state.t);
     }
 
@@ -112,7 +112,7 @@ impl<L: Lane> Tally<L> {
         // The slope does work as well.
         self.moved = self.moved + lift.abs();
         self.heat = self.heat - elastic;
-        let rough = self.rough.with(0.0).lt(self.rough);
+        let rough = self.rough.splat(0.0).lt(self.rough);
         self.lost = L::select(rough, self.lost + 1.0, self.lost);
         self
     }

@@ -9,7 +9,7 @@ mod path;
 
 pub use path::Path;
 
-use super::friction::Given;
+use super::friction::Parameters;
 use super::params::ParamId;
 use crate::describe::nearest;
 use crate::error::{Error, Result};
@@ -146,12 +146,12 @@ impl<L: Lane> Clock<L> {
 
 impl<'a, L: Lane> Drive<'a, L> {
     #[inline(always)]
-    pub fn new(kind: DriveKind, table: Table<'a>, given: &impl Given<L>) -> Self {
-        let zero = given.get(ParamId::DriveForce).with(0.0);
+    pub fn new(kind: DriveKind, table: Table<'a>, params: &impl Parameters<L>) -> Self {
+        let zero = params.get(ParamId::DriveForce).splat(0.0);
         let mut drive = Drive {
             kind,
-            offset: given.get(ParamId::DriveForce),
-            amplitude: given.get(ParamId::DriveAmplitude),
+            offset: params.get(ParamId::DriveForce),
+            amplitude: params.get(ParamId::DriveAmplitude),
             rate: zero,
             second: zero,
             third: zero,
@@ -159,34 +159,34 @@ impl<'a, L: Lane> Drive<'a, L> {
             table,
             path: None,
         };
-        let turns = given.get(ParamId::DrivePhaseDeg) * (1.0 / 360.0);
+        let turns = params.get(ParamId::DrivePhaseDeg) * (1.0 / 360.0);
         match kind {
             DriveKind::Constant => {}
-            DriveKind::Table => drive.amplitude = given.get(ParamId::Gain),
+            DriveKind::Table => drive.amplitude = params.get(ParamId::Gain),
             DriveKind::Sine => {
-                drive.rate = given.get(ParamId::DriveFrequency);
+                drive.rate = params.get(ParamId::DriveFrequency);
                 drive.third = turns;
             }
             DriveKind::Multisine => {
-                drive.rate = given.get(ParamId::DriveFrequency);
+                drive.rate = params.get(ParamId::DriveFrequency);
                 drive.third = turns;
-                drive.fourth = given.get(ParamId::DriveHarmonics);
-                drive.amplitude = drive.amplitude * (zero.with(2.0) / drive.fourth).sqrt();
+                drive.fourth = params.get(ParamId::DriveHarmonics);
+                drive.amplitude = drive.amplitude * (zero.splat(2.0) / drive.fourth).sqrt();
             }
             DriveKind::Chirp => {
-                drive.rate = given.get(ParamId::DriveFrequency);
-                let growth = given.get(ParamId::DriveFrequencyEnd) - drive.rate;
-                drive.second = growth * 0.5 / given.get(ParamId::Duration);
+                drive.rate = params.get(ParamId::DriveFrequency);
+                let growth = params.get(ParamId::DriveFrequencyEnd) - drive.rate;
+                drive.second = growth * 0.5 / params.get(ParamId::Duration);
                 drive.third = turns;
             }
             DriveKind::Ramp => {
-                drive.rate = given.get(ParamId::DriveRate);
-                drive.second = given.get(ParamId::DriveHold);
+                drive.rate = params.get(ParamId::DriveRate);
+                drive.second = params.get(ParamId::DriveHold);
             }
             DriveKind::Pulse => {
-                drive.second = given.get(ParamId::DriveDuty);
-                drive.third = given.get(ParamId::DriveBack);
-                drive.fourth = given.get(ParamId::DrivePeriod);
+                drive.second = params.get(ParamId::DriveDuty);
+                drive.third = params.get(ParamId::DriveBack);
+                drive.fourth = params.get(ParamId::DrivePeriod);
             }
         }
         drive
@@ -195,7 +195,7 @@ impl<'a, L: Lane> Drive<'a, L> {
     /// The same force for ever.
     #[inline(always)]
     pub fn steady(force: L) -> Drive<'a, L> {
-        let zero = force.with(0.0);
+        let zero = force.splat(0.0);
         Drive {
             kind: DriveKind::Constant,
             offset: force,
@@ -215,7 +215,7 @@ impl<'a, L: Lane> Drive<'a, L> {
     pub fn pieces(&self, duration: L) -> L {
         match self.kind {
             DriveKind::Pulse => duration * 2.0 / self.fourth,
-            _ => duration.with(0.0),
+            _ => duration.splat(0.0),
         }
     }
 
@@ -223,9 +223,9 @@ impl<'a, L: Lane> Drive<'a, L> {
     #[inline(always)]
     pub fn piece_end(&self, piece: L) -> L {
         if !self.kind.has_pieces() {
-            return piece.with(f64::INFINITY);
+            return piece.splat(f64::INFINITY);
         }
-        piece.apart(
+        piece.outlined(
             #[inline(always)]
             || self.end_of(piece),
         )
@@ -233,18 +233,18 @@ impl<'a, L: Lane> Drive<'a, L> {
 
     #[inline(always)]
     fn end_of(&self, piece: L) -> L {
-        let never = piece.with(f64::INFINITY);
+        let never = piece.splat(f64::INFINITY);
         match self.kind {
             DriveKind::Ramp => {
                 let rise = self.amplitude.abs() / self.rate;
-                let first = L::select(piece.lt(piece.with(1.0)), rise, rise + self.second);
-                let end = L::select(piece.lt(piece.with(2.0)), first, rise + (rise + self.second));
-                L::select(piece.lt(piece.with(3.0)), end, never)
+                let first = L::select(piece.lt(piece.splat(1.0)), rise, rise + self.second);
+                let end = L::select(piece.lt(piece.splat(2.0)), first, rise + (rise + self.second));
+                L::select(piece.lt(piece.splat(3.0)), end, never)
             }
             DriveKind::Pulse => {
                 let period = (piece * 0.5).floor();
                 let within = piece - period * 2.0;
-                let share = L::select(within.lt(piece.with(0.5)), self.second, piece.with(1.0));
+                let share = L::select(within.lt(piece.splat(0.5)), self.second, piece.splat(1.0));
                 (period + share) * self.fourth
             }
             DriveKind::Table => {
@@ -257,16 +257,16 @@ impl<'a, L: Lane> Drive<'a, L> {
         }
     }
 
-    /// The same number for every lane, if they all ask for the same place.
+    /// The same number for every lane, if they all ask for the same index.
     #[inline(always)]
-    fn look_up(&self, place: L, value: impl Fn(usize) -> f64) -> L {
-        let first = place.lane(0);
-        let same = place.with(first);
-        let differ = L::or(place.lt(same), same.lt(place));
+    fn look_up(&self, index: L, value: impl Fn(usize) -> f64) -> L {
+        let first = index.lane(0);
+        let same = index.splat(first);
+        let differ = L::or(index.lt(same), same.lt(index));
         if L::any(differ) {
-            place.map(|p| value(p as usize))
+            index.map(|p| value(p as usize))
         } else {
-            place.with(value(first as usize))
+            index.splat(value(first as usize))
         }
     }
 
@@ -275,7 +275,7 @@ impl<'a, L: Lane> Drive<'a, L> {
     pub fn force(&self, t: L, clock: &Clock<L>) -> L {
         match self.kind {
             DriveKind::Constant => self.offset,
-            _ => t.apart(
+            _ => t.outlined(
                 #[inline(always)]
                 || {
                     let force = self.varying_force(t, clock.piece);
@@ -292,23 +292,23 @@ impl<'a, L: Lane> Drive<'a, L> {
     #[inline(always)]
     pub fn mean(&self, t: L, dt: L, clock: &Clock<L>) -> L {
         match self.path {
-            Some(path) if path.lags => t.apart(
+            Some(path) if path.lags => t.outlined(
                 #[inline(always)]
                 || path.mean(self.varying_force(t, clock.piece), t, dt, clock),
             ),
-            _ => self.force(dt.mul_add(t.with(0.5), t), clock),
+            _ => self.force(dt.mul_add(t.splat(0.5), t), clock),
         }
     }
 
     /// The clock of a run that begins at `start`.
     #[inline(always)]
     pub fn clock(&self, start: L) -> Clock<L> {
-        let mut clock = Clock { piece: start.with(0.0), since: start, from: start.with(0.0) };
+        let mut clock = Clock { piece: start.splat(0.0), since: start, from: start.splat(0.0) };
         if self.kind == DriveKind::Table {
-            let delay = self.path.map_or(start.with(0.0), |path| path.delay);
+            let delay = self.path.map_or(start.splat(0.0), |path| path.delay);
             let at = start - delay;
-            let place = |t: f64| self.table.times.partition_point(|time| *time <= t);
-            clock.piece = at.map(|t| place(t).saturating_sub(1) as f64);
+            let index = |t: f64| self.table.times.partition_point(|time| *time <= t);
+            clock.piece = at.map(|t| index(t).saturating_sub(1) as f64);
         }
         if let Some(path) = self.path {
             // Before its first sample the drive had its first value.
@@ -348,14 +348,14 @@ impl<'a, L: Lane> Drive<'a, L> {
                 let rise = self.rate * t;
                 let end = size / self.rate;
                 let fall = (end + (end + self.second) - t) * self.rate;
-                let level = L::select(piece.lt(piece.with(2.0)), size, fall);
-                let level = L::select(piece.lt(piece.with(1.0)), rise, level);
-                let level = L::select(piece.lt(piece.with(3.0)), level, t.with(0.0));
+                let level = L::select(piece.lt(piece.splat(2.0)), size, fall);
+                let level = L::select(piece.lt(piece.splat(1.0)), rise, level);
+                let level = L::select(piece.lt(piece.splat(3.0)), level, t.splat(0.0));
                 self.amplitude.sign().mul_add(level, self.offset)
             }
             DriveKind::Pulse => {
                 let within = piece - (piece * 0.5).floor() * 2.0;
-                let forward = within.lt(piece.with(0.5));
+                let forward = within.lt(piece.splat(0.5));
                 self.offset + L::select(forward, self.amplitude, -self.third)
             }
             DriveKind::Table => {
@@ -368,7 +368,7 @@ impl<'a, L: Lane> Drive<'a, L> {
 
     /// What a drive without pieces is an offset and an amplitude of.
     pub fn shape(&self, t: L) -> L {
-        let (zero, one) = (t.with(0.0), t.with(1.0));
+        let (zero, one) = (t.splat(0.0), t.splat(1.0));
         Drive { offset: zero, amplitude: one, ..*self }.varying_force(t, zero)
     }
 
@@ -384,7 +384,7 @@ impl<'a, L: Lane> Drive<'a, L> {
     /// Derivative of the force by time.
     #[inline(always)]
     pub fn slope(&self, t: L, clock: &Clock<L>) -> L {
-        t.apart(
+        t.outlined(
             #[inline(always)]
             || {
                 let slope = self.varying_slope(t, clock.piece);
@@ -400,7 +400,7 @@ impl<'a, L: Lane> Drive<'a, L> {
     fn varying_slope(&self, t: L, piece: L) -> L {
         let circle = std::f64::consts::TAU;
         match self.kind {
-            DriveKind::Constant | DriveKind::Pulse | DriveKind::Table => t.with(0.0),
+            DriveKind::Constant | DriveKind::Pulse | DriveKind::Table => t.splat(0.0),
             DriveKind::Sine => {
                 let turns = self.rate.mul_add(t, self.third);
                 (self.amplitude * self.rate) * (cos_turns(turns) * circle)
@@ -412,10 +412,10 @@ impl<'a, L: Lane> Drive<'a, L> {
                 (self.amplitude * frequency) * (cos_turns(turns) * circle)
             }
             DriveKind::Ramp => {
-                let zero = t.with(0.0);
+                let zero = t.splat(0.0);
                 let rate = self.amplitude.sign() * self.rate;
-                let falls = L::and(piece.gt(piece.with(1.5)), piece.lt(piece.with(2.5)));
-                let rises = piece.lt(piece.with(0.5));
+                let falls = L::and(piece.gt(piece.splat(1.5)), piece.lt(piece.splat(2.5)));
+                let rises = piece.lt(piece.splat(0.5));
                 L::select(rises, rate, L::select(falls, -rate, zero))
             }
         }
@@ -424,15 +424,15 @@ impl<'a, L: Lane> Drive<'a, L> {
     /// Sum of the harmonics and its derivative.
     #[inline(always)]
     fn harmonics(&self, t: L) -> (L, L) {
-        let zero = t.with(0.0);
+        let zero = t.splat(0.0);
         let (mut sum, mut slope) = (zero, zero);
         let base = self.rate * t;
-        let per_count = t.with(1.0) / self.fourth;
+        let per_count = t.splat(1.0) / self.fourth;
         let mut j = 1.0;
-        while L::any(t.with(j).le(self.fourth)) {
+        while L::any(t.splat(j).le(self.fourth)) {
             let phase = self.third - per_count * (0.5 * j * (j - 1.0));
-            let turns = base.mul_add(t.with(j), phase);
-            let counts = t.with(j).le(self.fourth);
+            let turns = base.mul_add(t.splat(j), phase);
+            let counts = t.splat(j).le(self.fourth);
             sum = sum + L::select(counts, sin_turns(turns), zero);
             let rate = cos_turns(turns) * self.rate * (j * std::f64::consts::TAU);
             slope = slope + L::select(counts, rate, zero);

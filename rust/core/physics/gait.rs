@@ -207,7 +207,7 @@ fn wave(segments: usize, moving: usize) -> Schedule {
     // Its neighbour lags by 1/k in x, so their distance peaks at
     // 1/k + sin(pi/k)/pi of the travel; that is to be one stroke.
     let travel = 1.0 / (1.0 / k + (PI / k).sin() / PI);
-    let place = |time: f64, segment: usize| {
+    let position = |time: f64, segment: usize| {
         let lag = time - segment as f64;
         let turns = (lag / n).floor();
         let x = ((lag - turns * n) / k).min(1.0);
@@ -216,7 +216,7 @@ fn wave(segments: usize, moving: usize) -> Schedule {
     let count = segments * PIECES;
     let row = |q: usize| {
         let time = q as f64 / PIECES as f64;
-        (0..segments).map(|i| place(time, i)).collect::<Vec<_>>()
+        (0..segments).map(|i| position(time, i)).collect::<Vec<_>>()
     };
     let rows: Vec<_> = (0..=count).map(row).collect();
     let active = |q: usize, i: usize| (q / PIECES + segments - i) % segments < moving;

@@ -3,7 +3,7 @@
 //! segments j and j + 1, and its force pushes the first of them forward and the
 //! other one backward.
 
-use super::friction::Given;
+use super::friction::Parameters;
 use super::gait::{Grip, Phase};
 use super::params::ParamId;
 use crate::lane::Lane;
@@ -138,40 +138,41 @@ pub struct Robot<L> {
 impl<L: Lane> Robot<L> {
     /// `segments` equal segments and joints from the parameters of a point.
     #[inline(always)]
-    pub fn uniform(given: &impl Given<L>, segments: usize) -> Robot<L> {
-        let mass = given.get(ParamId::Mass);
-        let weight = mass * given.get(ParamId::Gravity);
-        // The Coulomb term may be dropped beside viscous friction; holding stays.
-        let none = mass.with(0.0);
-        let viscous = given.get(ParamId::Viscous);
-        let dropped = L::and(given.get(ParamId::CoulombTerm).lt(mass.with(0.5)), viscous.gt(none));
+    pub fn uniform(params: &impl Parameters<L>, segments: usize) -> Robot<L> {
+        let mass = params.get(ParamId::Mass);
+        let weight = mass * params.get(ParamId::Gravity);
+        // The Coulomb term may be dropped beside viscous friction; break-away stays.
+        let none = mass.splat(0.0);
+        let viscous = params.get(ParamId::Viscous);
+        let dropped =
+            L::and(params.get(ParamId::CoulombTerm).lt(mass.splat(0.5)), viscous.gt(none));
         let segment = Segment {
             mass,
-            pull: weight * given.derived(ParamId::SlopeDeg),
-            load: weight * given.derived(ParamId::CornerDeg) * given.get(ParamId::SlopeDeg),
-            wall: given.get(ParamId::WallForce),
-            mu_static: given.get(ParamId::MuStatic),
-            mu_coulomb: L::select(dropped, none, given.get(ParamId::MuCoulomb)),
+            pull: weight * params.derived(ParamId::SlopeDeg),
+            load: weight * params.derived(ParamId::CornerDeg) * params.get(ParamId::SlopeDeg),
+            wall: params.get(ParamId::WallForce),
+            mu_static: params.get(ParamId::MuStatic),
+            mu_coulomb: L::select(dropped, none, params.get(ParamId::MuCoulomb)),
             viscous,
-            skin_ratio: given.get(ParamId::SkinRatio),
+            skin_ratio: params.get(ParamId::SkinRatio),
         };
         let joint = Joint {
-            stroke: given.get(ParamId::Stroke),
-            limit: given.get(ParamId::DriveLimit),
-            speed: given.get(ParamId::SpeedLimit),
-            stiffness: given.get(ParamId::JointStiffness),
-            damping: given.get(ParamId::JointDamping),
+            stroke: params.get(ParamId::Stroke),
+            limit: params.get(ParamId::DriveLimit),
+            speed: params.get(ParamId::SpeedLimit),
+            stiffness: params.get(ParamId::JointStiffness),
+            damping: params.get(ParamId::JointDamping),
         };
         Robot {
             segments: vec![segment; segments],
             joints: vec![joint; segments.saturating_sub(1)],
             motor: Motor {
-                supply: given.get(ParamId::SupplyVoltage),
-                resistance: given.get(ParamId::WindingResistance),
-                force_constant: given.get(ParamId::ForceConstant),
+                supply: params.get(ParamId::SupplyVoltage),
+                resistance: params.get(ParamId::WindingResistance),
+                force_constant: params.get(ParamId::ForceConstant),
             },
-            wall_release: given.get(ParamId::WallRelease),
-            gravity: given.get(ParamId::Gravity),
+            wall_release: params.get(ParamId::WallRelease),
+            gravity: params.get(ParamId::Gravity),
         }
     }
 
@@ -179,11 +180,11 @@ impl<L: Lane> Robot<L> {
     /// that the gait moves have no static friction of their own.
     #[inline(always)]
     pub fn levels(&self, i: usize, phase: &Phase, break_away: L) -> Levels<L> {
-        let one = self.gravity.with(1.0);
+        let one = self.gravity.splat(1.0);
         let levels = self.segments[i].levels(match phase.grip[i] {
             Grip::Full => one,
             Grip::Eased => one - self.wall_release,
-            Grip::Free => self.gravity.with(0.0),
+            Grip::Free => self.gravity.splat(0.0),
         });
         if !phase.moves[i] {
             return levels;

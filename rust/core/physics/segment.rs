@@ -4,7 +4,7 @@
 //! F = clip(drive(t)) + k_s (v_p t - x) + d_s (v_p - v) and friction R.
 
 use super::drive::{Clock, Drive, DriveKind, Table};
-use super::friction::{Contact, Given};
+use super::friction::{Contact, Parameters};
 use super::params::ParamId;
 use crate::lane::Lane;
 use crate::lane::trig::sin_turns;
@@ -35,27 +35,27 @@ pub struct Segment<'a, L> {
 
 impl<'a, L: Lane> Segment<'a, L> {
     #[inline(always)]
-    pub fn new(kind: DriveKind, table: Table<'a>, given: &impl Given<L>) -> Self {
-        let mass = given.get(ParamId::Mass);
-        let x = given.get(ParamId::StartPosition);
+    pub fn new(kind: DriveKind, table: Table<'a>, params: &impl Parameters<L>) -> Self {
+        let mass = params.get(ParamId::Mass);
+        let x = params.get(ParamId::StartPosition);
         Segment {
             mass,
-            per_mass: mass.with(1.0) / mass,
-            weight: (mass * given.get(ParamId::Gravity)) * given.derived(ParamId::SlopeDeg),
-            swing: mass.with(0.0),
+            per_mass: mass.splat(1.0) / mass,
+            weight: (mass * params.get(ParamId::Gravity)) * params.derived(ParamId::SlopeDeg),
+            swing: mass.splat(0.0),
             swings: false,
-            limit: given.get(ParamId::DriveLimit),
-            spring: given.get(ParamId::SpringStiffness),
-            damper: given.get(ParamId::SpringDamping),
-            pull: given.get(ParamId::PullSpeed),
-            drive: Drive::new(kind, table, given),
-            contact: Contact::of(given),
+            limit: params.get(ParamId::DriveLimit),
+            spring: params.get(ParamId::SpringStiffness),
+            damper: params.get(ParamId::SpringDamping),
+            pull: params.get(ParamId::PullSpeed),
+            drive: Drive::new(kind, table, params),
+            contact: Contact::of(params),
             x,
-            v: given.get(ParamId::StartSpeed),
-            duration: given.get(ParamId::Duration),
-            step: given.get(ParamId::TimeStep),
-            tolerance: given.get(ParamId::Tolerance),
-            target: x + given.get(ParamId::Stroke),
+            v: params.get(ParamId::StartSpeed),
+            duration: params.get(ParamId::Duration),
+            step: params.get(ParamId::TimeStep),
+            tolerance: params.get(ParamId::Tolerance),
+            target: x + params.get(ParamId::Stroke),
         }
     }
 
@@ -91,7 +91,7 @@ impl<'a, L: Lane> Segment<'a, L> {
     #[inline(always)]
     pub fn force_slope(&self, t: L, clock: &Clock<L>) -> L {
         let free = self.drive.force(t, clock).abs().lt(self.limit);
-        let slope = L::select(free, self.drive.slope(t, clock), t.with(0.0));
+        let slope = L::select(free, self.drive.slope(t, clock), t.splat(0.0));
         self.spring.mul_add(self.pull, slope)
     }
 }

@@ -88,7 +88,7 @@ impl Output {
             Output::Stored => tally.stored,
             Output::EnergyResidual => {
                 let open = tally.work - tally.heat - tally.stored;
-                let zero = open.with(0.0);
+                let zero = open.splat(0.0);
                 // Nothing moved, nothing is open.
                 L::select(zero.lt(tally.moved), open / tally.moved, zero)
             }

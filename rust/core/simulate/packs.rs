@@ -6,7 +6,7 @@ use crate::columns::Columns;
 use crate::integrate::{Advance, State, Tally, Watch, drive};
 use crate::lane::{Lane, Pack};
 use crate::physics::ParamId;
-use crate::physics::friction::{Given, Kind};
+use crate::physics::friction::{Kind, Parameters};
 use crate::physics::segment::Segment;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -37,7 +37,7 @@ pub struct Trace<'a> {
     /// Drive force on the segment.
     pub force: &'a mut [f64],
     /// Direction of sliding, 0 at rest.
-    pub way: &'a mut [f64],
+    pub direction: &'a mut [f64],
 }
 
 /// The parameters of the cells from `start` on, a pack of them.
@@ -47,7 +47,7 @@ pub(super) struct Cells<'a, P: Pack> {
     start: usize,
 }
 
-impl<P: Pack> Given<P> for Cells<'_, P> {
+impl<P: Pack> Parameters<P> for Cells<'_, P> {
     #[inline(always)]
     fn get(&self, id: ParamId) -> P {
         self.columns.load(self.token, id.main(), self.start)
@@ -87,7 +87,7 @@ pub(super) fn each_pack<P: Pack>(
 /// Not a closure within `each_pack`, which would be compiled anew for each of its callers.
 #[inline(always)]
 fn segment_of<'a, P: Pack>(simulation: &'a Simulation, cells: &Cells<P>) -> Segment<'a, P> {
-    P::splat(cells.token, 0.0).apart(
+    P::broadcast(cells.token, 0.0).outlined(
         #[inline(always)]
         || Segment::new(simulation.drive, simulation.table(), cells),
     )
@@ -96,7 +96,7 @@ fn segment_of<'a, P: Pack>(simulation: &'a Simulation, cells: &Cells<P>) -> Segm
 /// Hands the numbers of a pack on.
 #[inline(always)]
 fn keep<P: Pack>(segment: &Segment<P>, tally: &Tally<P>, start: usize, stretch: &mut Stretch) {
-    tally.x.apart(
+    tally.x.outlined(
         #[inline(always)]
         || keep_here(segment, tally, start, stretch),
     );
@@ -106,7 +106,7 @@ fn keep<P: Pack>(segment: &Segment<P>, tally: &Tally<P>, start: usize, stretch: 
 fn keep_here<P: Pack>(segment: &Segment<P>, tally: &Tally<P>, start: usize, stretch: &mut Stretch) {
     let fate = Fate::of(tally);
     fate.store(&mut stretch.fates[start..]);
-    let found = fate.le(fate.with(Fate::FOUND));
+    let found = fate.le(fate.splat(Fate::FOUND));
     for (output, to) in stretch.outputs.iter_mut() {
         let value = output.of(segment, tally).only_if(found);
         // Beyond what a double holds is no value either.
@@ -127,9 +127,9 @@ impl Fate {
     fn of<L: Lane>(tally: &Tally<L>) -> L {
         let size = tally.x;
         let finite = L::and(tally.x.is_finite(), tally.v.is_finite());
-        let code = L::select(finite, size.with(Fate::FOUND), size.with(Fate::DIVERGED));
-        let code = L::select(tally.lost.le(size.with(0.0)), code, size.with(Fate::LOST));
-        L::select(tally.long.le(size.with(0.0)), code, size.with(Fate::LONG))
+        let code = L::select(finite, size.splat(Fate::FOUND), size.splat(Fate::DIVERGED));
+        let code = L::select(tally.lost.le(size.splat(0.0)), code, size.splat(Fate::LOST));
+        L::select(tally.long.le(size.splat(0.0)), code, size.splat(Fate::LONG))
     }
 }
 
@@ -154,14 +154,16 @@ impl<P: Pack> Visit<'_, '_, '_, P> {
             stations,
             #[inline(always)]
             |i: usize, state: &State<P>| {
-                let Some(Trace { x, v, force, way, .. }) = trace.as_deref_mut() else { return };
+                let Some(Trace { x, v, force, direction, .. }) = trace.as_deref_mut() else {
+                    return;
+                };
                 let at = i * len + start;
                 state.x.store(&mut x[at..]);
                 state.v.store(&mut v[at..]);
                 segment.force(state.t, &state.clock, state.x, state.v).store(&mut force[at..]);
                 // Only dry friction holds: the others slide whenever they move.
-                let sliding = if dry { state.way } else { state.v.sign() };
-                sliding.store(&mut way[at..]);
+                let sliding = if dry { state.direction } else { state.v.sign() };
+                sliding.store(&mut direction[at..]);
             },
             watch,
         )

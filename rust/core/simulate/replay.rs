@@ -81,7 +81,7 @@ impl Task for Group<'_, '_, '_> {
     fn run<P: Pack>(self, token: P::Token) {
         let Group { nominal, runs, intervals, group, cancel, scratch } = self;
         let go_on = || !cancel.load(Ordering::Relaxed);
-        let like = P::splat(token, 0.0);
+        let like = P::broadcast(token, 0.0);
         for part in group.chunks_mut(P::LANES) {
             let first = part[0].0;
             let run = &runs[first.run];
@@ -98,7 +98,7 @@ impl Task for Group<'_, '_, '_> {
             let count = to - from;
             let [mass, level, gain, clock] = shares;
             let shares = ([mass, level, gain], clock);
-            let plant = like.apart(
+            let plant = like.outlined(
                 #[inline(always)]
                 || Plant::new(nominal, run.slope_deg, first.active, &values, shares),
             );

@@ -3,7 +3,7 @@
 use super::packs::{Cells, Stretch, each_pack};
 use crate::integrate::Method;
 use crate::integrate::dormand_prince::DormandPrince;
-use crate::integrate::ground::{Bound, PlainContact};
+use crate::integrate::dry_contact::{Bound, PlainContact};
 use crate::lane::scalar_token;
 use crate::physics::friction::Dry;
 use crate::physics::segment::Segment;
@@ -18,11 +18,11 @@ pub fn dormand_prince(stretch: Stretch, bind: Bind) {
     let go_on = || !cancel.load(Ordering::Relaxed);
     each_pack::<f64>(scalar_token(), stretch, |cells, segment, visit| {
         let contact = bind(segment, cells);
-        let way = (adaptive, simulation.locate);
-        visit.drive(DormandPrince::new(segment, &*contact, way, go_on), watch)
+        let direction = (adaptive, simulation.locate);
+        visit.drive(DormandPrince::new(segment, &*contact, direction, go_on), watch)
     });
 }
 
 pub fn bind<Q: Dry>(segment: &Segment<f64>, cells: &Cells<f64>) -> Box<dyn PlainContact> {
-    Box::new(Bound::<Q, f64>(Q::set(&segment.contact, cells)))
+    Box::new(Bound::<Q, f64>(Q::coefficients(&segment.contact, cells)))
 }

@@ -7,7 +7,7 @@ use crate::integrate::Method;
 use crate::integrate::smooth::LAST;
 use crate::physics::ParamId;
 use crate::physics::drive::{Drive, DriveKind, Table};
-use crate::physics::friction::{Given, Kind, LAWS, LawEntry};
+use crate::physics::friction::{Kind, LAWS, LawEntry, Parameters};
 use crate::physics::point::columns;
 
 /// Most steps over which the drive's shape is worked out ahead: 24 MB.
@@ -48,8 +48,8 @@ impl Default for Choice {
 /// A checked choice for one grid.
 pub struct Simulation {
     pub law: &'static LawEntry,
-    /// The law's place among all.
-    pub place: usize,
+    /// Index of the law in the registry.
+    pub law_index: usize,
     pub drive: DriveKind,
     pub method: Method,
     pub locate: bool,
@@ -64,7 +64,7 @@ pub struct Simulation {
 impl Simulation {
     pub fn new(choice: &Choice, grid: &Grid) -> Result<Simulation> {
         let law = LawEntry::parse(&choice.law)?;
-        let place = LAWS.iter().position(|entry| entry.info.name == law.info.name);
+        let law_index = LAWS.iter().position(|entry| entry.info.name == law.info.name);
         let drive = DriveKind::parse(&choice.drive)?;
         check_table(drive, choice)?;
         let sprung = [ParamId::SpringStiffness, ParamId::SpringDamping]
@@ -85,7 +85,7 @@ impl Simulation {
         };
         let mut simulation = Simulation {
             law,
-            place: place.unwrap_or(0),
+            law_index: law_index.unwrap_or(0),
             drive,
             method,
             locate: choice.locate,
@@ -144,7 +144,7 @@ impl Simulation {
 /// The fixed values of a grid; NaN for its axes.
 struct Fixed<'a>(&'a Grid);
 
-impl Given<f64> for Fixed<'_> {
+impl Parameters<f64> for Fixed<'_> {
     fn get(&self, id: ParamId) -> f64 {
         self.0.fixed[id as usize].map_or(f64::NAN, |value| columns(id, value)[0])
     }

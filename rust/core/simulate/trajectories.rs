@@ -4,8 +4,8 @@
 use super::packs::{Cells, Stretch, Visit, each_pack};
 use super::scalar;
 use crate::integrate::bristle::{self, BristleContact, Rosenbrock};
+use crate::integrate::dry_contact::{self, DryContact};
 use crate::integrate::exact::{self, Exact};
-use crate::integrate::ground::{self, DryContact};
 use crate::integrate::runge_kutta::RungeKutta;
 use crate::integrate::smooth::{self, Ahead, SmoothContact, Steps};
 use crate::integrate::{Method, Tally, Watch};
@@ -51,7 +51,7 @@ for_each_law!(kernels);
 /// Simulates a stretch of cells.
 #[inline(never)]
 pub fn simulate(level: Level, stretch: Stretch) {
-    KERNELS[stretch.simulation.place](level, stretch);
+    KERNELS[stretch.simulation.law_index](level, stretch);
 }
 
 /// Takes the coefficients of a law on a pack of cells and hands them on. Only this is
@@ -67,8 +67,8 @@ fn each_bound<P: Pack, C: ?Sized>(
     bind: Bind<P, C>,
     mut method: impl FnMut(&C, &Segment<P>, &mut Visit<P>) -> Tally<P>,
 ) {
-    let like = P::splat(token, 0.0);
-    like.apart(
+    let like = P::broadcast(token, 0.0);
+    like.outlined(
         #[inline(always)]
         || {
             each_pack::<P>(
@@ -78,7 +78,7 @@ fn each_bound<P: Pack, C: ?Sized>(
                 |cells, segment, visit| {
                     let mut tally = None;
                     bind(segment, cells, &mut |contact| {
-                        tally = Some(like.apart(
+                        tally = Some(like.outlined(
                             #[inline(always)]
                             || method(contact, segment, visit),
                         ));
@@ -110,23 +110,23 @@ impl<Q: Dry> Task for DryRuns<'_, Q> {
                 self.stretch,
                 #[inline(always)]
                 |cells, segment, visit| {
-                    let contact = &exact::Bound::<Q, P>(Q::set(&segment.contact, cells));
+                    let contact = &exact::Bound::<Q, P>(Q::coefficients(&segment.contact, cells));
                     visit.drive(Exact { segment, contact, go_on }, watch)
                 },
             );
         } else {
             dry_runs(token, self.stretch, |segment: &Segment<P>, cells, then| {
-                then(&ground::Bound::<Q, P>(coefficients::<Q, P>(segment, cells)));
+                then(&dry_contact::Bound::<Q, P>(coefficients::<Q, P>(segment, cells)));
             });
         }
     }
 }
 
 #[inline(always)]
-fn coefficients<Q: Law, P: Pack>(segment: &Segment<P>, cells: &Cells<P>) -> Q::Set<P> {
-    segment.mass.apart(
+fn coefficients<Q: Law, P: Pack>(segment: &Segment<P>, cells: &Cells<P>) -> Q::Coefficients<P> {
+    segment.mass.outlined(
         #[inline(always)]
-        || Q::set(&segment.contact, cells),
+        || Q::coefficients(&segment.contact, cells),
     )
 }
 

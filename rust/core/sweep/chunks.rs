@@ -1,7 +1,7 @@
 //! Where results go, and the chunks of cells into which a job is cut.
 
 use super::job::Job;
-use super::runs::RUN_CHUNK;
+use super::simulated::SIMULATED_CHUNK;
 use crate::cells::columns::PADDING;
 
 /// Where a result goes.
@@ -48,7 +48,7 @@ pub struct Chunk<'a> {
 pub fn cut<'a>(job: &Job, buffers: Vec<(usize, Buffer<'a>)>, chunk: usize) -> Vec<Chunk<'a>> {
     // A reduction does the work of all rivals per cell: smaller chunks keep all
     // threads busy to the end.
-    let chunk = if job.simulates() { chunk.min(RUN_CHUNK) } else { chunk };
+    let chunk = if job.simulates() { chunk.min(SIMULATED_CHUNK) } else { chunk };
     let cells = (chunk / job.rival_count().max(1)).max(PADDING).min(chunk.max(1));
     let mut chunks = Vec::with_capacity(job.cells().div_ceil(cells));
     let mut rest = buffers;

@@ -1,7 +1,7 @@
 //! A job: a checked grid, what to compute on it, and how much memory that takes.
 
 use super::reduce::Reduce;
-use super::registry::{Entry, Way};
+use super::registry::{Entry, Evaluation};
 use crate::cells::columns::{Layout, PADDING};
 use crate::cells::grid::{Axis, Grid};
 use crate::error::{Error, Result};
@@ -23,8 +23,8 @@ pub struct Job {
     pub(super) fixed: [f64; COLUMNS],
     /// The reduced axis as columns.
     pub(super) rivals: [Vec<f64>; 2],
-    /// Its places, 0, 1, 2, ..., as the kernels count them.
-    pub(super) places: Vec<f64>,
+    /// Its indices, 0, 1, 2, ..., as the kernels count them.
+    pub(super) indices: Vec<f64>,
     pub(super) plain: bool,
     /// For quantities that are simulated.
     pub(super) simulation: Option<Simulation>,
@@ -43,8 +43,9 @@ impl Job {
         over: Option<&str>,
         choice: &Choice,
     ) -> Result<Job> {
-        let is_run = |request: &Request| matches!(request.entry.way, Way::Run(_));
-        let is_gait = |request: &Request| matches!(request.entry.way, Way::Gait(_));
+        let is_run =
+            |request: &Request| matches!(request.entry.evaluation, Evaluation::Trajectory(_));
+        let is_gait = |request: &Request| matches!(request.entry.evaluation, Evaluation::Gait(_));
         let gait = match requests.iter().any(is_gait) {
             true => Some(Gait::parse(&choice.gait)?),
             false => None,
@@ -58,8 +59,8 @@ impl Job {
             None => None,
             Some(name) => {
                 let id = ParamId::parse(name)?;
-                let place = grid.axes.iter().position(|axis| axis.id == id);
-                Some(place.ok_or(Error::NotAnAxis { axis: name.to_owned(), axes: names() })?)
+                let position = grid.axes.iter().position(|axis| axis.id == id);
+                Some(position.ok_or(Error::NotAnAxis { axis: name.to_owned(), axes: names() })?)
             }
         };
         for request in &requests {
@@ -98,7 +99,7 @@ impl Job {
                 rivals[1].push(pair[1]);
             }
         }
-        let places = (0..rivals[0].len()).map(|place| place as f64).collect();
+        let indices = (0..rivals[0].len()).map(|index| index as f64).collect();
         let kept = kept(&grid, over);
         let cells = kept.iter().map(|axis| axis.values.len()).product();
         let points = grid.points()? as u64;
@@ -116,7 +117,7 @@ impl Job {
             over,
             fixed,
             rivals,
-            places,
+            indices,
             requests,
             grid,
         })

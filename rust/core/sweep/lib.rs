@@ -3,24 +3,24 @@
 //! number.
 
 mod chunks;
+mod execute;
 mod gait_outputs;
 mod job;
 pub mod pool;
 mod reduce;
 mod registry;
 pub mod replay;
-mod run;
-mod runs;
+mod simulated;
 mod trace;
 
 pub use cells::grid::{Axis, Grid};
 pub use chunks::Buffer;
+pub use execute::{Control, DEFAULT_CHUNK, FRESH_CHUNK, Options, run};
 pub use gait_outputs::GaitOutput;
 pub use job::{Job, Request};
 pub use pool::threads_to_use;
 pub use reduce::Reduce;
 pub use registry::{Entry, QUANTITIES};
-pub use run::{Control, DEFAULT_CHUNK, FRESH_CHUNK, Options, run};
 pub use simulate::outputs::Output;
 pub use simulate::simulation::Choice;
 pub use trace::{Traces, trace};

@@ -81,9 +81,9 @@ pub fn quantile(sorted: &[f64], q: f64) -> f64 {
     if sorted.is_empty() {
         return f64::NAN;
     }
-    let place = (sorted.len() - 1) as f64 * q;
-    let below = libm::floor(place);
-    let (a, share) = (sorted[below as usize], place - below);
+    let position = (sorted.len() - 1) as f64 * q;
+    let below = libm::floor(position);
+    let (a, share) = (sorted[below as usize], position - below);
     let b = sorted[(below as usize + 1).min(sorted.len() - 1)];
     // The two forms meet both ends exactly.
     if share < 0.5 { a + (b - a) * share } else { b - (b - a) * (1.0 - share) }

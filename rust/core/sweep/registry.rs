@@ -13,38 +13,42 @@ use std::sync::LazyLock;
 pub struct Entry {
     pub info: Info,
     pub used: u128,
-    pub way: Way,
+    pub evaluation: Evaluation,
 }
 
 /// How a quantity is computed.
 #[derive(Clone, Copy)]
-pub enum Way {
+pub enum Evaluation {
     Closed(Closed),
     /// By simulating the trajectory of one segment.
-    Run(Output),
+    Trajectory(Output),
     /// By simulating the whole robot.
     Gait(GaitOutput),
 }
 
 impl Entry {
     fn of_closed(closed: &Closed) -> Entry {
-        Entry { info: closed.info, used: used_by(closed.info.params), way: Way::Closed(*closed) }
+        Entry {
+            info: closed.info,
+            used: used_by(closed.info.params),
+            evaluation: Evaluation::Closed(*closed),
+        }
     }
 
     fn of_run(output: Output) -> Entry {
         let info = output.info();
-        Entry { info, used: used_by(info.params), way: Way::Run(output) }
+        Entry { info, used: used_by(info.params), evaluation: Evaluation::Trajectory(output) }
     }
 
     fn of_gait(output: GaitOutput) -> Entry {
         let info = output.info();
-        Entry { info, used: used_by(info.params), way: Way::Gait(output) }
+        Entry { info, used: used_by(info.params), evaluation: Evaluation::Gait(output) }
     }
 
     pub fn closed(&self) -> Option<&Closed> {
-        match &self.way {
-            Way::Closed(closed) => Some(closed),
-            Way::Run(_) | Way::Gait(_) => None,
+        match &self.evaluation {
+            Evaluation::Closed(closed) => Some(closed),
+            Evaluation::Trajectory(_) | Evaluation::Gait(_) => None,
         }
     }
 

@@ -1,8 +1,8 @@
 //! Replays in batches: lanes are columns of parameters (candidates, perturbed
 //! parameters, restarts), over threads, with the same bits whatever their number.
 
+use super::execute::Control;
 use super::pool::pool;
-use super::run::Control;
 use crate::error::{Error, Result};
 use crate::lane::Level;
 use crate::physics::effects::{Nominal, shortness};

@@ -1,9 +1,9 @@
 //! Trajectories themselves, at evenly spread times: for looking, not for sweeps.
 
+use super::execute::{Control, Options};
 use super::job::Job;
 use super::pool::pool;
-use super::run::{Control, Options};
-use super::runs::RUN_BLOCK;
+use super::simulated::SIMULATED_BLOCK;
 use crate::cells::columns::{Cursor, PADDING, Vary};
 use crate::error::{Error, Result};
 use crate::integrate::Watch;
@@ -19,7 +19,7 @@ pub struct Traces {
     pub x: Vec<f64>,
     pub v: Vec<f64>,
     pub force: Vec<f64>,
-    pub way: Vec<f64>,
+    pub direction: Vec<f64>,
 }
 
 /// Simulates every cell of a job and keeps its state at `stations`, shares of
@@ -34,15 +34,15 @@ pub fn trace(job: &Job, stations: &[f64], options: Options, control: &Control) -
     };
     let (cells, count) = (job.cells(), stations.len());
     let make = || vec![f64::NAN; cells * count];
-    let mut traces = Traces { x: make(), v: make(), force: make(), way: make() };
+    let mut traces = Traces { x: make(), v: make(), force: make(), direction: make() };
     let watch = Watch { energy: false, stroke: false, peaks: false };
     {
-        let size = RUN_BLOCK * count.max(1);
-        let fields = [&mut traces.x, &mut traces.v, &mut traces.force, &mut traces.way];
+        let size = SIMULATED_BLOCK * count.max(1);
+        let fields = [&mut traces.x, &mut traces.v, &mut traces.force, &mut traces.direction];
         let mut parts = fields.map(|field| field.chunks_mut(size));
         let blocks = std::iter::from_fn(|| {
-            let [x, v, force, way] = &mut parts;
-            Some([x.next()?, v.next()?, force.next()?, way.next()?])
+            let [x, v, force, direction] = &mut parts;
+            Some([x.next()?, v.next()?, force.next()?, direction.next()?])
         });
         let queue = Mutex::new(blocks.enumerate());
         let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
@@ -51,7 +51,7 @@ pub fn trace(job: &Job, stations: &[f64], options: Options, control: &Control) -
             let mut buffers: [Vec<f64>; 4] = Default::default();
             let mut fates = Vec::new();
             while let Some((number, mut targets)) = next() {
-                let (begin, len) = (number * RUN_BLOCK, targets[0].len() / count);
+                let (begin, len) = (number * SIMULATED_BLOCK, targets[0].len() / count);
                 let mut offset = 0;
                 while offset < len && !control.cancel.load(Ordering::Relaxed) {
                     let cell = begin + offset;
@@ -63,7 +63,7 @@ pub fn trace(job: &Job, stations: &[f64], options: Options, control: &Control) -
                         buffer.resize(padded * count, f64::NAN);
                     }
                     fates.resize(padded, 0.0);
-                    let [x, v, force, way] = &mut buffers;
+                    let [x, v, force, direction] = &mut buffers;
                     simulate(
                         options.level,
                         Stretch {
@@ -74,7 +74,7 @@ pub fn trace(job: &Job, stations: &[f64], options: Options, control: &Control) -
                             len: padded,
                             outputs: &mut [],
                             fates: &mut fates,
-                            trace: Some(Trace { stations, x, v, force, way }),
+                            trace: Some(Trace { stations, x, v, force, direction }),
                             cancel: &control.cancel,
                         },
                     );
@@ -92,7 +92,7 @@ pub fn trace(job: &Job, stations: &[f64], options: Options, control: &Control) -
                 }
             }
         };
-        let workers = options.threads.min(cells.div_ceil(RUN_BLOCK));
+        let workers = options.threads.min(cells.div_ceil(SIMULATED_BLOCK));
         if workers <= 1 {
             work();
         } else {

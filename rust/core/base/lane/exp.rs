@@ -18,7 +18,7 @@ pub fn exp<L: Lane>(x: L) -> L {
 
 #[inline(always)]
 fn exp_here<L: Lane>(x: L) -> L {
-    let x = x.max(x.with(-700.0)).min(x.with(700.0));
+    let x = x.max(x.splat(-700.0)).min(x.splat(700.0));
     let k = (x * std::f64::consts::LOG2_E).round();
     (reduced(x, k) + 1.0) * k.exp2_whole()
 }
@@ -27,18 +27,18 @@ fn exp_here<L: Lane>(x: L) -> L {
 #[inline(always)]
 fn reduced<L: Lane>(x: L, k: L) -> L {
     // ln 2 in two parts: the first has 32 trailing zero bits, k * part is exact.
-    let r = k.mul_add(x.with(-6.931_471_803_691_238e-1), x);
-    let r = k.mul_add(x.with(-1.908_214_929_270_587_7e-10), r);
+    let r = k.mul_add(x.splat(-6.931_471_803_691_238e-1), x);
+    let r = k.mul_add(x.splat(-1.908_214_929_270_587_7e-10), r);
     // Taylor to r^13 on |r| <= 0.3466: remainder below 5e-18. Even and odd powers apart,
     // so that one chain does not wait for the other.
     let square = r * r;
-    let mut even = x.with(1.0 / 479_001_600.0);
+    let mut even = x.splat(1.0 / 479_001_600.0);
     for c in [1.0 / 3_628_800.0, 1.0 / 40_320.0, 1.0 / 720.0, 1.0 / 24.0, 0.5] {
-        even = even.mul_add(square, x.with(c));
+        even = even.mul_add(square, x.splat(c));
     }
-    let mut odd = x.with(1.0 / 6_227_020_800.0);
+    let mut odd = x.splat(1.0 / 6_227_020_800.0);
     for c in [1.0 / 39_916_800.0, 1.0 / 362_880.0, 1.0 / 5_040.0, 1.0 / 120.0, 1.0 / 6.0] {
-        odd = odd.mul_add(square, x.with(c));
+        odd = odd.mul_add(square, x.splat(c));
     }
     let tail = odd.mul_add(r, even);
     square.mul_add(tail, r)
@@ -55,7 +55,7 @@ pub fn exp_less_one<L: Lane>(x: L) -> L {
 
 #[inline(always)]
 fn exp_less_one_here<L: Lane>(x: L) -> L {
-    let x = x.max(x.with(-700.0)).min(x.with(700.0));
+    let x = x.max(x.splat(-700.0)).min(x.splat(700.0));
     let k = (x * std::f64::consts::LOG2_E).round();
     let power = k.exp2_whole();
     // 2^k (1 + s) - 1 with s = e^r - 1.
@@ -66,16 +66,16 @@ fn exp_less_one_here<L: Lane>(x: L) -> L {
 #[inline(always)]
 pub fn tanh<L: Lane>(x: L) -> L {
     // (e^2a - 1)/(e^2a + 1) keeps its digits at 0; beyond 20 it is 1.
-    let a = x.abs().min(x.with(20.0));
+    let a = x.abs().min(x.splat(20.0));
     let grown = exp_less_one(a + a);
     let size = grown / (grown + 2.0);
-    L::select(x.lt(x.with(0.0)), -size, size)
+    L::select(x.lt(x.splat(0.0)), -size, size)
 }
 
 /// E2(x) = (x + e^-x - 1)/x^2 for x >= 0.
 #[inline(always)]
 pub fn path_factor<L: Lane>(x: L) -> L {
-    let one = x.with(1.0);
+    let one = x.splat(1.0);
     // Beyond 1 the subtraction loses at most two bits; below, the series.
     let far = x.max(one);
     let direct = (far + exp(-far) - 1.0) / (far * far);
@@ -85,7 +85,7 @@ pub fn path_factor<L: Lane>(x: L) -> L {
 /// E1(x) = (1 - e^-x)/x = 1 - x E2(x) for x >= 0.
 #[inline(always)]
 pub fn speed_factor<L: Lane>(x: L) -> L {
-    let one = x.with(1.0);
+    let one = x.splat(1.0);
     let far = x.max(one);
     let direct = (one - exp(-far)) / far;
     let near = x.min(one);
@@ -104,7 +104,7 @@ pub fn motion_factors<L: Lane>(x: L) -> (L, L, L) {
 
 #[inline(always)]
 fn motion_factors_here<L: Lane>(x: L) -> (L, L, L) {
-    let one = x.with(1.0);
+    let one = x.splat(1.0);
     let is_near = x.lt(one);
     let near = x.min(one);
     let e2 = near_path_factor(near);
@@ -113,7 +113,7 @@ fn motion_factors_here<L: Lane>(x: L) -> (L, L, L) {
     if !L::any(L::not(is_near)) {
         return (decay, e1, e2);
     }
-    x.apart(
+    x.outlined(
         #[inline(always)]
         || {
             let far = x.max(one);
@@ -135,10 +135,10 @@ fn near_path_factor<L: Lane>(x: L) -> L {
     const EVEN: [f64; 9] = inverse_factorials(2, 1.0);
     const ODD: [f64; 9] = inverse_factorials(3, -1.0);
     let square = x * x;
-    let (mut even, mut odd) = (x.with(EVEN[8]), x.with(ODD[8]));
+    let (mut even, mut odd) = (x.splat(EVEN[8]), x.splat(ODD[8]));
     for n in (0..8).rev() {
-        even = even.mul_add(square, x.with(EVEN[n]));
-        odd = odd.mul_add(square, x.with(ODD[n]));
+        even = even.mul_add(square, x.splat(EVEN[n]));
+        odd = odd.mul_add(square, x.splat(ODD[n]));
     }
     odd.mul_add(x, even)
 }

@@ -40,7 +40,7 @@ fn ln_1p_here<L: Lane>(x: L) -> L {
     let lost = (x - back) - ((u - back) - 1.0);
     let (m, k) = u.split();
     // Beyond 2^60 the lost part is too small to matter.
-    let lost = lost * (-k.min(x.with(60.0))).exp2_whole();
+    let lost = lost * (-k.min(x.splat(60.0))).exp2_whole();
     let (high, low) = sum(m - 1.0, lost, k);
     at_the_ends(u, high + low)
 }
@@ -57,26 +57,26 @@ pub fn power<L: Lane>(x: L, p: L) -> L {
 
 #[inline(always)]
 fn power_here<L: Lane>(x: L, p: L) -> L {
-    let zero = x.with(0.0);
-    let (high, low) = parts(x.min(x.with(f64::MAX)));
+    let zero = x.splat(0.0);
+    let (high, low) = parts(x.min(x.splat(f64::MAX)));
     let product = high * p;
     let rest = high.mul_add(p, -product) + low * p;
     let grown = exp(product);
     let value = grown.mul_add(rest, grown);
-    let at_zero = L::select(p.gt(zero), zero, x.with(f64::INFINITY));
+    let at_zero = L::select(p.gt(zero), zero, x.splat(f64::INFINITY));
     let value = L::select(x.gt(zero), value, at_zero);
-    let value = L::select(L::and(p.le(zero), zero.le(p)), x.with(1.0), value);
+    let value = L::select(L::and(p.le(zero), zero.le(p)), x.splat(1.0), value);
     L::select(x.not_nan(), value, x)
 }
 
 /// ln(x) as the sum of two numbers, the second below half a unit of the first.
 #[inline(always)]
 fn parts<L: Lane>(x: L) -> (L, L) {
-    let tiny = x.lt(x.with(f64::MIN_POSITIVE));
+    let tiny = x.lt(x.splat(f64::MIN_POSITIVE));
     let lifted = L::select(tiny, x * 18_014_398_509_481_984.0, x);
     let (m, k) = lifted.split();
     let k = L::select(tiny, k - 54.0, k);
-    sum(m - 1.0, x.with(0.0), k)
+    sum(m - 1.0, x.splat(0.0), k)
 }
 
 /// ln(1 + f + rest) + k ln 2 in two parts, |f| <= 0.4143, rest far below f.
@@ -85,13 +85,13 @@ fn sum<L: Lane>(f: L, rest: L, k: L) -> (L, L) {
     // ln(1 + f) = 2 atanh(t/2) with t = 2 f/(2 + f), here t + fine.
     let d = f + 2.0;
     let short = f - (d - 2.0) + rest;
-    let per = f.with(1.0) / d;
+    let per = f.splat(1.0) / d;
     let twice = f + f;
     let t = twice * per;
     let fine = ((-t).mul_add(d, twice) + (rest + rest) - t * short) * per;
     let z = t * t;
     // Sum of z^n/(4^n (2n + 1)): what is left out is below 1e-18 of the sum.
-    let mut tail = f.with(1.0 / (4_194_304.0 * 23.0));
+    let mut tail = f.splat(1.0 / (4_194_304.0 * 23.0));
     for c in [
         1.0 / (1_048_576.0 * 21.0),
         1.0 / (262_144.0 * 19.0),
@@ -104,7 +104,7 @@ fn sum<L: Lane>(f: L, rest: L, k: L) -> (L, L) {
         1.0 / (16.0 * 5.0),
         1.0 / (4.0 * 3.0),
     ] {
-        tail = tail.mul_add(z, f.with(c));
+        tail = tail.mul_add(z, f.splat(c));
     }
     // ln 2 in two parts: the first has 32 trailing zero bits, k * part is exact
     // and, unless 0, larger than t.
@@ -112,7 +112,7 @@ fn sum<L: Lane>(f: L, rest: L, k: L) -> (L, L) {
     let high = whole + t;
     let lost = t - (high - whole);
     let small = (t * z).mul_add(tail, fine);
-    let low = k.mul_add(f.with(1.908_214_929_270_587_7e-10), small) + lost;
+    let low = k.mul_add(f.splat(1.908_214_929_270_587_7e-10), small) + lost;
     let total = high + low;
     (total, low - (total - high))
 }
@@ -120,9 +120,9 @@ fn sum<L: Lane>(f: L, rest: L, k: L) -> (L, L) {
 /// Infinities and NaN where the bits of `x` are not those of a positive number.
 #[inline(always)]
 fn at_the_ends<L: Lane>(x: L, value: L) -> L {
-    let zero = x.with(0.0);
-    let most = x.with(f64::MAX);
-    let below = L::select(x.lt(zero), x.with(f64::NAN), x.with(f64::NEG_INFINITY));
+    let zero = x.splat(0.0);
+    let most = x.splat(f64::MAX);
+    let below = L::select(x.lt(zero), x.splat(f64::NAN), x.splat(f64::NEG_INFINITY));
     let ends = L::select(x.gt(zero), x, below);
     let ends = L::select(x.not_nan(), ends, x);
     L::select(L::and(x.gt(zero), x.le(most)), value, ends)

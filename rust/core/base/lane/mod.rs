@@ -42,7 +42,7 @@ pub trait Lane:
     type Mask: Copy;
 
     /// The same number in every lane, as many lanes as `self` has.
-    fn with(self, value: f64) -> Self;
+    fn splat(self, value: f64) -> Self;
     /// `self * a + b`, rounded once where the level has a fused multiply-add.
     fn mul_add(self, a: Self, b: Self) -> Self;
     fn sqrt(self) -> Self;
@@ -84,7 +84,7 @@ pub trait Lane:
     /// Runs `f` in a function of its own, compiled for the same instructions.
     /// For large and rare parts, which would otherwise be copied into every
     /// kernel that might need them.
-    fn apart<R>(self, f: impl FnOnce() -> R) -> R;
+    fn outlined<R>(self, f: impl FnOnce() -> R) -> R;
 
     /// The same for parts that vectors are faster without: only plain numbers, whose
     /// kernels would grow several times over, call them.
@@ -104,13 +104,13 @@ pub trait Lane:
     /// 1, -1 or, at zero, 0.
     #[inline(always)]
     fn sign(self) -> Self {
-        let zero = self.with(0.0);
-        let negative = Self::select(self.lt(zero), self.with(-1.0), zero);
-        Self::select(zero.lt(self), self.with(1.0), negative)
+        let zero = self.splat(0.0);
+        let negative = Self::select(self.lt(zero), self.splat(-1.0), zero);
+        Self::select(zero.lt(self), self.splat(1.0), negative)
     }
     #[inline(always)]
     fn is_finite(self) -> Self::Mask {
-        self.abs().lt(self.with(f64::INFINITY))
+        self.abs().lt(self.splat(f64::INFINITY))
     }
     /// Within `-limit` and `limit`.
     #[inline(always)]
@@ -120,7 +120,7 @@ pub trait Lane:
     /// `self` where the mask holds, NaN elsewhere.
     #[inline(always)]
     fn only_if(self, mask: Self::Mask) -> Self {
-        Self::select(mask, self, self.with(f64::NAN))
+        Self::select(mask, self, self.splat(f64::NAN))
     }
 }
 
@@ -128,7 +128,7 @@ impl Lane for f64 {
     type Mask = bool;
 
     #[inline(always)]
-    fn with(self, value: f64) -> f64 {
+    fn splat(self, value: f64) -> f64 {
         value
     }
     #[inline(always)]
@@ -219,7 +219,7 @@ impl Lane for f64 {
         f(0)
     }
     #[inline(always)]
-    fn apart<R>(self, f: impl FnOnce() -> R) -> R {
+    fn outlined<R>(self, f: impl FnOnce() -> R) -> R {
         #[inline(never)]
         fn called<R>(f: impl FnOnce() -> R) -> R {
             f()
@@ -228,6 +228,6 @@ impl Lane for f64 {
     }
     #[inline(always)]
     fn shared<R>(self, f: impl FnOnce() -> R) -> R {
-        self.apart(f)
+        self.outlined(f)
     }
 }

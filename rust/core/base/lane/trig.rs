@@ -17,7 +17,7 @@ fn sin_turns_here<L: Lane>(x: L) -> L {
     let quarter = Quarter::of(x);
     let size = L::select(quarter.odd, quarter.cos(), quarter.sin());
     // Quarters -2, -1, 0, 1, 2: -sin, -cos, sin, cos, -sin.
-    let negative = L::or(quarter.n.lt(x.with(-0.5)), quarter.n.gt(x.with(1.5)));
+    let negative = L::or(quarter.n.lt(x.splat(-0.5)), quarter.n.gt(x.splat(1.5)));
     L::select(negative, -size, size)
 }
 
@@ -35,7 +35,7 @@ fn cos_turns_here<L: Lane>(x: L) -> L {
     let quarter = Quarter::of(x);
     let size = L::select(quarter.odd, quarter.sin(), quarter.cos());
     // Quarters -2, -1, 0, 1, 2: -cos, sin, cos, -sin, -cos.
-    let negative = L::or(quarter.n.lt(x.with(-1.5)), quarter.n.gt(x.with(0.5)));
+    let negative = L::or(quarter.n.lt(x.splat(-1.5)), quarter.n.gt(x.splat(0.5)));
     L::select(negative, -size, size)
 }
 
@@ -52,9 +52,9 @@ impl<L: Lane> Quarter<L> {
     fn of(x: L) -> Self {
         let r = x - x.round();
         let n = (r * 4.0).round();
-        let one = x.with(1.0);
+        let one = x.splat(1.0);
         let odd = L::and(n.abs().le(one), one.le(n.abs()));
-        Quarter { n, odd, y: n.mul_add(x.with(-0.25), r) }
+        Quarter { n, odd, y: n.mul_add(x.splat(-0.25), r) }
     }
 
     /// sin(2 pi y): Taylor to y^17, what is left out is below 1e-19.
@@ -62,7 +62,7 @@ impl<L: Lane> Quarter<L> {
     fn sin(&self) -> L {
         let y = self.y;
         let z = y * y;
-        let mut tail = y.with(0.104_229_162_208_139_84);
+        let mut tail = y.splat(0.104_229_162_208_139_84);
         for c in [
             -0.718_122_301_778_500_6,
             3.819_952_584_848_282,
@@ -72,10 +72,10 @@ impl<L: Lane> Quarter<L> {
             81.605_249_276_075_06,
             -41.341_702_240_399_76,
         ] {
-            tail = tail.mul_add(z, y.with(c));
+            tail = tail.mul_add(z, y.splat(c));
         }
         // 2 pi in two parts.
-        let turn = y.with(std::f64::consts::TAU);
+        let turn = y.splat(std::f64::consts::TAU);
         let angle = y * turn;
         let fine = y.mul_add(turn, -angle) + y * 2.449_293_598_294_706_4e-16;
         angle + (y * z).mul_add(tail, fine)
@@ -85,7 +85,7 @@ impl<L: Lane> Quarter<L> {
     #[inline(always)]
     fn cos(&self) -> L {
         let z = self.y * self.y;
-        let mut tail = z.with(0.282_005_968_455_791_23);
+        let mut tail = z.splat(0.282_005_968_455_791_23);
         for c in [
             -1.714_390_711_088_672,
             7.903_536_371_318_469,
@@ -95,8 +95,8 @@ impl<L: Lane> Quarter<L> {
             64.939_394_022_668_3,
             -19.739_208_802_178_716,
         ] {
-            tail = tail.mul_add(z, z.with(c));
+            tail = tail.mul_add(z, z.splat(c));
         }
-        z.mul_add(tail, z.with(1.0))
+        z.mul_add(tail, z.splat(1.0))
     }
 }

@@ -11,7 +11,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub trait Pack: Lane + 'static {
     type Token: Simd;
     const LANES: usize;
-    fn splat(token: Self::Token, value: f64) -> Self;
+    fn broadcast(token: Self::Token, value: f64) -> Self;
     /// Loads from the first `LANES` numbers of `from`.
     fn load(token: Self::Token, from: &[f64]) -> Self;
     /// Stores to the first `LANES` numbers of `to`.
@@ -29,7 +29,7 @@ impl Pack for f64 {
     type Token = fearless_simd::aarch64::Neon;
     const LANES: usize = 1;
     #[inline(always)]
-    fn splat(_: Self::Token, value: f64) -> f64 {
+    fn broadcast(_: Self::Token, value: f64) -> f64 {
         value
     }
     #[inline(always)]
@@ -55,7 +55,7 @@ macro_rules! pack {
             type Token = S;
             const LANES: usize = 8 * $vectors;
             #[inline(always)]
-            fn splat(token: S, value: f64) -> Self {
+            fn broadcast(token: S, value: f64) -> Self {
                 Self([f64x8::splat(token, value); $vectors])
             }
             #[inline(always)]
@@ -79,7 +79,7 @@ macro_rules! pack {
             type Mask = [fearless_simd::mask64x8<S>; $vectors];
 
             #[inline(always)]
-            fn with(self, value: f64) -> Self {
+            fn splat(self, value: f64) -> Self {
                 Self([f64x8::splat(self.0[0].simd, value); $vectors])
             }
             #[inline(always)]
@@ -172,7 +172,7 @@ macro_rules! pack {
                 Self::load(self.0[0].simd, &lanes)
             }
             #[inline(always)]
-            fn apart<R>(self, f: impl FnOnce() -> R) -> R {
+            fn outlined<R>(self, f: impl FnOnce() -> R) -> R {
                 self.0[0].simd.vectorize(f)
             }
         }
@@ -207,7 +207,7 @@ macro_rules! pack {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: f64) -> Self {
-                self.$method(self.with(other))
+                self.$method(self.splat(other))
             }
         }
     };
@@ -248,7 +248,7 @@ mod tests {
         type Output = ();
         fn run<P: Pack>(self, token: P::Token) {
             for k in [-1022, -1, 0, 1, 52, 1023] {
-                let wide = P::splat(token, f64::from(k)).exp2_whole();
+                let wide = P::broadcast(token, f64::from(k)).exp2_whole();
                 assert_eq!(wide.lane(P::LANES - 1), libm::exp2(f64::from(k)));
             }
         }

@@ -15,7 +15,7 @@ fn work<L: Lane, const PLAIN: bool>(p: &Point<L>, t: &Traction<L>, phase: &Phase
     if PLAIN {
         return t.push * p.stroke;
     }
-    let zero = p.stroke.with(0.0);
+    let zero = p.stroke.splat(0.0);
     let steady = (p.viscous * p.per_mass).mul_add(phase.peak_speed, t.drag);
     let cruise = L::select(phase.cruise_path.gt(zero), steady.max(zero) * phase.cruise_path, zero);
     t.push * phase.driven_path + cruise
@@ -42,7 +42,7 @@ impl Quantity for CostOfTransport {
         let t = traction::<L, PLAIN>(p);
         let phase = phase::<L, PLAIN>(p, &t);
         let cost = work::<L, PLAIN>(p, &t, &phase) / (p.gravity * p.stroke);
-        let moves = L::and(phase.mean_speed.not_nan(), p.gravity.gt(p.gravity.with(0.0)));
+        let moves = L::and(phase.mean_speed.not_nan(), p.gravity.gt(p.gravity.splat(0.0)));
         cost.only_if(moves)
     }
 
@@ -139,7 +139,7 @@ impl Quantity for ImpactLoss {
         if PLAIN {
             return loss;
         }
-        let zero = peak.with(0.0);
+        let zero = peak.splat(0.0);
         let braked = L::and(p.brake.gt(zero), peak.not_nan());
         L::select(braked, zero, loss)
     }

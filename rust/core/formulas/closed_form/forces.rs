@@ -26,7 +26,7 @@ impl Quantity for AnchorCapacity {
     fn value<L: Lane, const PLAIN: bool>(p: &Point<L>) -> L {
         let capacity = ((p.segments - p.moving) * p.mass) * p.hold();
         if PLAIN {
-            return capacity.only_if(p.hold().gt(capacity.with(0.0)));
+            return capacity.only_if(p.hold().gt(capacity.splat(0.0)));
         }
         capacity.only_if(anchored(p))
     }
@@ -157,7 +157,7 @@ impl Quantity for FrictionForce {
 
     #[inline(always)]
     fn value<L: Lane, const PLAIN: bool>(p: &Point<L>) -> L {
-        let zero = p.speed.with(0.0);
+        let zero = p.speed.splat(0.0);
         let dry = p.mu_coulomb * (p.mass * p.mover_normal());
         let signed = L::select(p.speed.lt(zero), -dry, dry);
         let force = p.viscous.mul_add(p.speed, signed);
@@ -188,7 +188,7 @@ impl Quantity for Feasible {
     #[inline(always)]
     fn value<L: Lane, const PLAIN: bool>(p: &Point<L>) -> L {
         let moves = super::traction::traction::<L, PLAIN>(p).acceleration.not_nan();
-        L::select(moves, p.mu_static.with(1.0), p.mu_static.with(0.0))
+        L::select(moves, p.mu_static.splat(1.0), p.mu_static.splat(0.0))
     }
 
     fn status(_: &Point<f64>) -> Status {
@@ -215,7 +215,7 @@ impl Quantity for AnchorReserve {
     #[inline(always)]
     fn value<L: Lane, const PLAIN: bool>(p: &Point<L>) -> L {
         let drag = p.drag();
-        let opposed = L::and(anchored(p), drag.gt(drag.with(0.0)));
+        let opposed = L::and(anchored(p), drag.gt(drag.splat(0.0)));
         (p.anchor_ratio() * p.hold() / drag).only_if(opposed)
     }
 
@@ -227,12 +227,12 @@ impl Quantity for AnchorReserve {
 /// The joints' demand: what a drive without regard for the anchors pulls.
 #[inline(always)]
 pub fn demand<L: Lane>(p: &Point<L>) -> L {
-    let zero = p.drive_limit.with(0.0);
+    let zero = p.drive_limit.splat(0.0);
     let both = p.drive_limit + p.drive_limit;
     let asked = L::select(p.anchors_ahead.gt(zero), both, p.drive_limit);
     let capacity = ((p.segments - p.moving) * p.mass) * p.hold();
     // Without a limit the drive is one that pulls just what the anchors hold.
-    let is_ideal = p.drive_limit.ge(zero.with(f64::INFINITY));
+    let is_ideal = p.drive_limit.ge(zero.splat(f64::INFINITY));
     L::select(is_ideal, capacity, asked)
 }
 
@@ -257,7 +257,7 @@ impl Quantity for AnchorSafety {
         let capacity = ((p.segments - p.moving) * p.mass) * p.hold();
         let demand = demand(p);
         let anchored = L::and(anchored(p), has_room_ahead(p));
-        let pulls = L::and(anchored, demand.gt(demand.with(0.0)));
+        let pulls = L::and(anchored, demand.gt(demand.splat(0.0)));
         (capacity / demand).only_if(pulls)
     }
 

@@ -173,7 +173,7 @@ fn start_acceleration<L: Lane, const PLAIN: bool>(p: &Point<L>) -> L {
     if PLAIN {
         return traction::<L, true>(p).acceleration;
     }
-    let zero = p.viscous.with(0.0);
+    let zero = p.viscous.splat(0.0);
     let drop = L::and(p.viscous.gt(zero), p.coulomb_term.le(zero));
     let mut kept = *p;
     kept.mu_coulomb = L::select(drop, zero, p.mu_coulomb);
@@ -218,7 +218,7 @@ impl Quantity for Velocity {
             return free;
         }
         let v = free * speed_factor(p.viscous * p.per_mass * p.time);
-        let slowed = L::select(p.viscous.gt(p.time.with(0.0)), v, free);
+        let slowed = L::select(p.viscous.gt(p.time.splat(0.0)), v, free);
         L::select(p.speed_limit.lt(slowed), p.speed_limit, slowed)
     }
 
@@ -245,7 +245,7 @@ impl Quantity for VelocityLimit {
 
     #[inline(always)]
     fn value<L: Lane, const PLAIN: bool>(p: &Point<L>) -> L {
-        let infinite = p.viscous.with(f64::INFINITY);
+        let infinite = p.viscous.splat(f64::INFINITY);
         let free = start_acceleration::<L, PLAIN>(p) * p.mass / p.viscous;
         let v = L::select(p.speed_limit.lt(free), p.speed_limit, free);
         v.only_if(v.lt(infinite))
@@ -275,7 +275,7 @@ impl Quantity for TimeConstant {
     #[inline(always)]
     fn value<L: Lane, const PLAIN: bool>(p: &Point<L>) -> L {
         let tau = p.mass / p.viscous;
-        tau.only_if(tau.lt(tau.with(f64::INFINITY)))
+        tau.only_if(tau.lt(tau.splat(f64::INFINITY)))
     }
 
     fn status(_: &Point<f64>) -> Status {

@@ -43,7 +43,7 @@ impl Quantity for OptimalSegments {
     #[inline(always)]
     fn value<L: Lane, const PLAIN: bool>(p: &Point<L>) -> L {
         let (hold, drag) = (p.hold(), p.drag());
-        let zero = hold.with(0.0);
+        let zero = hold.splat(0.0);
         let optimum = (p.moving + p.moving) * ((hold + drag) / hold);
         // At N = k nothing moves: an "optimum" there or below is none.
         let mask = L::and(hold.gt(zero), optimum.gt(p.moving));
@@ -113,7 +113,7 @@ impl Quantity for BestSegments {
 /// is at least 2k here, and both neighbours lie above half of it, so both move.
 #[inline(always)]
 fn plain_best<L: Lane>(p: &Point<L>) -> L {
-    let one = p.moving.with(1.0);
+    let one = p.moving.splat(1.0);
     let (hold, drag) = (p.hold(), p.drag());
     let both = hold + drag;
     let optimum = (p.moving + p.moving) * (both / hold);
@@ -125,9 +125,9 @@ fn plain_best<L: Lane>(p: &Point<L>) -> L {
     let (low_push, high_push) = (push(low), push(high));
     let rises = (high_push * (low * low)).gt(low_push * (high * high) * (1.0 + 2.0 * TIE));
     let best = L::select(rises, high, low);
-    let pushed = L::select(rises, high_push, low_push).gt(one.with(0.0));
+    let pushed = L::select(rises, high_push, low_push).gt(one.splat(0.0));
     let moves = L::and(pushed, best.gt(p.moving));
-    best.only_if(L::and(L::and(moves, hold.gt(one.with(0.0))), p.segments_min.le(p.segments_max)))
+    best.only_if(L::and(L::and(moves, hold.gt(one.splat(0.0))), p.segments_min.le(p.segments_max)))
 }
 
 /// Whether a robot of `n` segments moves at all.
@@ -140,11 +140,11 @@ fn moves<L: Lane>(p: &Point<L>, n: L) -> L::Mask {
 /// last one that cannot move.
 #[inline(always)]
 fn searched_best<L: Lane>(p: &Point<L>) -> L {
-    let one = p.moving.with(1.0);
-    let zero = one.with(0.0);
+    let one = p.moving.splat(1.0);
+    let zero = one.splat(0.0);
     // Least count whose anchors hold the movers under an ideal drive: k B/A
     // beyond k. Rounding may have put it one too low.
-    let never = zero.with(f64::NEG_INFINITY);
+    let never = zero.splat(f64::NEG_INFINITY);
     let need = p.moving * (p.drag() / p.hold());
     let need = L::select(need.gt(zero), need, zero);
     let least = (p.moving + need).floor() + one;
@@ -177,12 +177,12 @@ fn searched_best<L: Lane>(p: &Point<L>) -> L {
 /// may move it beyond any bound.
 #[inline(always)]
 fn most<L: Lane>(p: &Point<L>) -> L {
-    let zero = p.moving.with(0.0);
+    let zero = p.moving.splat(0.0);
     let ideal = OptimalSegments::value::<L, false>(p).floor() + 2.0;
     let others = L::or(p.brake.gt(zero), p.anchors_ahead.gt(zero));
     let bounded = L::and(ideal.not_nan(), p.viscous.le(zero));
-    let bound = L::select(bounded, ideal, zero.with(f64::INFINITY));
-    L::select(others, zero.with(f64::INFINITY), bound)
+    let bound = L::select(bounded, ideal, zero.splat(f64::INFINITY));
+    L::select(others, zero.splat(f64::INFINITY), bound)
 }
 
 /// Mean velocity at the best whole segment count.

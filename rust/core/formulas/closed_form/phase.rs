@@ -27,10 +27,10 @@ pub fn phase<L: Lane, const PLAIN: bool>(p: &Point<L>, traction: &Traction<L>) -
             mean_speed,
             peak_speed: mean_speed + mean_speed,
             driven_path: p.stroke,
-            cruise_path: p.stroke.with(0.0),
+            cruise_path: p.stroke.splat(0.0),
         };
     }
-    p.stroke.apart(
+    p.stroke.outlined(
         #[inline(always)]
         || general_phase(p, traction),
     )
@@ -39,7 +39,7 @@ pub fn phase<L: Lane, const PLAIN: bool>(p: &Point<L>, traction: &Traction<L>) -
 #[inline(always)]
 fn general_phase<L: Lane>(p: &Point<L>, traction: &Traction<L>) -> Phase<L> {
     let acceleration = traction.acceleration;
-    let zero = p.stroke.with(0.0);
+    let zero = p.stroke.splat(0.0);
     let braked = p.brake.gt(zero);
     let braking = (limited(p, grip_against_drive(p)) + traction.drag).only_if(
         // Only a brake that is used may fail.
@@ -62,7 +62,7 @@ fn general_phase<L: Lane>(p: &Point<L>, traction: &Traction<L>) -> Phase<L> {
 /// Whether anchors, capped by the actuator, could stop the movers.
 #[inline(always)]
 pub fn braking_works<L: Lane>(p: &Point<L>) -> L::Mask {
-    (limited(p, grip_against_drive(p)) + p.drag()).gt(p.stroke.with(0.0))
+    (limited(p, grip_against_drive(p)) + p.drag()).gt(p.stroke.splat(0.0))
 }
 
 /// Constant acceleration, cruise at the speed limit, constant braking. With
@@ -87,7 +87,7 @@ fn dry_phase<L: Lane>(p: &Point<L>, acceleration: L, braking: L, braked: L::Mask
         cruise_path: L::select(
             limited,
             p.stroke - top * top / (effective + effective),
-            p.stroke.with(0.0),
+            p.stroke.splat(0.0),
         ),
     }
 }
@@ -99,7 +99,7 @@ fn dry_phase<L: Lane>(p: &Point<L>, acceleration: L, braking: L, braked: L::Mask
 /// falls on the root from above; it needs no bracket.
 #[inline(always)]
 fn viscous_phase<L: Lane>(p: &Point<L>, acceleration: L, braking: L, braked: L::Mask) -> Phase<L> {
-    let zero = p.stroke.with(0.0);
+    let zero = p.stroke.splat(0.0);
     let rate = p.viscous * p.per_mass;
     let brake = (rate, braking, braked, L::any(braked));
     // Without viscosity and limits the stroke would take this long.
@@ -139,10 +139,10 @@ fn viscous_phase<L: Lane>(p: &Point<L>, acceleration: L, braking: L, braked: L::
     Phase { mean_speed: p.stroke / time, peak_speed: top, driven_path, cruise_path }
 }
 
-/// Way of braking from a speed, where something brakes.
+/// Distance of braking from a speed, where something brakes.
 #[inline(always)]
 fn braking_path<L: Lane>((rate, braking, braked, any): (L, L, L::Mask, bool), v: L) -> L {
-    let zero = v.with(0.0);
+    let zero = v.splat(0.0);
     // Logarithms go lane by lane: only where they are needed.
     if !any {
         return zero;

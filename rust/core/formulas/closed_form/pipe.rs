@@ -36,14 +36,14 @@ impl Quantity for Preload {
 
     #[inline(always)]
     fn value<L: Lane, const PLAIN: bool>(p: &Point<L>) -> L {
-        let zero = p.mass.with(0.0);
+        let zero = p.mass.splat(0.0);
         let mut bare = *p;
         bare.wall_force = zero;
         let anchors = p.segments - p.moving;
         let missing = p.mass * (p.moving * bare.drag() - anchors * bare.hold());
-        let kept = p.mu_coulomb * (p.wall_release.with(1.0) - p.wall_release);
+        let kept = p.mu_coulomb * (p.wall_release.splat(1.0) - p.wall_release);
         let gain = anchors * p.mu_anchor() - p.moving * kept;
-        let needed = missing / L::select(gain.gt(zero), gain, zero.with(1.0));
+        let needed = missing / L::select(gain.gt(zero), gain, zero.splat(1.0));
         let possible = L::or(gain.gt(zero), missing.le(zero));
         needed.max(zero).only_if(L::and(possible, anchors.gt(zero)))
     }

@@ -25,7 +25,7 @@ impl Quantity for SlipRatio {
 
     #[inline(always)]
     fn value<L: Lane, const PLAIN: bool>(p: &Point<L>) -> L {
-        let zero = p.mass.with(0.0);
+        let zero = p.mass.splat(0.0);
         let force = demand(p);
         let anchors = p.segments - p.moving;
         let forward = (force * p.per_mass) * p.per_moving - p.drag();

@@ -23,7 +23,7 @@ pub struct Traction<L> {
 #[inline(always)]
 pub fn plain_acceleration<L: Lane>(p: &Point<L>) -> L {
     let hold = p.hold();
-    let hold = L::select(hold.gt(hold.with(0.0)), hold, hold.with(f64::NEG_INFINITY));
+    let hold = L::select(hold.gt(hold.splat(0.0)), hold, hold.splat(f64::NEG_INFINITY));
     p.anchor_ratio().mul_add(hold, -p.drag())
 }
 
@@ -34,13 +34,13 @@ pub fn traction<L: Lane, const PLAIN: bool>(p: &Point<L>) -> Traction<L> {
     // rounding less gives the bits of a plain point.
     let free = p.anchor_ratio().mul_add(hold, -drag);
     let (push, acceleration, anchored) = if PLAIN {
-        (p.anchor_ratio() * hold, free, hold.gt(hold.with(0.0)))
+        (p.anchor_ratio() * hold, free, hold.gt(hold.splat(0.0)))
     } else {
         let push = limited(p, hold);
         let anchored = L::and(anchored(p), has_room_ahead(p));
         (push, L::select(is_limited(p, hold), push - drag, free), anchored)
     };
-    let moves = L::and(anchored, acceleration.gt(drag.with(LEAST_ACCELERATION)));
+    let moves = L::and(anchored, acceleration.gt(drag.splat(LEAST_ACCELERATION)));
     Traction { push, drag, acceleration: acceleration.only_if(moves) }
 }
 
@@ -72,7 +72,7 @@ fn joints<L: Lane>(p: &Point<L>, grip: L) -> (L, L, L) {
 /// Whether there are anchors and they stay where they are without a drive.
 #[inline(always)]
 pub fn anchored<L: Lane>(p: &Point<L>) -> L::Mask {
-    let zero = p.segments.with(0.0);
+    let zero = p.segments.splat(0.0);
     let stay = L::and(p.hold().gt(zero), grip_against_drive(p).gt(zero));
     L::and(stay, p.segments.gt(p.moving))
 }

@@ -29,7 +29,7 @@ impl<L: Lane> Ledger<L> {
             *part = *part * v;
         }
         Ledger {
-            per_gamma: gamma.with(1.0) / gamma,
+            per_gamma: gamma.splat(1.0) / gamma,
             work_x: -(segment.spring * v),
             work_v: force - segment.damper * v,
             heat_v: partials.force_v.mul_add(v, against),
@@ -64,8 +64,8 @@ pub struct Solver<L> {
 impl<L: Lane> Solver<L> {
     #[inline(always)]
     pub fn new<Q: Bristle>(segment: &Segment<L>, partials: &Partials<L>, gamma: L) -> Self {
-        let zero = gamma.with(0.0);
-        let per_gamma = gamma.with(1.0) / gamma;
+        let zero = gamma.splat(0.0);
+        let per_gamma = gamma.splat(1.0) / gamma;
         let n = Q::STATES;
         let pull_x = -(segment.spring * segment.per_mass);
         let mut m = [[zero; MOST_STATES + 1]; MOST_STATES + 1];
@@ -82,7 +82,7 @@ impl<L: Lane> Solver<L> {
         let drag = (partials.force_v + segment.damper) * segment.per_mass;
         m[n][n] = (gamma + drag) - pull_x * per_gamma;
         for p in 0..n {
-            let pivot = zero.with(1.0) / m[p][p];
+            let pivot = zero.splat(1.0) / m[p][p];
             for i in p + 1..=n {
                 let factor = m[i][p] * pivot;
                 for j in p + 1..=n {
@@ -92,14 +92,14 @@ impl<L: Lane> Solver<L> {
             }
             m[p][p] = pivot;
         }
-        m[n][n] = zero.with(1.0) / m[n][n];
+        m[n][n] = zero.splat(1.0) / m[n][n];
         Solver { gamma, per_gamma, pull_x, lower: m }
     }
 
     #[inline(always)]
     pub fn solve<Q: Bristle>(&self, right: &Vector<L>) -> Vector<L> {
         let n = Q::STATES;
-        let zero = self.gamma.with(0.0);
+        let zero = self.gamma.splat(0.0);
         let m = &self.lower;
         let mut b = [zero; MOST_STATES + 1];
         b[..n].copy_from_slice(&right[2..2 + n]);

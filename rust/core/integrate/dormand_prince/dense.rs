@@ -36,16 +36,16 @@ impl Quartic {
         c1 + theta * (2.0 * c2 + theta * (3.0 * c3 + theta * (4.0 * c4)))
     }
 
-    /// `value` less the quartic, times `way`.
-    pub fn short_of(&self, value: f64, way: f64) -> Quartic {
-        let mut c = self.c.map(|c| -way * c);
-        c[0] += way * value;
+    /// `value` less the quartic, times `direction`.
+    pub fn short_of(&self, value: f64, direction: f64) -> Quartic {
+        let mut c = self.c.map(|c| -direction * c);
+        c[0] += direction * value;
         Quartic { c }
     }
 
-    /// The same, seen along `way`.
-    pub fn along(&self, way: f64) -> Quartic {
-        Quartic { c: self.c.map(|c| way * c) }
+    /// The same, seen along `direction`.
+    pub fn along(&self, direction: f64) -> Quartic {
+        Quartic { c: self.c.map(|c| direction * c) }
     }
 
     /// Where the slope passes zero, each from which part of the step.
@@ -61,7 +61,7 @@ impl Quartic {
         self.turns().map(|theta| self.at(theta).abs()).reduce(f64::max)
     }
 
-    /// First place where the quartic falls below zero, from above or from zero
+    /// The first theta where the quartic falls below zero, from above or from zero
     /// itself; a dip between two positive values counts.
     pub fn fall(&self) -> Option<f64> {
         let mut turns = self.turns().peekable();
@@ -78,7 +78,7 @@ impl Quartic {
         None
     }
 
-    /// A place before `end` where what starts from zero has risen, 0 if nowhere.
+    /// A theta before `end` where what starts from zero has risen, 0 if nowhere.
     fn start(&self, end: f64) -> f64 {
         (1..=HALVINGS)
             .map(|i| end * 0.5f64.powi(i as i32))

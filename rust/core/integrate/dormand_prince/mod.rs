@@ -10,7 +10,7 @@
 mod dense;
 mod pair;
 
-use super::ground::{PlainContact, wait};
+use super::dry_contact::{PlainContact, wait};
 use super::{Advance, MOST_STIFF_STEPS, State, Tally};
 use crate::physics::segment::Segment;
 use dense::Quartic;
@@ -131,10 +131,10 @@ impl<'a, 'b, F: FnMut() -> bool> DormandPrince<'a, 'b, F> {
         let theta = ((t - begin.t) / dt).clamp(0.0, 1.0);
         let x = x.at(theta);
         // Rounding must not turn what is about to stop.
-        let along = begin.way * v.at(theta);
-        let v = if along < 0.0 { 0.0 } else { begin.way * along };
-        let forward = if begin.way > 0.0 { x - begin.x } else { 0.0 };
-        State { t, x, v, swept: begin.swept + forward, ..*begin }
+        let along = begin.direction * v.at(theta);
+        let v = if along < 0.0 { 0.0 } else { begin.direction * along };
+        let forward = if begin.direction > 0.0 { x - begin.x } else { 0.0 };
+        State { t, x, v, sliding_distance: begin.sliding_distance + forward, ..*begin }
     }
 
     /// Takes the front on by one stretch of sliding or rest.
@@ -151,24 +151,24 @@ impl<'a, 'b, F: FnMut() -> bool> DormandPrince<'a, 'b, F> {
             self.segment.drive.turn_over(&mut self.front.clock, piece_end, piece_end <= end);
             // The drive may have jumped: what rests is decided anew.
             if self.front.v == 0.0 {
-                self.front.way = 0.0;
+                self.front.direction = 0.0;
             }
         }
     }
 
     fn rest_or_slide(&mut self, tally: &mut Tally<f64>, end: f64, left: f64) {
-        if self.front.way == 0.0 {
+        if self.front.direction == 0.0 {
             let (push, over) = self.excess(&self.front);
             if over > 0.0 {
-                self.front.way = push.signum();
+                self.front.direction = push.signum();
             }
         }
         let mut longest = if self.adaptive { left } else { self.until_mark(left) };
-        if self.contact.placed() || self.front.way == 0.0 {
+        if self.contact.placed() || self.front.direction == 0.0 {
             // What lies along the way, or in the drive's course, may be short.
             longest = longest.min(self.segment.step);
         }
-        if self.front.way == 0.0 {
+        if self.front.direction == 0.0 {
             return self.rest(tally, end, longest);
         }
         let Some((step, stops)) = self.fitting(tally, end, longest) else { return };
@@ -231,13 +231,13 @@ impl<'a, 'b, F: FnMut() -> bool> DormandPrince<'a, 'b, F> {
 
     /// The step up to the stop that lies in it, if one does.
     fn stopped(&self, step: &Step) -> Option<Step> {
-        let way = self.front.way;
+        let direction = self.front.direction;
         let until = match self.locate {
             true => {
-                let theta = step.leg[1].along(way).fall()?;
+                let theta = step.leg[1].along(direction).fall()?;
                 self.stop(step.dt * theta, step.dt)
             }
-            false => (way * step.v < 0.0).then_some(step.dt)?,
+            false => (direction * step.v < 0.0).then_some(step.dt)?,
         };
         Some(Step { v: 0.0, ..self.attempt(until) })
     }
@@ -259,7 +259,7 @@ impl<'a, 'b, F: FnMut() -> bool> DormandPrince<'a, 'b, F> {
 
     /// One step of sliding from the front.
     fn attempt(&self, dt: f64) -> Step {
-        let State { t, x: x0, v: v0, way, .. } = self.front;
+        let State { t, x: x0, v: v0, direction, .. } = self.front;
         let (mut along, mut faster): (Slopes, Slopes) = ([0.0; 7], [0.0; 7]);
         let (mut x, mut v) = (x0, v0);
         let (mut work, mut heat) = (0.0, 0.0);
@@ -285,7 +285,7 @@ impl<'a, 'b, F: FnMut() -> bool> DormandPrince<'a, 'b, F> {
             end: faster[6],
             leg: [pair::dense(x0, x, dt, &along), pair::dense(v0, v, dt, &faster)],
             work: dt * work,
-            heat: way * (dt * heat),
+            heat: direction * (dt * heat),
             // What is no number fits nowhere.
             error: if sum.is_nan() { f64::INFINITY } else { sum },
         }
@@ -317,8 +317,8 @@ impl<'a, 'b, F: FnMut() -> bool> DormandPrince<'a, 'b, F> {
         if tally.watch.peaks {
             tally.peak_v = v.peak().map_or(tally.peak_v, |peak| tally.peak_v.max(peak));
         }
-        if self.contact.placed() && begin.way > 0.0 {
-            self.front.swept += step.x - begin.x;
+        if self.contact.placed() && begin.direction > 0.0 {
+            self.front.sliding_distance += step.x - begin.x;
         }
         let left = end - begin.t;
         self.front.t = if step.dt >= left { end } else { begin.t + step.dt };
@@ -345,8 +345,8 @@ impl<'a, 'b, F: FnMut() -> bool> DormandPrince<'a, 'b, F> {
     /// At a stop: rests, or slides the other way.
     fn decide(&mut self, tally: &mut Tally<f64>) {
         let (push, over) = self.excess(&self.front);
-        self.front.swept = 0.0;
-        self.front.way = if over > 0.0 { push.signum() } else { 0.0 };
+        self.front.sliding_distance = 0.0;
+        self.front.direction = if over > 0.0 { push.signum() } else { 0.0 };
         if over <= 0.0 {
             tally.sticks += 1.0;
         }
@@ -362,11 +362,11 @@ impl<'a, 'b, F: FnMut() -> bool> DormandPrince<'a, 'b, F> {
     /// Rests until friction gives way, at most for `longest`.
     fn rest(&mut self, tally: &mut Tally<f64>, end: f64, longest: f64) {
         let begin = self.front;
-        let (wait, way) =
+        let (wait, direction) =
             wait(begin.t, longest, self.locate, |t| self.contact.excess(self.segment, &begin, t));
         tally.stuck += wait;
         self.front.t = if wait >= end - begin.t { end } else { begin.t + wait };
-        (self.front.v, self.front.way) = (0.0, way);
+        (self.front.v, self.front.direction) = (0.0, direction);
         let (x, v) = (Quartic::constant(begin.x), Quartic::constant(0.0));
         self.leg = Leg { begin, dt: wait, x, v };
     }

@@ -135,17 +135,17 @@ impl Line {
             |q: f64| if link.gain.is_infinite() { 0.0 } else { (q - link.bias) / link.gain };
         let series = |slope: f64| 1.0 / (1.0 / slope + 1.0 / link.gain);
         let limit = link.limit;
-        let place = |q: f64| Vertex { w: self.speed(q) + shift(q), q };
+        let vertex = |q: f64| Vertex { w: self.speed(q) + shift(q), q };
         if limit.is_infinite() {
             (to.before, to.after) = (series(self.before), series(self.after));
             to.at.extend(self.at.iter().map(|v| Vertex { w: v.w + shift(v.q), q: v.q }));
             return;
         }
-        to.at.push(place(-limit));
+        to.at.push(vertex(-limit));
         for v in self.at.iter().filter(|v| v.q > -limit && v.q < limit) {
             to.at.push(Vertex { w: v.w + shift(v.q), q: v.q });
         }
-        to.at.push(place(limit));
+        to.at.push(vertex(limit));
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::{GaitTally, Now, Observer, Plan, RunOptions, simulate, simulate_lanes};
 use crate::lane::{Lane, Level, Pack, Task, run};
-use crate::physics::friction::Given;
+use crate::physics::friction::Parameters;
 use crate::physics::gait::{Gait, Schedule};
 use crate::physics::point::COLUMNS;
 use crate::physics::{ParamId, Robot, Status};
@@ -18,7 +18,7 @@ struct Lanes<'a, L> {
     rows: &'a [&'a Row],
 }
 
-impl<L: Lane> Given<L> for Lanes<'_, L> {
+impl<L: Lane> Parameters<L> for Lanes<'_, L> {
     fn get(&self, id: ParamId) -> L {
         self.like.fill(|i| self.rows[i][id.main()])
     }
@@ -36,12 +36,12 @@ fn key(row: &Row) -> Key {
     (ideal, whole(ParamId::Segments), whole(ParamId::Moving), whole(ParamId::Cycles))
 }
 
-fn options<L: Lane>(given: &impl Given<L>) -> RunOptions<L> {
+fn options<L: Lane>(params: &impl Parameters<L>) -> RunOptions<L> {
     RunOptions {
-        time_step: given.get(ParamId::TimeStep),
-        dwell: given.get(ParamId::Dwell),
-        impact: given.get(ParamId::Impact),
-        break_away: given.get(ParamId::BreakAway),
+        time_step: params.get(ParamId::TimeStep),
+        dwell: params.get(ParamId::Dwell),
+        impact: params.get(ParamId::Impact),
+        break_away: params.get(ParamId::BreakAway),
     }
 }
 
@@ -67,34 +67,34 @@ impl<L> Observer<L> for Flag<'_> {
 fn together<L: Lane>(
     schedule: &Schedule,
     key: Key,
-    given: &impl Given<L>,
+    params: &impl Parameters<L>,
     mut flag: impl Observer<L>,
 ) -> GaitTally<L> {
-    let robot = Robot::uniform(given, key.1 as usize);
+    let robot = Robot::uniform(params, key.1 as usize);
     let plan = Plan { schedule, cycles: key.3 as usize };
-    simulate_lanes(&robot, &plan, &options(given), &mut flag)
+    simulate_lanes(&robot, &plan, &options(params), &mut flag)
 }
 
 fn alone(schedule: &Schedule, key: Key, row: &Row, mut flag: impl Observer<f64>) -> GaitTally<f64> {
-    let given = Lanes { like: 0.0, rows: &[row] };
-    let robot = Robot::uniform(&given, key.1 as usize);
+    let params = Lanes { like: 0.0, rows: &[row] };
+    let robot = Robot::uniform(&params, key.1 as usize);
     let plan = Plan { schedule, cycles: key.3 as usize };
-    simulate(&robot, &plan, &options(&given), &mut flag)
+    simulate(&robot, &plan, &options(&params), &mut flag)
 }
 
 /// One robot per lane, whatever the lanes have in common. The more of them
 /// share segments, movers and cycles the faster; each lane's result is the same
 /// in any company.
 #[inline(always)]
-pub fn gait_tally<L: Lane>(gait: Gait, given: &impl Given<L>) -> GaitTally<L> {
-    let like = given.get(ParamId::Mass);
+pub fn gait_tally<L: Lane>(gait: Gait, params: &impl Parameters<L>) -> GaitTally<L> {
+    let like = params.get(ParamId::Mass);
     let mut rows: Vec<Row> = Vec::new();
     like.map(|x| {
         rows.push([f64::NAN; COLUMNS]);
         x
     });
     for id in ParamId::all() {
-        let (value, derived) = (given.get(id), given.derived(id));
+        let (value, derived) = (params.get(id), params.derived(id));
         for (i, row) in rows.iter_mut().enumerate() {
             row[id.main()] = value.lane(i);
             row[id.derived()] = derived.lane(i);
@@ -146,8 +146,8 @@ impl<F: FnMut(usize, GaitTally<f64>)> Task for Packs<'_, F> {
             let rows: Vec<Row> = members.iter().map(|i| (self.point)(*i)).collect();
             let last = rows.len() - 1;
             let rows: Vec<&Row> = (0..P::LANES).map(|i| &rows[i.min(last)]).collect();
-            let given = Lanes { like: P::splat(token, 0.0), rows: &rows };
-            let all = together(self.schedule, self.key, &given, self.flag);
+            let params = Lanes { like: P::broadcast(token, 0.0), rows: &rows };
+            let all = together(self.schedule, self.key, &params, self.flag);
             for (lane, i) in members.iter().enumerate() {
                 (self.each)(*i, all.lane(lane));
             }

@@ -99,7 +99,7 @@ impl Flow {
         Gap { rate: state.v[j] - state.v[j + 1], front: self.drift[j], rear: self.drift[j + 1] }
     }
 
-    /// When the force of a joint at its speed reaches its limit, and which way.
+    /// When the force of a joint at its speed reaches its limit, and in which direction.
     pub fn time_to_limit(&self, j: usize, force: f64, limit: f64) -> Option<(f64, f64)> {
         let slope = self.slope[j];
         if slope == 0.0 || limit.is_infinite() {
@@ -151,12 +151,12 @@ impl Flow {
         let mut sums = state.ledger.clone();
         for (i, segment) in state.robot.segments.iter().enumerate() {
             let (v, drift) = (state.v[i], &self.drift[i]);
-            let way = v * dt + drift.path(dt);
+            let direction = v * dt + drift.path(dt);
             let levels = &state.levels[i];
             let level = if self.slide[i] > 0.0 { levels.ahead_slide } else { levels.back_slide };
-            sums.friction += level * way.abs() + segment.viscous * drift.square(v, dt);
-            sums.potential += segment.pull * way;
-            sums.back[i] -= way.min(0.0);
+            sums.friction += level * direction.abs() + segment.viscous * drift.square(v, dt);
+            sums.potential += segment.pull * direction;
+            sums.back[i] -= direction.min(0.0);
         }
         for (j, joint) in state.joints.iter().enumerate() {
             if joint.drive == Drive::Locked {

@@ -23,7 +23,7 @@ const REACHED: f64 = 1e-12;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Drive {
     Locked,
-    /// Below (1) or above (-1) its speed: the full force, this way.
+    /// Below (1) or above (-1) its speed: the full force, in this direction.
     Push(f64),
     /// At its speed, with what force that takes.
     Paced,
@@ -159,9 +159,10 @@ impl<O: Observer<f64>> Ideal<'_, O> {
         let time = phase.pace * times.fold(0.0, f64::max);
         for (j, joint) in self.robot.joints.iter().enumerate() {
             let target = joint.stroke * phase.target[j];
-            let way = target - self.length(j);
-            let here = way.abs() <= REACHED * joint.stroke;
-            let rate = if time > 0.0 { way / time } else { way.signum() * f64::INFINITY };
+            let direction = target - self.length(j);
+            let here = direction.abs() <= REACHED * joint.stroke;
+            let rate =
+                if time > 0.0 { direction / time } else { direction.signum() * f64::INFINITY };
             let drive = if here { Drive::Locked } else { Drive::Paced };
             self.joints[j] = Actuator { drive, rate, target, force: 0.0 };
         }
@@ -243,7 +244,7 @@ impl<O: Observer<f64>> Ideal<'_, O> {
         for (joint, limits) in self.joints.iter().zip(&robot.joints) {
             self.links.push(match joint.drive {
                 Drive::Locked => Link::RIGID,
-                Drive::Push(way) => Link::force(way * limits.limit),
+                Drive::Push(direction) => Link::force(direction * limits.limit),
                 Drive::Paced => Link::held(limits.limit),
             });
         }
@@ -272,9 +273,9 @@ impl<O: Observer<f64>> Ideal<'_, O> {
             }
             let forward = joint.rate > 0.0;
             let gap = flow.gap(self, j);
-            let way = (joint.target - self.length(j)) * joint.rate.signum();
+            let direction = (joint.target - self.length(j)) * joint.rate.signum();
             let gap_on = if forward { gap } else { gap.flipped() };
-            let at = gap_on.time_to_length(way.max(0.0));
+            let at = gap_on.time_to_length(direction.max(0.0));
             all.extend(at.map(|t| (t, Event::Reaches(j))));
             match joint.drive {
                 Drive::Push(side) if joint.rate.is_finite() => {

@@ -5,11 +5,11 @@
 mod chain;
 mod ensemble;
 mod flow;
-mod given;
+mod gait_parameters;
 mod ideal;
 mod motion;
 mod outputs;
-mod roles;
+mod phase_groups;
 mod step;
 mod stick;
 mod tally;
@@ -17,7 +17,7 @@ mod trace;
 
 pub use chain::{Body, Chain, Link, Sliding, solve_with_break_away};
 pub use ensemble::{Row, ensemble, gait_tally};
-pub use given::{GAIT_PARAMS, GaitParam, GivenRun, Part, PerPart};
+pub use gait_parameters::{GAIT_PARAMS, GaitParam, Part, PerPart, RunParameters};
 pub use outputs::{GAIT_OUTPUTS, GaitOutput};
 pub use stick::Step;
 pub use tally::GaitTally;

@@ -6,7 +6,7 @@
 //! 1/2 (second order) where the step resolves it, towards 1 (which damps it
 //! out) where it does not, so no stiffness asks for a smaller step.
 
-use super::roles::Roles;
+use super::phase_groups::PhaseGroups;
 use super::stick::Step;
 use super::tally::{End, GaitTally, Ledger};
 use super::trace::{Now, Observer};
@@ -21,7 +21,7 @@ const MOST_STEPS: f64 = 1e7;
 
 /// Steps of equal length under constant command rates.
 struct Stretch<'a, L> {
-    roles: &'a Roles<L>,
+    roles: &'a PhaseGroups<L>,
     h: L,
     theta: L,
     /// 1 while the gait drives joints.
@@ -69,7 +69,7 @@ pub(super) fn run<L: Lane, O: Observer<L>>(
 ) -> GaitTally<L> {
     let schedule = plan.schedule;
     let like = options.time_step;
-    let zero = like.with(0.0);
+    let zero = like.splat(0.0);
     let n = robot.segments.len();
     let mut state = Elastic {
         robot,
@@ -91,9 +91,9 @@ pub(super) fn run<L: Lane, O: Observer<L>>(
         state.start[j] = joint.stroke * schedule.start[j];
         state.command[j] = state.start[j];
     }
-    let mut all: Vec<Roles<L>> = Vec::with_capacity(schedule.phases.len());
+    let mut all: Vec<PhaseGroups<L>> = Vec::with_capacity(schedule.phases.len());
     for p in 0..schedule.phases.len() {
-        all.push(Roles::of(robot, schedule, p));
+        all.push(PhaseGroups::of(robot, schedule, p));
     }
     let mut moved = zero;
     for _ in 0..plan.cycles {
@@ -108,14 +108,14 @@ pub(super) fn run<L: Lane, O: Observer<L>>(
         let (x, ledger) = (&state.x, &mut state.ledger);
         ledger.cycle(&x[..n]);
     }
-    let code = |status: Status| zero.with(f64::from(status as u8));
+    let code = |status: Status| zero.splat(f64::from(status as u8));
     let status = L::select(zero.lt(moved), zero, code(Status::NoPhaseTime));
     let status = L::select(zero.lt(state.endless), code(Status::TooManySteps), status);
     let end = End {
         x: &state.x[..n],
         kinetic: state.kinetic(),
         elastic: state.elastic(),
-        cycles: zero.with(plan.cycles as f64),
+        cycles: zero.splat(plan.cycles as f64),
         status,
     };
     state.ledger.close(robot, &end)
@@ -128,22 +128,22 @@ fn stiffest<L: Lane>(robot: &Robot<L>) -> L {
     for segment in &robot.segments {
         mass = mass.min(segment.mass);
     }
-    let zero = mass.with(0.0);
+    let zero = mass.splat(0.0);
     let (mut stiffness, mut damping) = (zero, zero);
     for joint in &robot.joints {
         stiffness = stiffness.max(joint.stiffness);
         damping = damping.max(joint.damping);
     }
     // A segment between two joints, its neighbours in opposite phase.
-    let (per_mass, four) = (mass.with(1.0) / mass, 4.0);
+    let (per_mass, four) = (mass.splat(1.0) / mass, 4.0);
     (stiffness * per_mass * four).sqrt() + damping * per_mass * four
 }
 
 impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
     #[inline(always)]
-    fn phase(&mut self, schedule: &Schedule, roles: &Roles<L>, options: &RunOptions<L>) {
+    fn phase(&mut self, schedule: &Schedule, roles: &PhaseGroups<L>, options: &RunOptions<L>) {
         let phase = &schedule.phases[self.phase];
-        let zero = options.time_step.with(0.0);
+        let zero = options.time_step.splat(0.0);
         let mut ramp = zero;
         for joint in &self.robot.joints {
             ramp = ramp.max(joint.stroke / joint.speed);
@@ -158,13 +158,13 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
             self.command[j] = L::select(gradual, self.command[j], target);
         }
         self.ledger.work = self.ledger.work + (self.elastic() - before);
-        self.stretch(schedule, roles, ramp, zero.with(1.0));
+        self.stretch(schedule, roles, ramp, zero.splat(1.0));
         for (j, joint) in self.robot.joints.iter().enumerate() {
             self.command[j] = joint.stroke * phase.target[j];
             self.rate[j] = zero;
         }
         if phase.rests {
-            let driven = L::select(gradual, zero, zero.with(1.0));
+            let driven = L::select(gradual, zero, zero.splat(1.0));
             self.stretch(schedule, roles, options.dwell, driven);
         }
     }
@@ -172,22 +172,22 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
     /// A stretch of constant command rates, in equal steps. Every lane has its
     /// own number of them; those that are through wait for the others.
     #[inline(always)]
-    fn stretch(&mut self, schedule: &Schedule, roles: &Roles<L>, duration: L, driven: L) {
-        let half = duration.with(0.5);
+    fn stretch(&mut self, schedule: &Schedule, roles: &PhaseGroups<L>, duration: L, driven: L) {
+        let half = duration.splat(0.5);
         // A quotient that rounding has put just above a whole number is meant.
         let count = -(-(duration / self.time_step - 1e-9)).floor();
-        let endless = count.gt(half.with(MOST_STEPS));
-        self.endless = L::select(endless, half.with(1.0), self.endless);
-        let count = L::select(endless, half.with(0.0), count);
+        let endless = count.gt(half.splat(MOST_STEPS));
+        self.endless = L::select(endless, half.splat(1.0), self.endless);
+        let count = L::select(endless, half.splat(0.0), count);
         if !L::any(count.gt(half)) {
             return;
         }
-        let h = L::select(count.gt(half), duration / count, duration.with(0.0));
+        let h = L::select(count.gt(half), duration / count, duration.splat(0.0));
         let z = h * self.theta_rate;
         let theta = (z / (z + 6.0)) * 0.5 + 0.5;
         let stretch = Stretch { roles, h, theta, driven, from: self.command };
         // The hot loop has to be compiled for the level's instructions.
-        duration.apart(
+        duration.outlined(
             #[inline(always)]
             || self.steps(schedule, &stretch, count),
         );
@@ -195,8 +195,8 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
 
     #[inline(always)]
     fn steps(&mut self, schedule: &Schedule, stretch: &Stretch<L>, count: L) {
-        let one = count.with(1.0);
-        let half = count.with(0.5);
+        let one = count.splat(1.0);
+        let half = count.splat(0.5);
         self.prepare(schedule, stretch.h, stretch.theta);
         let mut left = count;
         while L::any(left.gt(half)) && self.observer.go_on() {
@@ -293,9 +293,9 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
         let (h, theta, driven) = (*h, *theta, *driven);
         let n = self.n;
         let (robot, step, sums) = (self.robot, &self.step, &mut self.ledger);
-        let zero = h.with(0.0);
+        let zero = h.splat(0.0);
         let rest = -(theta - 1.0);
-        let per_h = h.with(1.0) / h;
+        let per_h = h.splat(1.0) / h;
         let mut q_ahead = zero;
         let mut power = zero;
         let mut u_ahead = zero;
@@ -303,13 +303,13 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
             let segment = &robot.segments[i];
             let (v, w) = (step.v[i], step.w[i]);
             let u = theta * w + rest * v;
-            let way = h * u;
+            let direction = h * u;
             let q = if i + 1 < n { step.q[i] } else { zero };
             let impulse = step.inertia[i] * w - step.push[i] - q + q_ahead;
-            sums.friction = sums.friction + (segment.viscous * way - impulse) * u;
-            sums.potential = sums.potential + segment.pull * way;
-            sums.back[i] = sums.back[i] - way.min(zero);
-            self.x[i] = self.x[i] + way;
+            sums.friction = sums.friction + (segment.viscous * direction - impulse) * u;
+            sums.potential = sums.potential + segment.pull * direction;
+            sums.back[i] = sums.back[i] - direction.min(zero);
+            self.x[i] = self.x[i] + direction;
             if i > 0 {
                 let pace = u_ahead - u;
                 let force = q_ahead * per_h;
@@ -348,7 +348,7 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
     fn show(&mut self, stretch: &Stretch<L>) {
         let Stretch { roles, h, .. } = stretch;
         let n = self.n;
-        let zero = self.x[0].with(0.0);
+        let zero = self.x[0].splat(0.0);
         let mut force = [zero; MOST_SEGMENTS];
         let mut power = zero;
         for (j, force) in force.iter_mut().enumerate().take(n - 1) {
@@ -375,7 +375,7 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
 
     #[inline(always)]
     fn kinetic(&self) -> L {
-        let mut sum = self.ledger.time.with(0.0);
+        let mut sum = self.ledger.time.splat(0.0);
         for (i, segment) in self.robot.segments.iter().enumerate() {
             sum = sum + segment.mass * self.step.v[i] * self.step.v[i] * 0.5;
         }
@@ -385,7 +385,7 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
     /// Energy in the joints; a drive that slips holds what its limit allows.
     #[inline(always)]
     fn elastic(&self) -> L {
-        let mut sum = self.ledger.time.with(0.0);
+        let mut sum = self.ledger.time.splat(0.0);
         for (j, joint) in self.robot.joints.iter().enumerate() {
             let length = self.start[j] + (self.x[j] - self.x[j + 1]);
             let most = joint.limit / joint.stiffness;

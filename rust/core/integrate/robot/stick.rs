@@ -54,7 +54,7 @@ struct Answer {
 
 impl<L: Lane> Step<L> {
     pub fn new(n: usize, like: L) -> Step<L> {
-        let zero = [like.with(0.0); MOST_SEGMENTS];
+        let zero = [like.splat(0.0); MOST_SEGMENTS];
         Step {
             n,
             inertia: zero,
@@ -81,12 +81,12 @@ impl<L: Lane> Step<L> {
     }
 
     /// Friction levels that count: a segment that moved, or has broken away,
-    /// meets the sliding level in its direction, all others the holding one.
+    /// meets the sliding level in its direction, all others the break-away level.
     #[inline(always)]
     fn levels(&mut self) {
         for i in 0..self.n {
             let v = self.v[i];
-            let rest = v.with(0.0);
+            let rest = v.splat(0.0);
             self.ahead[i] = L::select(v.gt(rest), self.ahead_slide[i], self.ahead_hold[i]);
             self.back[i] = L::select(v.lt(rest), self.back_slide[i], self.back_hold[i]);
         }
@@ -96,8 +96,8 @@ impl<L: Lane> Step<L> {
     #[inline(always)]
     fn guess(&mut self) {
         let n = self.n;
-        let zero = self.v[0].with(0.0);
-        let half = self.v[0].with(0.5);
+        let zero = self.v[0].splat(0.0);
+        let half = self.v[0].splat(0.5);
         let (mut inverse, mut gain_ahead, mut bias_ahead, mut y_ahead) = (zero, zero, zero, zero);
         for i in 0..n {
             let (slide, bound) = (self.slide[i], self.bound[i]);
@@ -111,7 +111,7 @@ impl<L: Lane> Step<L> {
             let diagonal = self.inertia[i] + gain + gain_ahead - gain_ahead * gain_ahead * inverse;
             let right = self.push[i] + bias - bias_ahead - friction + gain_ahead * y_ahead;
             // A zero in place of the pivot's inverse pins w to zero.
-            inverse = L::select(slide.abs().lt(half), zero, zero.with(1.0) / diagonal);
+            inverse = L::select(slide.abs().lt(half), zero, zero.splat(1.0) / diagonal);
             y_ahead = right * inverse;
             self.y[i] = y_ahead;
             self.carry[i] = gain * inverse;
@@ -128,9 +128,9 @@ impl<L: Lane> Step<L> {
     #[inline(always)]
     fn correct(&mut self) -> L {
         let n = self.n;
-        let zero = self.v[0].with(0.0);
-        let half = self.v[0].with(0.5);
-        let one = self.v[0].with(1.0);
+        let zero = self.v[0].splat(0.0);
+        let half = self.v[0].splat(0.5);
+        let one = self.v[0].splat(1.0);
         let mut changed = zero;
         let mut q_ahead = zero;
         for i in 0..n {
@@ -161,8 +161,8 @@ impl<L: Lane> Step<L> {
     /// Segments that broke away fall to the sliding level; 1 where one did.
     #[inline(always)]
     fn break_away(&mut self, settled: L::Mask) -> L {
-        let zero = self.v[0].with(0.0);
-        let one = self.v[0].with(1.0);
+        let zero = self.v[0].splat(0.0);
+        let one = self.v[0].splat(1.0);
         let mut broke = zero;
         for i in 0..self.n {
             let (slide, ahead, back) = (self.slide[i], self.ahead[i], self.back[i]);
@@ -180,8 +180,8 @@ impl<L: Lane> Step<L> {
     /// Solves the step.
     #[inline(always)]
     pub fn solve(&mut self) {
-        let zero = self.v[0].with(0.0);
-        let half = self.v[0].with(0.5);
+        let zero = self.v[0].splat(0.0);
+        let half = self.v[0].splat(0.5);
         self.levels();
         let mut open = zero;
         for _ in 0..ROUNDS {
@@ -192,7 +192,7 @@ impl<L: Lane> Step<L> {
                 return;
             }
         }
-        open.apart(
+        open.outlined(
             #[inline(always)]
             || self.exactly(open),
         );

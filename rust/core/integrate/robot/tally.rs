@@ -15,7 +15,7 @@ pub struct GaitTally<L> {
     pub time: L,
     /// Advance over time, m/s.
     pub velocity: L,
-    /// Way that each segment slides backward per cycle, m.
+    /// Distance that each segment slides backward per cycle, m.
     pub slip: [L; MOST_SEGMENTS],
     /// The largest of them, m.
     pub slip_max: L,
@@ -91,7 +91,7 @@ pub(super) struct End<'a, L> {
 
 impl<L: Lane> Ledger<L> {
     pub fn new(like: L) -> Ledger<L> {
-        let zero = like.with(0.0);
+        let zero = like.splat(0.0);
         Ledger {
             time: zero,
             driven_time: zero,
@@ -123,7 +123,7 @@ impl<L: Lane> Ledger<L> {
 
     #[inline(always)]
     pub fn close(&self, robot: &Robot<L>, end: &End<L>) -> GaitTally<L> {
-        let zero = self.time.with(0.0);
+        let zero = self.time.splat(0.0);
         let total = mean(end.x);
         let damping = self.work - self.joint_work - end.elastic;
         let stored = end.kinetic + self.potential;
@@ -144,7 +144,7 @@ impl<L: Lane> Ledger<L> {
             velocity: total / self.time,
             slip,
             slip_max,
-            anchor_safety: zero.with(1.0) / self.overload,
+            anchor_safety: zero.splat(1.0) / self.overload,
             propulsive_mean: self.propulsive / self.driven_time,
             propulsive_peak: self.propulsive_peak,
             actuator_peak: self.actuator_peak,
@@ -165,9 +165,9 @@ impl<L: Lane> Ledger<L> {
             status: end.status,
         };
         // A run that has left the range of numbers shows it in its position.
-        let finite = total.abs().lt(zero.with(f64::INFINITY));
-        let lost = zero.with(f64::from(Status::NotFinite as u8));
-        let ok = end.status.lt(zero.with(0.5));
+        let finite = total.abs().lt(zero.splat(f64::INFINITY));
+        let lost = zero.splat(f64::from(Status::NotFinite as u8));
+        let ok = end.status.lt(zero.splat(0.5));
         let status = L::select(L::or(finite, zero.lt(end.status)), end.status, lost);
         tally.only_if(L::and(finite, ok), status)
     }
@@ -179,7 +179,7 @@ pub(super) fn mean<L: Lane>(x: &[L]) -> L {
     for x in &x[1..] {
         sum = sum + *x;
     }
-    sum / sum.with(x.len() as f64)
+    sum / sum.splat(x.len() as f64)
 }
 
 macro_rules! fields {
@@ -198,11 +198,11 @@ macro_rules! fields {
             /// No run at all, for this reason.
             #[inline(always)]
             pub fn none(like: L, status: Status) -> GaitTally<L> {
-                let nan = like.with(f64::NAN);
+                let nan = like.splat(f64::NAN);
                 GaitTally {
                     $($field: nan,)+
                     slip: [nan; MOST_SEGMENTS],
-                    status: like.with(f64::from(status as u8)),
+                    status: like.splat(f64::from(status as u8)),
                 }
             }
 

@@ -27,17 +27,17 @@ impl<L: Lane> Path<L> {
     #[inline(always)]
     fn share(&self, t: L) -> L {
         if !self.sags {
-            return t.with(1.0);
+            return t.splat(1.0);
         }
         // 1 - a (1 - e^-u)
-        self.sag.mul_add(exp_less_one(-(t * self.per_sag_time)), t.with(1.0))
+        self.sag.mul_add(exp_less_one(-(t * self.per_sag_time)), t.splat(1.0))
     }
 
     /// Force without the lag.
     #[inline(always)]
     pub(super) fn settled(&self, command: L, t: L) -> L {
         let force = command * (self.gain * self.share(t));
-        let size = (force.abs() - self.deadzone).max(t.with(0.0)).min(self.limit);
+        let size = (force.abs() - self.deadzone).max(t.splat(0.0)).min(self.limit);
         force.sign() * size
     }
 
@@ -55,7 +55,7 @@ impl<L: Lane> Path<L> {
     /// Mean of the lagging force over `dt`: its impulse is exact.
     #[inline(always)]
     pub(super) fn mean(&self, command: L, t: L, dt: L, clock: &Clock<L>) -> L {
-        let settled = self.settled(command, dt.mul_add(t.with(0.5), t));
+        let settled = self.settled(command, dt.mul_add(t.splat(0.5), t));
         let now = exp(-((t - clock.since) * self.per_lag));
         let left = now * speed_factor(dt * self.per_lag);
         (clock.from - settled).mul_add(left, settled)
@@ -67,7 +67,7 @@ impl<L: Lane> Path<L> {
             return (self.settled(command, t) - self.force(command, t, clock)) * self.per_lag;
         }
         if !self.sags {
-            return t.with(0.0);
+            return t.splat(0.0);
         }
         // Within dead zone or beyond the limit it is less; steps are short there.
         let fade = (self.sag * self.per_sag_time) * exp(-(t * self.per_sag_time));

@@ -3,8 +3,8 @@
 
 use super::{Active, Effect};
 use crate::friction::{
-    Bristle, Contact, Dry, Given, Law, LawInfo, MOST_STATES, Partials, Place, Worked, directed,
-    dragged, ploughed, pressed, rippled, share_left,
+    Bristle, Contact, ContactState, Dry, Law, LawInfo, MOST_STATES, Parameters, Partials,
+    ReferenceValue, directed, dragged, ploughed, pressed, rippled, share_left,
 };
 use crate::lane::Lane;
 use crate::lane::exp::exp_less_one;
@@ -36,34 +36,34 @@ pub struct Coefficients<L> {
     pub buildup: L,
     pub stiffness: L,
     pub damping: L,
-    /// What the place adds to the level, for a bristle that was put there.
+    /// What the position adds to the level of a bristle there.
     pub here: L,
 }
 
 impl<L: Lane> Coefficients<L> {
     /// Dry level at rest's edge, without the fall and the buildup.
     #[inline(always)]
-    fn level(&self, place: &Place<L>) -> L {
+    fn level(&self, at: &ContactState<L>) -> L {
         let mut level = self.forward;
         if self.active.has(Effect::DirectionDependentFriction) {
-            level = directed(place.way, self.forward, self.backward);
+            level = directed(at.direction, self.forward, self.backward);
         }
         if self.active.has(Effect::PositionDependentFriction) {
-            level = rippled(level, place.x, self.ripple, self.per_length, self.phase);
+            level = rippled(level, at.x, self.ripple, self.per_length, self.phase);
         }
         if self.active.has(Effect::FrictionDrift) {
-            let gone = exp_less_one(-(place.t * self.per_drift_time));
-            level = level * (-self.drift).mul_add(gone, level.with(1.0));
+            let gone = exp_less_one(-(at.t * self.per_drift_time));
+            level = level * (-self.drift).mul_add(gone, level.splat(1.0));
         }
         if self.active.has(Effect::LoadDependentFriction) {
-            level = pressed(level, place.drive, self.load);
+            level = pressed(level, at.drive, self.load);
         }
         level
     }
 
     #[inline(always)]
-    fn heap(&self, place: &Place<L>) -> L {
-        ploughed(self.buildup * place.swept, place)
+    fn heap(&self, at: &ContactState<L>) -> L {
+        ploughed(self.buildup * at.sliding_distance, at)
     }
 
     /// Level of sliding at a speed, without what is smooth in it.
@@ -86,12 +86,12 @@ impl Law for Measured {
         limits: "",
         meaning: "friction of a measured head",
         params: &["mu_coulomb", "viscous"],
-        worked: Worked::NONE,
+        reference: ReferenceValue::NONE,
     };
-    type Set<L: Lane> = Coefficients<L>;
+    type Coefficients<L: Lane> = Coefficients<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, _: &impl Given<L>) -> Coefficients<L> {
+    fn coefficients<L: Lane>(contact: &Contact<L>, _: &impl Parameters<L>) -> Coefficients<L> {
         Coefficients::nominal(contact.coulomb, contact.viscous)
     }
 }
@@ -100,7 +100,7 @@ impl<L: Lane> Coefficients<L> {
     /// Coulomb and viscous friction alone.
     #[inline(always)]
     pub fn nominal(coulomb: L, viscous: L) -> Self {
-        let zero = coulomb.with(0.0);
+        let zero = coulomb.splat(0.0);
         Coefficients {
             active: Active::default(),
             forward: coulomb,
@@ -109,7 +109,7 @@ impl<L: Lane> Coefficients<L> {
             quadratic: zero,
             drop: zero,
             per_stribeck: zero,
-            exponent: zero.with(1.0),
+            exponent: zero.splat(1.0),
             ripple: zero,
             per_length: zero,
             phase: zero,
@@ -117,7 +117,7 @@ impl<L: Lane> Coefficients<L> {
             per_drift_time: zero,
             load: zero,
             buildup: zero,
-            stiffness: zero.with(1.0),
+            stiffness: zero.splat(1.0),
             damping: zero,
             here: zero,
         }
@@ -129,26 +129,26 @@ impl Dry for Measured {
     const PLACED: bool = true;
 
     #[inline(always)]
-    fn resistance<L: Lane>(set: &Coefficients<L>, speed: L, place: &Place<L>) -> L {
-        let mut level = set.sliding(speed, set.level(place));
-        if set.active.has(Effect::LubricantBuildup) {
-            level = level + set.heap(place);
+    fn resistance<L: Lane>(law: &Coefficients<L>, speed: L, at: &ContactState<L>) -> L {
+        let mut level = law.sliding(speed, law.level(at));
+        if law.active.has(Effect::LubricantBuildup) {
+            level = level + law.heap(at);
         }
-        if set.active.has(Effect::QuadraticDrag) {
-            level = dragged(level, set.quadratic, speed, speed.abs());
+        if law.active.has(Effect::QuadraticDrag) {
+            level = dragged(level, law.quadratic, speed, speed.abs());
         }
-        set.viscous.mul_add(speed, level)
+        law.viscous.mul_add(speed, level)
     }
 
     #[inline(always)]
-    fn holding<L: Lane>(set: &Coefficients<L>, place: &Place<L>) -> L {
-        let level = set.level(place);
-        if set.active.has(Effect::StribeckFriction) { level + set.drop } else { level }
+    fn break_away<L: Lane>(law: &Coefficients<L>, at: &ContactState<L>) -> L {
+        let level = law.level(at);
+        if law.active.has(Effect::StribeckFriction) { level + law.drop } else { level }
     }
 
     #[inline(always)]
-    fn linear<L: Lane>(set: &Coefficients<L>, place: &Place<L>) -> (L, L) {
-        (set.level(place), set.viscous)
+    fn linear<L: Lane>(law: &Coefficients<L>, at: &ContactState<L>) -> (L, L) {
+        (law.level(at), law.viscous)
     }
 }
 
@@ -156,74 +156,74 @@ impl Bristle for Measured {
     const STATES: usize = 1;
 
     #[inline(always)]
-    fn placed<L: Lane>(set: &Coefficients<L>, place: &Place<L>) -> Coefficients<L> {
-        let mut set = *set;
-        set.here = set.level(place);
-        if set.active.has(Effect::LubricantBuildup) {
-            set.here = set.here + set.heap(place);
+    fn placed<L: Lane>(law: &Coefficients<L>, at: &ContactState<L>) -> Coefficients<L> {
+        let mut law = *law;
+        law.here = law.level(at);
+        if law.active.has(Effect::LubricantBuildup) {
+            law.here = law.here + law.heap(at);
         }
-        set
+        law
     }
 
     #[inline(always)]
-    fn rates<L: Lane>(set: &Coefficients<L>, v: L, z: &[L; MOST_STATES]) -> [L; MOST_STATES] {
-        let zero = v.with(0.0);
-        let level = set.sliding(v.abs(), set.here).max(zero.with(1e-9));
-        let rate = v - (set.stiffness * v.abs()) * (z[0] / level);
+    fn rates<L: Lane>(law: &Coefficients<L>, v: L, z: &[L; MOST_STATES]) -> [L; MOST_STATES] {
+        let zero = v.splat(0.0);
+        let level = law.sliding(v.abs(), law.here).max(zero.splat(1e-9));
+        let rate = v - (law.stiffness * v.abs()) * (z[0] / level);
         [rate, zero, zero, zero]
     }
 
     #[inline(always)]
     fn force<L: Lane>(
-        set: &Coefficients<L>,
+        law: &Coefficients<L>,
         v: L,
         z: &[L; MOST_STATES],
         rates: &[L; MOST_STATES],
     ) -> L {
-        let bristle = set.damping.mul_add(rates[0], set.stiffness * z[0]);
-        let smooth = dragged(set.viscous * v, set.quadratic, v, v.abs());
+        let bristle = law.damping.mul_add(rates[0], law.stiffness * z[0]);
+        let smooth = dragged(law.viscous * v, law.quadratic, v, v.abs());
         bristle + smooth
     }
 
     #[inline(always)]
-    fn partials<L: Lane>(set: &Coefficients<L>, v: L, z: &[L; MOST_STATES]) -> Partials<L> {
-        let zero = v.with(0.0);
-        let floor = zero.with(1e-9);
+    fn partials<L: Lane>(law: &Coefficients<L>, v: L, z: &[L; MOST_STATES]) -> Partials<L> {
+        let zero = v.splat(0.0);
+        let floor = zero.splat(1e-9);
         let speed = v.abs();
-        let level = set.sliding(speed, set.here).max(floor);
-        let sign = L::select(v.lt(zero), zero.with(-1.0), zero.with(1.0));
-        let fall = if set.active.has(Effect::StribeckFriction) {
+        let level = law.sliding(speed, law.here).max(floor);
+        let sign = L::select(v.lt(zero), zero.splat(-1.0), zero.splat(1.0));
+        let fall = if law.active.has(Effect::StribeckFriction) {
             // The fall has no derivative at rest for exponents below 1: a
             // difference over a small share of the Stribeck speed.
-            let width = zero.with(1e-4) / set.per_stribeck;
-            let after = set.sliding(speed + width, set.here);
-            (after - set.sliding(speed, set.here)) / width
+            let width = zero.splat(1e-4) / law.per_stribeck;
+            let after = law.sliding(speed + width, law.here);
+            (after - law.sliding(speed, law.here)) / width
         } else {
             zero
         };
-        let per_level = zero.with(1.0) / level;
-        let pull = (set.stiffness * speed) * per_level;
+        let per_level = zero.splat(1.0) / level;
+        let pull = (law.stiffness * speed) * per_level;
         let pull_v =
-            (set.stiffness * per_level) * sign * (zero.with(1.0) - (speed * per_level) * fall);
-        let rate_v = zero.with(1.0) - pull_v * z[0];
+            (law.stiffness * per_level) * sign * (zero.splat(1.0) - (speed * per_level) * fall);
+        let rate_v = zero.splat(1.0) - pull_v * z[0];
         let mut partials = Partials::zero(v);
         partials.rate_v[0] = rate_v;
         partials.rate_z[0][0] = -pull;
-        let smooth = (set.quadratic * 2.0).mul_add(speed, set.viscous);
-        partials.force_v = set.damping.mul_add(rate_v, smooth);
-        partials.force_z[0] = set.stiffness - set.damping * pull;
+        let smooth = (law.quadratic * 2.0).mul_add(speed, law.viscous);
+        partials.force_v = law.damping.mul_add(rate_v, smooth);
+        partials.force_z[0] = law.stiffness - law.damping * pull;
         partials
     }
 
     #[inline(always)]
-    fn stored<L: Lane>(set: &Coefficients<L>, z: &[L; MOST_STATES]) -> L {
-        (set.stiffness * 0.5) * (z[0] * z[0])
+    fn stored<L: Lane>(law: &Coefficients<L>, z: &[L; MOST_STATES]) -> L {
+        (law.stiffness * 0.5) * (z[0] * z[0])
     }
 
     #[inline(always)]
-    fn steady<L: Lane>(set: &Coefficients<L>, v: L) -> [L; MOST_STATES] {
-        let zero = v.with(0.0);
-        let level = set.sliding(v.abs(), set.here);
-        [v.sign() * (level / set.stiffness), zero, zero, zero]
+    fn steady<L: Lane>(law: &Coefficients<L>, v: L) -> [L; MOST_STATES] {
+        let zero = v.splat(0.0);
+        let level = law.sliding(v.abs(), law.here);
+        [v.sign() * (level / law.stiffness), zero, zero, zero]
     }
 }

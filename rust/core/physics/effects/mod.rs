@@ -33,12 +33,12 @@ impl Effect {
 
     /// Place of the effect's first parameter among those of all effects.
     pub const fn first(self) -> usize {
-        let (mut place, mut i) = (0, 0);
+        let (mut first, mut i) = (0, 0);
         while i < self as usize {
-            place += EFFECTS[i].params.len();
+            first += EFFECTS[i].params.len();
             i += 1;
         }
-        place
+        first
     }
 
     pub fn parse(name: &str) -> Result<Effect> {

@@ -28,7 +28,7 @@ pub struct Nominal {
 /// Friction levels, N.
 #[derive(Debug, Clone, Copy)]
 pub struct Levels<L> {
-    pub holding: L,
+    pub break_away: L,
     pub coulomb: L,
 }
 
@@ -104,7 +104,7 @@ struct Values<'a, L> {
 impl<L: Lane> Values<'_, L> {
     #[inline(always)]
     fn get(&self, effect: Effect, i: usize, off: f64) -> L {
-        if self.active.has(effect) { self.values[effect.first() + i] } else { self.zero.with(off) }
+        if self.active.has(effect) { self.values[effect.first() + i] } else { self.zero.splat(off) }
     }
 }
 
@@ -121,8 +121,8 @@ impl<L: Lane> Plant<L> {
         values: &[L; EFFECT_PARAMS],
         (share, clock): ([L; 3], L),
     ) -> Self {
-        let zero = clock.with(0.0);
-        let one = zero.with(1.0);
+        let zero = clock.splat(0.0);
+        let one = zero.splat(1.0);
         let given = Values { active, values, zero };
         let known_mass = share[0] * nominal.mass;
         let mass = known_mass + given.get(Effect::PayloadMass, 0, 0.0);
@@ -131,7 +131,7 @@ impl<L: Lane> Plant<L> {
         let (sine, cosine) = (sin_turns(turns), cos_turns(turns));
         let nominal_cosine = libm::cos(nominal.slope_deg.to_radians());
         // Levels of effects are given at the nominal slope.
-        let reference = zero.with(match nominal.coulomb_force {
+        let reference = zero.splat(match nominal.coulomb_force {
             Some(force) => force,
             None => nominal.mu_coulomb * nominal.mass * nominal.gravity * nominal_cosine,
         });
@@ -180,9 +180,9 @@ impl<L: Lane> Plant<L> {
             deadzone: given.get(Effect::DriveDeadzone, 0, 0.0),
             limit: given
                 .get(Effect::DriveSaturation, 0, f64::INFINITY)
-                .min(zero.with(nominal.limit)),
+                .min(zero.splat(nominal.limit)),
             // No lag is the limit of a fast one.
-            per_lag: one / lag.max(zero.with(1e-12)),
+            per_lag: one / lag.max(zero.splat(1e-12)),
             sags: active.has(Effect::SupplySag),
             lags: active.has(Effect::DriveLag),
         };
@@ -209,13 +209,13 @@ impl<L: Lane> Plant<L> {
         } else {
             None
         };
-        let others = zero.with((nominal.segments - 1.0) * nominal.mass * nominal.gravity);
+        let others = zero.splat((nominal.segments - 1.0) * nominal.mass * nominal.gravity);
         let body = if active.has(Effect::AnchorSlip) {
             Some(Body {
-                mass: zero.with((nominal.segments - 1.0) * nominal.mass),
+                mass: zero.splat((nominal.segments - 1.0) * nominal.mass),
                 weight: others * sine,
                 levels: Levels {
-                    holding: given.get(Effect::AnchorSlip, 0, 0.0) * others * cosine,
+                    break_away: given.get(Effect::AnchorSlip, 0, 0.0) * others * cosine,
                     coulomb: given.get(Effect::AnchorSlip, 1, 0.0) * others * cosine,
                 },
             })
@@ -270,7 +270,7 @@ impl<L: Lane> Plant<L> {
     /// acceleration on, 1/s: what steps must resolve.
     #[inline(always)]
     pub fn pace(&self, v: L, a: L, dt: L) -> L {
-        let zero = v.with(0.0);
+        let zero = v.splat(0.0);
         let (friction, speed) = (&self.friction, v.abs());
         let drag = (friction.quadratic * 2.0).mul_add(speed, friction.viscous.abs());
         let mut rate = drag / self.mass;
@@ -285,7 +285,7 @@ impl<L: Lane> Plant<L> {
         }
         if self.active.has(Effect::StribeckFriction) {
             // Speeds must not jump over the fall: at rest a break-away begins there.
-            let width = zero.with(1.0) / friction.per_stribeck;
+            let width = zero.splat(1.0) / friction.per_stribeck;
             let least = friction.drop.abs() / self.mass;
             let pull = L::select(zero.lt(speed), a.abs(), least);
             rate = rate + pull / speed.max(width);

@@ -112,7 +112,7 @@ pub enum Variable {
     Speed,
     /// Distance moved since the last reversal.
     Turned,
-    Place,
+    ContactState,
     /// Drive force, against the motion.
     Load,
     Time,
@@ -137,7 +137,7 @@ impl Variable {
         match self {
             Variable::Speed => "speed",
             Variable::Turned => "turned",
-            Variable::Place => "place",
+            Variable::ContactState => "place",
             Variable::Load => "load",
             Variable::Time => "time",
             Variable::Swept => "swept",

@@ -245,7 +245,7 @@ effects! {
         name: "position_dependent_friction",
         formula: r"F_c\,(1 + a\sin(2\pi x/L + p))",
         meaning: "friction varies along the track",
-        variable: Some(Variable::Place),
+        variable: Some(Variable::ContactState),
         contains: &["coulomb_error"],
         magnitude: Magnitude {
             low: "0",

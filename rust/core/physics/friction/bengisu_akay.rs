@@ -1,7 +1,7 @@
 //! Bengisu and Akay: a parabola up to static friction, then an exponential fall.
 
 use super::fall::sign;
-use super::{Contact, Given, Law, LawInfo, Smooth, Worked};
+use super::{Contact, Law, LawInfo, Parameters, ReferenceValue, Smooth};
 use crate::lane::Lane;
 use crate::lane::exp::exp;
 use crate::params::ParamId;
@@ -24,9 +24,9 @@ impl Law for BengisuAkay {
         limits: "creeps below static friction; kink at v_t",
         meaning: "rises to static friction along a parabola, then falls exponentially",
         params: &["mu_static", "mu_coulomb", "viscous", "stribeck_speed", "transition_speed"],
-        worked: Worked {
+        reference: ReferenceValue {
             // 4 + 4 e^-0.5 + 2*0.5, past the transition by half of v_s.
-            given: &[
+            parameters: &[
                 ("mu_static", 0.8),
                 ("mu_coulomb", 0.4),
                 ("mass", 1.0),
@@ -37,16 +37,16 @@ impl Law for BengisuAkay {
             ],
             speed: 0.5,
             force: 7.426_122_638_850_534,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Hump<L>;
+    type Coefficients<L: Lane> = Hump<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Hump<L> {
-        let transition = given.get(ParamId::TransitionSpeed);
-        let stribeck = given.get(ParamId::StribeckSpeed);
-        let one = transition.with(1.0);
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> Hump<L> {
+        let transition = params.get(ParamId::TransitionSpeed);
+        let stribeck = params.get(ParamId::StribeckSpeed);
+        let one = transition.splat(1.0);
         Hump {
             contact: *contact,
             transition,
@@ -58,15 +58,15 @@ impl Law for BengisuAkay {
 
 impl Smooth for BengisuAkay {
     #[inline(always)]
-    fn force<L: Lane>(set: &Hump<L>, v: L) -> L {
-        let Contact { coulomb, holding, viscous, .. } = set.contact;
+    fn force<L: Lane>(law: &Hump<L>, v: L) -> L {
+        let Contact { coulomb, break_away, viscous, .. } = law.contact;
         let size = v.abs();
         // u (2 - u) keeps its digits near rest, 1 - (u - 1)^2 does not.
-        let u = (size * set.per_transition).min(v.with(1.0));
-        let rising = holding * (u * (v.with(2.0) - u));
-        let past = (size - set.transition).max(v.with(0.0)) * set.per_stribeck;
-        let falling = (holding - coulomb).mul_add(exp(-past), coulomb);
-        let level = L::select(size.lt(set.transition), rising, falling);
+        let u = (size * law.per_transition).min(v.splat(1.0));
+        let rising = break_away * (u * (v.splat(2.0) - u));
+        let past = (size - law.transition).max(v.splat(0.0)) * law.per_stribeck;
+        let falling = (break_away - coulomb).mul_add(exp(-past), coulomb);
+        let level = L::select(size.lt(law.transition), rising, falling);
         level.mul_add(sign(v), viscous * v)
     }
 }

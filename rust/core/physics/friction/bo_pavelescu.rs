@@ -1,7 +1,7 @@
 //! The fall with a free exponent.
 
 use super::fall::Fall;
-use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use super::{Contact, ContactState, Dry, Law, LawInfo, Parameters, ReferenceValue};
 use crate::lane::Lane;
 use crate::lane::exp::exp;
 use crate::lane::log::power;
@@ -13,7 +13,7 @@ pub struct BoPavelescu;
 /// over the Stribeck speed; all of it below rest, where a trial step may look.
 #[inline(always)]
 pub fn share_left<L: Lane>(u: L, exponent: L) -> L {
-    exp(-power(u.max(u.with(0.0)), exponent))
+    exp(-power(u.max(u.splat(0.0)), exponent))
 }
 
 impl Law for BoPavelescu {
@@ -24,9 +24,9 @@ impl Law for BoPavelescu {
         limits: "exponent and speed of the fall are hard to tell apart in data; below 1 infinitely steep at rest",
         meaning: "falls from static to Coulomb friction with a free exponent",
         params: &["mu_static", "mu_coulomb", "viscous", "stribeck_speed", "stribeck_exponent"],
-        worked: Worked {
+        reference: ReferenceValue {
             // 4 + 4 e^-sqrt(0.5) + 2*0.25.
-            given: &[
+            parameters: &[
                 ("mu_static", 0.8),
                 ("mu_coulomb", 0.4),
                 ("mass", 1.0),
@@ -37,24 +37,24 @@ impl Law for BoPavelescu {
             ],
             speed: 0.25,
             force: 6.472_274_765_580_959,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = (Fall<L>, L);
+    type Coefficients<L: Lane> = (Fall<L>, L);
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> (Fall<L>, L) {
-        (Fall::stribeck(contact, given), given.get(ParamId::StribeckExponent))
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> (Fall<L>, L) {
+        (Fall::stribeck(contact, params), params.get(ParamId::StribeckExponent))
     }
 }
 
 impl Dry for BoPavelescu {
     #[inline(always)]
-    fn resistance<L: Lane>(set: &(Fall<L>, L), speed: L, _: &Place<L>) -> L {
-        set.0.with_share(share_left(speed * set.0.per_speed, set.1), speed)
+    fn resistance<L: Lane>(law: &(Fall<L>, L), speed: L, _: &ContactState<L>) -> L {
+        law.0.with_share(share_left(speed * law.0.per_speed, law.1), speed)
     }
     #[inline(always)]
-    fn holding<L: Lane>(set: &(Fall<L>, L), _: &Place<L>) -> L {
-        set.0.holding
+    fn break_away<L: Lane>(law: &(Fall<L>, L), _: &ContactState<L>) -> L {
+        law.0.break_away
     }
 }

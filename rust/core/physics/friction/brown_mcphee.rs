@@ -1,6 +1,6 @@
 //! Brown and McPhee: one smooth curve with a static peak.
 
-use super::{Contact, Given, Law, LawInfo, Smooth, Worked};
+use super::{Contact, Law, LawInfo, Parameters, ReferenceValue, Smooth};
 use crate::lane::Lane;
 use crate::lane::exp::tanh;
 use crate::params::ParamId;
@@ -23,9 +23,9 @@ impl Law for BrownMcphee {
         limits: "creeps; v_t, where the peak stands, is empirical; static friction below Coulomb counts as equal",
         meaning: "smooth curve with a static peak at the transition speed",
         params: &["mu_static", "mu_coulomb", "viscous", "transition_speed"],
-        worked: Worked {
+        reference: ReferenceValue {
             // 4 tanh 4 + 4 + 2*0.25 at the peak.
-            given: &[
+            parameters: &[
                 ("mu_static", 0.8),
                 ("mu_coulomb", 0.4),
                 ("mass", 1.0),
@@ -35,31 +35,31 @@ impl Law for BrownMcphee {
             ],
             speed: 0.25,
             force: 8.497_317_198_956_264,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Peak<L>;
+    type Coefficients<L: Lane> = Peak<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Peak<L> {
-        let transition = given.get(ParamId::TransitionSpeed);
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> Peak<L> {
+        let transition = params.get(ParamId::TransitionSpeed);
         Peak {
             coulomb: contact.coulomb,
             // A negative peak would drive the segment: tanh 4 is below 1.
-            drop: (contact.holding - contact.coulomb).max(transition.with(0.0)),
+            drop: (contact.break_away - contact.coulomb).max(transition.splat(0.0)),
             viscous: contact.viscous,
-            per_transition: transition.with(1.0) / transition,
+            per_transition: transition.splat(1.0) / transition,
         }
     }
 }
 
 impl Smooth for BrownMcphee {
     #[inline(always)]
-    fn force<L: Lane>(set: &Peak<L>, v: L) -> L {
-        let u = v * set.per_transition;
-        let width = (u * u).mul_add(v.with(0.25), v.with(0.75));
-        let peak = (set.drop * u) / (width * width);
-        let rise = set.coulomb.mul_add(tanh(u * 4.0), peak);
-        set.viscous.mul_add(v, rise)
+    fn force<L: Lane>(law: &Peak<L>, v: L) -> L {
+        let u = v * law.per_transition;
+        let width = (u * u).mul_add(v.splat(0.25), v.splat(0.75));
+        let peak = (law.drop * u) / (width * width);
+        let rise = law.coulomb.mul_add(tanh(u * 4.0), peak);
+        law.viscous.mul_add(v, rise)
     }
 }

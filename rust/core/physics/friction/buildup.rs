@@ -1,6 +1,6 @@
 //! Lubricant that piles up before a segment that moves forward.
 
-use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use super::{Contact, ContactState, Dry, Law, LawInfo, Parameters, ReferenceValue};
 use crate::lane::Lane;
 use crate::params::ParamId;
 
@@ -19,18 +19,18 @@ impl<L: Lane> Heap<L> {
     /// Coulomb level and what the heap yields at, which only a forward segment
     /// pushes.
     #[inline(always)]
-    fn level(&self, place: &Place<L>) -> L {
-        let swept = place.swept.max(place.swept.with(0.0));
-        let heap = self.height.mul_add(swept, self.root * swept.sqrt());
-        self.coulomb + ploughed(heap, place)
+    fn level(&self, at: &ContactState<L>) -> L {
+        let sliding_distance = at.sliding_distance.max(at.sliding_distance.splat(0.0));
+        let heap = self.height.mul_add(sliding_distance, self.root * sliding_distance.sqrt());
+        self.coulomb + ploughed(heap, at)
     }
 }
 
 /// A force that only a segment moving forward meets.
 #[inline(always)]
-pub fn ploughed<L: Lane>(force: L, place: &Place<L>) -> L {
-    let zero = force.with(0.0);
-    L::select(place.way.lt(zero), zero, force)
+pub fn ploughed<L: Lane>(force: L, at: &ContactState<L>) -> L {
+    let zero = force.splat(0.0);
+    L::select(at.direction.lt(zero), zero, force)
 }
 
 impl Law for Buildup {
@@ -41,9 +41,9 @@ impl Law for Buildup {
         limits: "the heap is gone at each rest or turn; the root is infinitely steep at its start; the mass of the heap is left out",
         meaning: "friction that grows with the lubricant pushed along",
         params: &["mu_coulomb", "viscous", "buildup", "buildup_root", "snowplough"],
-        worked: Worked {
+        reference: ReferenceValue {
             // 4.2 + 0.5*2 + 10*0.04 + 3*0.2 + 0.7*4.
-            given: &[
+            parameters: &[
                 ("mu_coulomb", 0.35),
                 ("mass", 1.0),
                 ("gravity", 12.0),
@@ -55,19 +55,19 @@ impl Law for Buildup {
             speed: 2.0,
             at: (0.0, 0.04, 0.0),
             force: 9.0,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Heap<L>;
+    type Coefficients<L: Lane> = Heap<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Heap<L> {
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> Heap<L> {
         Heap {
             coulomb: contact.coulomb,
             viscous: contact.viscous,
-            height: given.get(ParamId::Buildup),
-            root: given.get(ParamId::BuildupRoot),
-            plough: given.get(ParamId::Snowplough),
+            height: params.get(ParamId::Buildup),
+            root: params.get(ParamId::BuildupRoot),
+            plough: params.get(ParamId::Snowplough),
         }
     }
 }
@@ -76,12 +76,12 @@ impl Dry for Buildup {
     const PLACED: bool = true;
 
     #[inline(always)]
-    fn resistance<L: Lane>(set: &Heap<L>, speed: L, place: &Place<L>) -> L {
-        let linear = set.viscous.mul_add(speed, set.level(place));
-        (ploughed(set.plough, place) * speed).mul_add(speed, linear)
+    fn resistance<L: Lane>(law: &Heap<L>, speed: L, at: &ContactState<L>) -> L {
+        let linear = law.viscous.mul_add(speed, law.level(at));
+        (ploughed(law.plough, at) * speed).mul_add(speed, linear)
     }
     #[inline(always)]
-    fn holding<L: Lane>(set: &Heap<L>, place: &Place<L>) -> L {
-        set.level(place)
+    fn break_away<L: Lane>(law: &Heap<L>, at: &ContactState<L>) -> L {
+        law.level(at)
     }
 }

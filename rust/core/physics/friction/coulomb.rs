@@ -1,6 +1,6 @@
 //! Coulomb friction.
 
-use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use super::{Contact, ContactState, Dry, Law, LawInfo, Parameters, ReferenceValue};
 use crate::lane::Lane;
 
 /// A constant level, at rest any force up to it.
@@ -14,17 +14,17 @@ impl Law for Coulomb {
         limits: "no difference between rest and motion, no dependence on speed",
         meaning: "constant level against the motion",
         params: &["mu_coulomb"],
-        worked: Worked {
-            given: &[("mu_coulomb", 0.35), ("mass", 1.0), ("gravity", 12.0)],
+        reference: ReferenceValue {
+            parameters: &[("mu_coulomb", 0.35), ("mass", 1.0), ("gravity", 12.0)],
             speed: 0.5,
             force: 4.2,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = L;
+    type Coefficients<L: Lane> = L;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, _: &impl Given<L>) -> L {
+    fn coefficients<L: Lane>(contact: &Contact<L>, _: &impl Parameters<L>) -> L {
         contact.coulomb
     }
 }
@@ -33,15 +33,15 @@ impl Dry for Coulomb {
     const LINEAR: bool = true;
 
     #[inline(always)]
-    fn resistance<L: Lane>(set: &L, _: L, _: &Place<L>) -> L {
-        *set
+    fn resistance<L: Lane>(law: &L, _: L, _: &ContactState<L>) -> L {
+        *law
     }
     #[inline(always)]
-    fn holding<L: Lane>(set: &L, _: &Place<L>) -> L {
-        *set
+    fn break_away<L: Lane>(law: &L, _: &ContactState<L>) -> L {
+        *law
     }
     #[inline(always)]
-    fn linear<L: Lane>(set: &L, place: &Place<L>) -> (L, L) {
-        (*set, place.x.with(0.0))
+    fn linear<L: Lane>(law: &L, at: &ContactState<L>) -> (L, L) {
+        (*law, at.x.splat(0.0))
     }
 }

@@ -1,6 +1,6 @@
 //! Coulomb friction with a viscous part.
 
-use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use super::{Contact, ContactState, Dry, Law, LawInfo, Parameters, ReferenceValue};
 use crate::lane::Lane;
 
 /// Coulomb friction and a film of lubricant side by side.
@@ -14,18 +14,18 @@ impl Law for CoulombViscous {
         limits: "no fall from static to sliding friction",
         meaning: "constant level and a part that grows with speed",
         params: &["mu_coulomb", "viscous"],
-        worked: Worked {
-            given: &[("mu_coulomb", 0.15), ("viscous", 0.5)],
+        reference: ReferenceValue {
+            parameters: &[("mu_coulomb", 0.15), ("viscous", 0.5)],
             speed: 1.0,
             force: 0.15 * 0.271 * 9.81 + 0.5,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
     /// F_C and the viscous coefficient.
-    type Set<L: Lane> = (L, L);
+    type Coefficients<L: Lane> = (L, L);
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, _: &impl Given<L>) -> (L, L) {
+    fn coefficients<L: Lane>(contact: &Contact<L>, _: &impl Parameters<L>) -> (L, L) {
         (contact.coulomb, contact.viscous)
     }
 }
@@ -34,15 +34,15 @@ impl Dry for CoulombViscous {
     const LINEAR: bool = true;
 
     #[inline(always)]
-    fn resistance<L: Lane>(set: &(L, L), speed: L, _: &Place<L>) -> L {
-        set.1.mul_add(speed, set.0)
+    fn resistance<L: Lane>(law: &(L, L), speed: L, _: &ContactState<L>) -> L {
+        law.1.mul_add(speed, law.0)
     }
     #[inline(always)]
-    fn holding<L: Lane>(set: &(L, L), _: &Place<L>) -> L {
-        set.0
+    fn break_away<L: Lane>(law: &(L, L), _: &ContactState<L>) -> L {
+        law.0
     }
     #[inline(always)]
-    fn linear<L: Lane>(set: &(L, L), _: &Place<L>) -> (L, L) {
-        *set
+    fn linear<L: Lane>(law: &(L, L), _: &ContactState<L>) -> (L, L) {
+        *law
     }
 }

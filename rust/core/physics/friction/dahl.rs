@@ -1,7 +1,7 @@
 //! Dahl: the stress-strain curve of a contact that yields gradually.
 
 use super::fall::{at_least, sign};
-use super::{Bristle, Contact, Given, Law, LawInfo, MOST_STATES, Partials, Worked};
+use super::{Bristle, Contact, Law, LawInfo, MOST_STATES, Parameters, Partials, ReferenceValue};
 use crate::lane::Lane;
 use crate::lane::log::power;
 use crate::params::ParamId;
@@ -23,8 +23,8 @@ impl<L: Lane> Yielding<L> {
     /// where an exponent below 1 has an infinite slope.
     #[inline(always)]
     fn margin(&self, v: L, z: L) -> (L, L) {
-        let margin = v.with(1.0) - (sign(v) * z) * self.per_deflection;
-        (margin, margin.abs().max(v.with(1e-9)))
+        let margin = v.splat(1.0) - (sign(v) * z) * self.per_deflection;
+        (margin, margin.abs().max(v.splat(1e-9)))
     }
 }
 
@@ -36,9 +36,9 @@ impl Law for Dahl {
         limits: "no static friction, no fall with speed; drifts under any load that varies",
         meaning: "contact that yields gradually towards the Coulomb level",
         params: &["mu_coulomb", "viscous", "bristle_stiffness", "dahl_exponent"],
-        worked: Worked {
+        reference: ReferenceValue {
             // Half-way to sliding: 1e5*5e-6 + 0.4*0.1.
-            given: &[
+            parameters: &[
                 ("mu_coulomb", 1.0),
                 ("mass", 1.0),
                 ("gravity", 1.0),
@@ -48,21 +48,21 @@ impl Law for Dahl {
             speed: 0.1,
             states: [5e-6, 0.0, 0.0, 0.0],
             force: 0.54,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Yielding<L>;
+    type Coefficients<L: Lane> = Yielding<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Yielding<L> {
-        let stiffness = given.get(ParamId::BristleStiffness);
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> Yielding<L> {
+        let stiffness = params.get(ParamId::BristleStiffness);
         let level = at_least(contact.coulomb);
         Yielding {
             stiffness,
             level,
             per_deflection: stiffness / level,
             viscous: contact.viscous,
-            exponent: given.get(ParamId::DahlExponent),
+            exponent: params.get(ParamId::DahlExponent),
         }
     }
 }
@@ -71,39 +71,39 @@ impl Bristle for Dahl {
     const STATES: usize = 1;
 
     #[inline(always)]
-    fn rates<L: Lane>(set: &Yielding<L>, v: L, z: &[L; MOST_STATES]) -> [L; MOST_STATES] {
-        let zero = v.with(0.0);
-        let (margin, _) = set.margin(v, z[0]);
+    fn rates<L: Lane>(law: &Yielding<L>, v: L, z: &[L; MOST_STATES]) -> [L; MOST_STATES] {
+        let zero = v.splat(0.0);
+        let (margin, _) = law.margin(v, z[0]);
         // |w|^i sgn w = w |w|^(i-1), but finite at 0 for every i.
-        let rate = v * (power(margin.abs(), set.exponent) * sign(margin));
+        let rate = v * (power(margin.abs(), law.exponent) * sign(margin));
         [rate, zero, zero, zero]
     }
 
     #[inline(always)]
-    fn force<L: Lane>(set: &Yielding<L>, v: L, z: &[L; MOST_STATES], _: &[L; MOST_STATES]) -> L {
-        set.viscous.mul_add(v, set.stiffness * z[0])
+    fn force<L: Lane>(law: &Yielding<L>, v: L, z: &[L; MOST_STATES], _: &[L; MOST_STATES]) -> L {
+        law.viscous.mul_add(v, law.stiffness * z[0])
     }
 
     #[inline(always)]
-    fn partials<L: Lane>(set: &Yielding<L>, v: L, z: &[L; MOST_STATES]) -> Partials<L> {
-        let (margin, size) = set.margin(v, z[0]);
-        let slope = set.exponent * power(size, set.exponent - 1.0);
+    fn partials<L: Lane>(law: &Yielding<L>, v: L, z: &[L; MOST_STATES]) -> Partials<L> {
+        let (margin, size) = law.margin(v, z[0]);
+        let slope = law.exponent * power(size, law.exponent - 1.0);
         let mut partials = Partials::zero(v);
-        partials.rate_v[0] = power(margin.abs(), set.exponent) * sign(margin);
-        partials.rate_z[0][0] = -((v.abs() * set.per_deflection) * slope);
-        partials.force_v = set.viscous;
-        partials.force_z[0] = set.stiffness;
+        partials.rate_v[0] = power(margin.abs(), law.exponent) * sign(margin);
+        partials.rate_z[0][0] = -((v.abs() * law.per_deflection) * slope);
+        partials.force_v = law.viscous;
+        partials.force_z[0] = law.stiffness;
         partials
     }
 
     #[inline(always)]
-    fn stored<L: Lane>(set: &Yielding<L>, z: &[L; MOST_STATES]) -> L {
-        (set.stiffness * 0.5) * (z[0] * z[0])
+    fn stored<L: Lane>(law: &Yielding<L>, z: &[L; MOST_STATES]) -> L {
+        (law.stiffness * 0.5) * (z[0] * z[0])
     }
 
     #[inline(always)]
-    fn steady<L: Lane>(set: &Yielding<L>, v: L) -> [L; MOST_STATES] {
-        let zero = v.with(0.0);
-        [sign(v) * (set.level / set.stiffness), zero, zero, zero]
+    fn steady<L: Lane>(law: &Yielding<L>, v: L) -> [L; MOST_STATES] {
+        let zero = v.splat(0.0);
+        [sign(v) * (law.level / law.stiffness), zero, zero, zero]
     }
 }

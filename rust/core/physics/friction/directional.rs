@@ -1,6 +1,6 @@
 //! A skin of scales or bristles that slides forward more easily than backward.
 
-use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use super::{Contact, ContactState, Dry, Law, LawInfo, Parameters, ReferenceValue};
 use crate::lane::Lane;
 use crate::params::ParamId;
 
@@ -12,16 +12,16 @@ pub struct Skin<L> {
     ratio: L,
 }
 
-/// The level of the direction `way` (1 or -1).
+/// The level of `direction` (1 or -1).
 #[inline(always)]
-pub fn directed<L: Lane>(way: L, forward: L, backward: L) -> L {
-    L::select(way.lt(way.with(0.0)), backward, forward)
+pub fn directed<L: Lane>(direction: L, forward: L, backward: L) -> L {
+    L::select(direction.lt(direction.splat(0.0)), backward, forward)
 }
 
 impl<L: Lane> Skin<L> {
     #[inline(always)]
-    fn against(&self, level: L, place: &Place<L>) -> L {
-        directed(place.way, level, level * self.ratio)
+    fn against(&self, level: L, at: &ContactState<L>) -> L {
+        directed(at.direction, level, level * self.ratio)
     }
 }
 
@@ -33,9 +33,9 @@ impl Law for Directional {
         limits: "the same ratio at rest and in motion; no fall with speed",
         meaning: "levels that differ between forward and backward",
         params: &["mu_static", "mu_coulomb", "viscous", "skin_ratio"],
-        worked: Worked {
+        reference: ReferenceValue {
             // -(3*0.35*12 + 0.5*2).
-            given: &[
+            parameters: &[
                 ("mu_static", 0.5),
                 ("mu_coulomb", 0.35),
                 ("mass", 1.0),
@@ -45,14 +45,14 @@ impl Law for Directional {
             ],
             speed: -2.0,
             force: -13.6,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Skin<L>;
+    type Coefficients<L: Lane> = Skin<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Skin<L> {
-        Skin { contact: *contact, ratio: given.get(ParamId::SkinRatio) }
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> Skin<L> {
+        Skin { contact: *contact, ratio: params.get(ParamId::SkinRatio) }
     }
 }
 
@@ -60,15 +60,15 @@ impl Dry for Directional {
     const LINEAR: bool = true;
 
     #[inline(always)]
-    fn resistance<L: Lane>(set: &Skin<L>, speed: L, place: &Place<L>) -> L {
-        set.contact.viscous.mul_add(speed, set.against(set.contact.coulomb, place))
+    fn resistance<L: Lane>(law: &Skin<L>, speed: L, at: &ContactState<L>) -> L {
+        law.contact.viscous.mul_add(speed, law.against(law.contact.coulomb, at))
     }
     #[inline(always)]
-    fn holding<L: Lane>(set: &Skin<L>, place: &Place<L>) -> L {
-        set.against(set.contact.holding, place)
+    fn break_away<L: Lane>(law: &Skin<L>, at: &ContactState<L>) -> L {
+        law.against(law.contact.break_away, at)
     }
     #[inline(always)]
-    fn linear<L: Lane>(set: &Skin<L>, place: &Place<L>) -> (L, L) {
-        (set.against(set.contact.coulomb, place), set.contact.viscous)
+    fn linear<L: Lane>(law: &Skin<L>, at: &ContactState<L>) -> (L, L) {
+        (law.against(law.contact.coulomb, at), law.contact.viscous)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::fall::{Bell, sign};
 use super::lugre::Bristles;
-use super::{Bristle, Contact, Given, Law, LawInfo, MOST_STATES, Partials, Worked};
+use super::{Bristle, Contact, Law, LawInfo, MOST_STATES, Parameters, Partials, ReferenceValue};
 use crate::lane::Lane;
 use crate::lane::trig::{cos_turns, sin_turns};
 use crate::params::ParamId;
@@ -27,7 +27,7 @@ impl<L: Lane> Elastic<L> {
     /// `end` and `end_v` are g/sigma_0 and its derivative.
     #[inline(always)]
     fn plastic(&self, v: L, z: L, end: L, end_v: L) -> Plastic<L> {
-        let (zero, one) = (v.with(0.0), v.with(1.0));
+        let (zero, one) = (v.splat(0.0), v.splat(1.0));
         let per_width = one / (end - self.elastic);
         let along = (z.abs() - self.elastic) * per_width;
         let q = along.max(zero).min(one);
@@ -62,10 +62,10 @@ impl Law for ElastoPlastic {
             "damping_speed",
             "elastic_share",
         ],
-        worked: Worked {
+        reference: ReferenceValue {
             // z half-way between z_ba = 5 um and z_ss = 10 um (g is F_C to
             // 1e-16): alpha = 1/2, z' = 0.1 (1 - 3/8), F = 0.75 + 10 z' + 0.04.
-            given: &[
+            parameters: &[
                 ("mu_static", 1.5),
                 ("mu_coulomb", 1.0),
                 ("mass", 1.0),
@@ -79,16 +79,16 @@ impl Law for ElastoPlastic {
             speed: 0.1,
             states: [7.5e-6, 0.0, 0.0, 0.0],
             force: 1.415,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Elastic<L>;
+    type Coefficients<L: Lane> = Elastic<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Elastic<L> {
-        let bristles = Bristles::of(contact, given);
-        let lowest = Bell::of(contact, given).lowest();
-        let share = given.get(ParamId::ElasticShare);
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> Elastic<L> {
+        let bristles = Bristles::of(contact, params);
+        let lowest = Bell::of(contact, params).lowest();
+        let share = params.get(ParamId::ElasticShare);
         Elastic { bristles, elastic: share * lowest / bristles.stiffness }
     }
 }
@@ -97,41 +97,41 @@ impl Bristle for ElastoPlastic {
     const STATES: usize = 1;
 
     #[inline(always)]
-    fn rates<L: Lane>(set: &Elastic<L>, v: L, z: &[L; MOST_STATES]) -> [L; MOST_STATES] {
-        let zero = v.with(0.0);
-        let (level, _) = set.bristles.level(v);
-        let end = level / set.bristles.stiffness;
-        let plastic = set.plastic(v, z[0], end, zero);
-        [v * (v.with(1.0) - plastic.share * (z[0].abs() / end)), zero, zero, zero]
+    fn rates<L: Lane>(law: &Elastic<L>, v: L, z: &[L; MOST_STATES]) -> [L; MOST_STATES] {
+        let zero = v.splat(0.0);
+        let (level, _) = law.bristles.level(v);
+        let end = level / law.bristles.stiffness;
+        let plastic = law.plastic(v, z[0], end, zero);
+        [v * (v.splat(1.0) - plastic.share * (z[0].abs() / end)), zero, zero, zero]
     }
 
     #[inline(always)]
-    fn force<L: Lane>(set: &Elastic<L>, v: L, z: &[L; MOST_STATES], rates: &[L; MOST_STATES]) -> L {
-        set.bristles.force(v, z[0], rates[0])
+    fn force<L: Lane>(law: &Elastic<L>, v: L, z: &[L; MOST_STATES], rates: &[L; MOST_STATES]) -> L {
+        law.bristles.force(v, z[0], rates[0])
     }
 
     #[inline(always)]
-    fn partials<L: Lane>(set: &Elastic<L>, v: L, z: &[L; MOST_STATES]) -> Partials<L> {
-        let one = v.with(1.0);
-        let (level, level_v) = set.bristles.level(v);
-        let per_stiffness = one / set.bristles.stiffness;
+    fn partials<L: Lane>(law: &Elastic<L>, v: L, z: &[L; MOST_STATES]) -> Partials<L> {
+        let one = v.splat(1.0);
+        let (level, level_v) = law.bristles.level(v);
+        let per_stiffness = one / law.bristles.stiffness;
         let (end, end_v) = (level * per_stiffness, level_v * per_stiffness);
-        let plastic = set.plastic(v, z[0], end, end_v);
+        let plastic = law.plastic(v, z[0], end, end_v);
         let bent = z[0].abs() / end;
         let left = one - plastic.share * bent;
         let share_v = plastic.by_v * bent - plastic.share * bent * (end_v / end);
         let rate_v = left - v * share_v;
         let rate_z = -(v * (plastic.by_z * bent + plastic.share * sign(z[0]) / end));
-        set.bristles.partials(v, v * left, rate_v, rate_z)
+        law.bristles.partials(v, v * left, rate_v, rate_z)
     }
 
     #[inline(always)]
-    fn stored<L: Lane>(set: &Elastic<L>, z: &[L; MOST_STATES]) -> L {
-        (set.bristles.stiffness * 0.5) * (z[0] * z[0])
+    fn stored<L: Lane>(law: &Elastic<L>, z: &[L; MOST_STATES]) -> L {
+        (law.bristles.stiffness * 0.5) * (z[0] * z[0])
     }
 
     #[inline(always)]
-    fn steady<L: Lane>(set: &Elastic<L>, v: L) -> [L; MOST_STATES] {
-        set.bristles.steady(v)
+    fn steady<L: Lane>(law: &Elastic<L>, v: L) -> [L; MOST_STATES] {
+        law.bristles.steady(v)
     }
 }

@@ -5,10 +5,10 @@ use super::*;
 use crate::describe::nearest;
 use crate::error::{Error, Result};
 
-impl Place<f64> {
-    /// The origin of the track, nothing swept, no drive.
-    pub fn start(way: f64) -> Self {
-        Place { way, x: 0.0, swept: 0.0, drive: 0.0, t: 0.0 }
+impl ContactState<f64> {
+    /// The origin of the track, no sliding since a reversal, no drive.
+    pub fn start(direction: f64) -> Self {
+        ContactState { direction, x: 0.0, sliding_distance: 0.0, drive: 0.0, t: 0.0 }
     }
 }
 
@@ -20,17 +20,17 @@ pub struct LawEntry {
     pub states: usize,
     /// Motion between events is known in closed form (see `Dry::LINEAR`).
     pub linear: bool,
-    /// Friction depends on where the segment is or how far it swept.
+    /// Friction depends on where the segment is or on the sliding distance since reversal.
     pub placed: bool,
     /// A dry law's force against the motion, at a speed counted along
-    /// `place.way`; of the others the signed force at a signed speed.
-    pub resistance: fn(&Values, f64, &Place<f64>, &[f64; MOST_STATES]) -> f64,
+    /// `at.direction`; of the others the signed force at a signed speed.
+    pub resistance: fn(&Values, f64, &ContactState<f64>, &[f64; MOST_STATES]) -> f64,
     /// The friction characteristic: signed force of steady sliding at a signed
     /// speed other than 0, at the start of the track without a drive.
     pub steady: fn(&Values, f64) -> f64,
-    /// The largest force in direction `place.way` that does not start motion: 0
+    /// The largest force in direction `at.direction` that does not start motion: 0
     /// for a smooth law, the steady force of the slowest sliding for bristles.
-    pub holding: fn(&Values, &Place<f64>) -> f64,
+    pub break_away: fn(&Values, &ContactState<f64>) -> f64,
     /// The signed force at some samples of an imposed motion, under the normal
     /// force given there; of a dry law at rest what it holds.
     pub imposed: fn(&Values, &Motion, &[usize], &mut [f64]),
@@ -69,12 +69,17 @@ impl LawEntry {
             states: 0,
             linear: D::LINEAR,
             placed: D::PLACED,
-            resistance: |values, speed, place, _| D::resistance(&set::<D>(values), speed, place),
+            resistance: |values, speed, at, _| D::resistance(&coefficients::<D>(values), speed, at),
             steady: |values, v| {
-                let way = if v < 0.0 { -1.0 } else { 1.0 };
-                way * D::resistance(&set::<D>(values), v.abs(), &Place::start(way))
+                let direction = if v < 0.0 { -1.0 } else { 1.0 };
+                direction
+                    * D::resistance(
+                        &coefficients::<D>(values),
+                        v.abs(),
+                        &ContactState::start(direction),
+                    )
             },
-            holding: |values, place| D::holding(&set::<D>(values), place),
+            break_away: |values, at| D::break_away(&coefficients::<D>(values), at),
             imposed: imposed::dry::<D>,
         }
     }
@@ -86,9 +91,9 @@ impl LawEntry {
             states: 0,
             linear: false,
             placed: false,
-            resistance: |values, speed, _, _| S::force(&set::<S>(values), speed),
-            steady: |values, v| S::force(&set::<S>(values), v),
-            holding: |_, _| 0.0,
+            resistance: |values, speed, _, _| S::force(&coefficients::<S>(values), speed),
+            steady: |values, v| S::force(&coefficients::<S>(values), v),
+            break_away: |_, _| 0.0,
             imposed: imposed::smooth::<S>,
         }
     }
@@ -101,11 +106,11 @@ impl LawEntry {
             linear: false,
             placed: false,
             resistance: |values, speed, _, states| {
-                let set = set::<B>(values);
-                B::force(&set, speed, states, &B::rates(&set, speed, states))
+                let law = coefficients::<B>(values);
+                B::force(&law, speed, states, &B::rates(&law, speed, states))
             },
             steady: steady::<B>,
-            holding: |values, place| place.way * steady::<B>(values, place.way * SLOWEST),
+            break_away: |values, at| at.direction * steady::<B>(values, at.direction * SLOWEST),
             imposed: imposed::bristle::<B>,
         }
     }
@@ -114,15 +119,15 @@ impl LawEntry {
 /// Far below every Stribeck speed, m/s.
 const SLOWEST: f64 = 1e-30;
 
-fn set<T: Law>(values: &Values) -> T::Set<f64> {
-    T::set(&Contact::of(values), values)
+fn coefficients<T: Law>(values: &Values) -> T::Coefficients<f64> {
+    T::coefficients(&Contact::of(values), values)
 }
 
 fn steady<B: Bristle>(values: &Values, v: f64) -> f64 {
-    let set = set::<B>(values);
+    let law = coefficients::<B>(values);
     // Nothing changes in steady sliding: a rate rounded off zero would be
     // multiplied by the damping.
-    B::force(&set, v, &B::steady(&set, v), &[0.0; MOST_STATES])
+    B::force(&law, v, &B::steady(&law, v), &[0.0; MOST_STATES])
 }
 
 macro_rules! entries {

@@ -1,6 +1,6 @@
 //! What laws that fall from static to Coulomb friction share.
 
-use super::{Contact, Given};
+use super::{Contact, Parameters};
 use crate::lane::Lane;
 use crate::lane::exp::exp;
 use crate::params::ParamId;
@@ -9,7 +9,7 @@ use crate::params::ParamId;
 #[derive(Clone, Copy)]
 pub struct Fall<L> {
     coulomb: L,
-    pub(super) holding: L,
+    pub(super) break_away: L,
     drop: L,
     viscous: L,
     /// One over the speed of the fall.
@@ -21,8 +21,8 @@ impl<L: Lane> Fall<L> {
     pub(super) fn of(contact: &Contact<L>, per_speed: L) -> Self {
         Fall {
             coulomb: contact.coulomb,
-            holding: contact.holding,
-            drop: contact.holding - contact.coulomb,
+            break_away: contact.break_away,
+            drop: contact.break_away - contact.coulomb,
             viscous: contact.viscous,
             per_speed,
         }
@@ -30,9 +30,9 @@ impl<L: Lane> Fall<L> {
 
     /// With the Stribeck speed.
     #[inline(always)]
-    pub(super) fn stribeck(contact: &Contact<L>, given: &impl Given<L>) -> Self {
-        let speed = given.get(ParamId::StribeckSpeed);
-        Fall::of(contact, speed.with(1.0) / speed)
+    pub(super) fn stribeck(contact: &Contact<L>, params: &impl Parameters<L>) -> Self {
+        let speed = params.get(ParamId::StribeckSpeed);
+        Fall::of(contact, speed.splat(1.0) / speed)
     }
 
     /// Resistance where `share` of the drop from static to Coulomb remains.
@@ -45,7 +45,7 @@ impl<L: Lane> Fall<L> {
     /// and bounded where one goes far below.
     #[inline(always)]
     pub(super) fn exponential(&self, speed: L) -> L {
-        let u = (speed * self.per_speed).max(speed.with(-1.0));
+        let u = (speed * self.per_speed).max(speed.splat(-1.0));
         self.with_share(exp(-u), speed)
     }
 }
@@ -64,12 +64,12 @@ pub struct Bell<L> {
 
 impl<L: Lane> Bell<L> {
     #[inline(always)]
-    pub(super) fn of(contact: &Contact<L>, given: &impl Given<L>) -> Self {
-        let speed = given.get(ParamId::StribeckSpeed);
+    pub(super) fn of(contact: &Contact<L>, params: &impl Parameters<L>) -> Self {
+        let speed = params.get(ParamId::StribeckSpeed);
         Bell {
             coulomb: contact.coulomb,
-            drop: contact.holding - contact.coulomb,
-            per_speed: speed.with(1.0) / speed,
+            drop: contact.break_away - contact.coulomb,
+            per_speed: speed.splat(1.0) / speed,
         }
     }
 
@@ -84,17 +84,17 @@ impl<L: Lane> Bell<L> {
     /// The lowest g over all speeds.
     #[inline(always)]
     pub(super) fn lowest(&self) -> L {
-        at_least(self.coulomb + self.drop.min(self.drop.with(0.0)))
+        at_least(self.coulomb + self.drop.min(self.drop.splat(0.0)))
     }
 }
 
 #[inline(always)]
 pub(super) fn at_least<L: Lane>(level: L) -> L {
-    level.max(level.with(LEAST_LEVEL))
+    level.max(level.splat(LEAST_LEVEL))
 }
 
 /// 1 or -1, never 0: forward at rest.
 #[inline(always)]
 pub(super) fn sign<L: Lane>(v: L) -> L {
-    L::select(v.lt(v.with(0.0)), v.with(-1.0), v.with(1.0))
+    L::select(v.lt(v.splat(0.0)), v.splat(-1.0), v.splat(1.0))
 }

@@ -1,7 +1,7 @@
 //! Gonthier: bristles whose static friction grows with the time at rest.
 
 use super::fall::sign;
-use super::{Bristle, Contact, Given, Law, LawInfo, MOST_STATES, Partials, Worked};
+use super::{Bristle, Contact, Law, LawInfo, MOST_STATES, Parameters, Partials, ReferenceValue};
 use crate::lane::Lane;
 use crate::lane::exp::{exp, exp_less_one};
 use crate::params::ParamId;
@@ -38,7 +38,7 @@ impl<L: Lane> Dwell<L> {
     fn force(&self, v: L, z: &[L; MOST_STATES], s: L) -> (L, L) {
         let stuck = self.damping.mul_add(v, self.stiffness * z[0]);
         let sliding = self.coulomb * sign(v);
-        let cap = self.drop.mul_add(z[1], self.coulomb).max(v.with(0.0));
+        let cap = self.drop.mul_add(z[1], self.coulomb).max(v.splat(0.0));
         (s.mul_add(stuck - sliding, sliding), cap)
     }
 
@@ -71,9 +71,9 @@ impl Law for Gonthier {
             "bristle_damping",
             "dwell_time",
         ],
-        worked: Worked {
+        reference: ReferenceValue {
             // At v_s, s = 1/e: (1e5*1e-6 + 100*1e-3) s + (1 - s) + 0.4e-3.
-            given: &[
+            parameters: &[
                 ("mu_static", 1.5),
                 ("mu_coulomb", 1.0),
                 ("mass", 1.0),
@@ -86,24 +86,24 @@ impl Law for Gonthier {
             speed: 1e-3,
             states: [1e-6, 0.5, 0.0, 0.0],
             force: 0.706_096_447_062_846_1,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Dwell<L>;
+    type Coefficients<L: Lane> = Dwell<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Dwell<L> {
-        let one = contact.normal.with(1.0);
-        let stiffness = given.get(ParamId::BristleStiffness);
-        let damping = given.get(ParamId::BristleDamping).max(stiffness * LEAST_RELAXATION);
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> Dwell<L> {
+        let one = contact.normal.splat(1.0);
+        let stiffness = params.get(ParamId::BristleStiffness);
+        let damping = params.get(ParamId::BristleDamping).max(stiffness * LEAST_RELAXATION);
         Dwell {
             stiffness,
             damping,
             viscous: contact.viscous,
             coulomb: contact.coulomb,
-            drop: contact.holding - contact.coulomb,
-            per_stribeck: one / given.get(ParamId::StribeckSpeed),
-            per_dwell: one / given.get(ParamId::DwellTime),
+            drop: contact.break_away - contact.coulomb,
+            per_stribeck: one / params.get(ParamId::StribeckSpeed),
+            per_dwell: one / params.get(ParamId::DwellTime),
             per_relaxation: stiffness / damping,
         }
     }
@@ -113,58 +113,58 @@ impl Bristle for Gonthier {
     const STATES: usize = 2;
 
     #[inline(always)]
-    fn rates<L: Lane>(set: &Dwell<L>, v: L, z: &[L; MOST_STATES]) -> [L; MOST_STATES] {
-        let zero = v.with(0.0);
-        let (s, _) = set.sticking(v);
-        let bent = (set.capped(v, z, s) - set.stiffness * z[0]) / set.damping;
-        [bent, (s - z[1]) * set.pace(s, z[1]), zero, zero]
+    fn rates<L: Lane>(law: &Dwell<L>, v: L, z: &[L; MOST_STATES]) -> [L; MOST_STATES] {
+        let zero = v.splat(0.0);
+        let (s, _) = law.sticking(v);
+        let bent = (law.capped(v, z, s) - law.stiffness * z[0]) / law.damping;
+        [bent, (s - z[1]) * law.pace(s, z[1]), zero, zero]
     }
 
     #[inline(always)]
-    fn force<L: Lane>(set: &Dwell<L>, v: L, z: &[L; MOST_STATES], rates: &[L; MOST_STATES]) -> L {
-        let bristles = set.damping.mul_add(rates[0], set.stiffness * z[0]);
-        set.viscous.mul_add(v, bristles)
+    fn force<L: Lane>(law: &Dwell<L>, v: L, z: &[L; MOST_STATES], rates: &[L; MOST_STATES]) -> L {
+        let bristles = law.damping.mul_add(rates[0], law.stiffness * z[0]);
+        law.viscous.mul_add(v, bristles)
     }
 
     #[inline(always)]
-    fn partials<L: Lane>(set: &Dwell<L>, v: L, z: &[L; MOST_STATES]) -> Partials<L> {
-        let (zero, one) = (v.with(0.0), v.with(1.0));
-        let (s, s_v) = set.sticking(v);
-        let (force, cap) = set.force(v, z, s);
+    fn partials<L: Lane>(law: &Dwell<L>, v: L, z: &[L; MOST_STATES]) -> Partials<L> {
+        let (zero, one) = (v.splat(0.0), v.splat(1.0));
+        let (s, s_v) = law.sticking(v);
+        let (force, cap) = law.force(v, z, s);
         let free = force.abs().lt(cap);
-        let stuck = set.damping.mul_add(v, set.stiffness * z[0]);
-        let away = stuck - set.coulomb * sign(v);
-        let force_v = L::select(free, s_v.mul_add(away, s * set.damping), zero);
-        let force_z = L::select(free, s * set.stiffness, zero);
-        let force_dwell = L::select(free, zero, set.drop * sign(force));
-        let per_damping = one / set.damping;
-        let pace = set.pace(s, z[1]);
+        let stuck = law.damping.mul_add(v, law.stiffness * z[0]);
+        let away = stuck - law.coulomb * sign(v);
+        let force_v = L::select(free, s_v.mul_add(away, s * law.damping), zero);
+        let force_z = L::select(free, s * law.stiffness, zero);
+        let force_dwell = L::select(free, zero, law.drop * sign(force));
+        let per_damping = one / law.damping;
+        let pace = law.pace(s, z[1]);
         let mut partials = Partials::zero(v);
         partials.rate_v[0] = force_v * per_damping;
-        partials.rate_z[0][0] = (force_z - set.stiffness) * per_damping;
+        partials.rate_z[0][0] = (force_z - law.stiffness) * per_damping;
         partials.rate_z[0][1] = force_dwell * per_damping;
         partials.rate_v[1] = s_v * pace;
         partials.rate_z[1][1] = -pace;
-        partials.force_v = force_v + set.viscous;
+        partials.force_v = force_v + law.viscous;
         partials.force_z[0] = force_z;
         partials.force_z[1] = force_dwell;
         partials
     }
 
     #[inline(always)]
-    fn stored<L: Lane>(set: &Dwell<L>, z: &[L; MOST_STATES]) -> L {
-        (set.stiffness * 0.5) * (z[0] * z[0])
+    fn stored<L: Lane>(law: &Dwell<L>, z: &[L; MOST_STATES]) -> L {
+        (law.stiffness * 0.5) * (z[0] * z[0])
     }
 
     #[inline(always)]
-    fn steady<L: Lane>(set: &Dwell<L>, v: L) -> [L; MOST_STATES] {
-        let zero = v.with(0.0);
-        let (s, _) = set.sticking(v);
-        let u = v * set.per_stribeck;
+    fn steady<L: Lane>(law: &Dwell<L>, v: L) -> [L; MOST_STATES] {
+        let zero = v.splat(0.0);
+        let (s, _) = law.sticking(v);
+        let u = v * law.per_stribeck;
         // s v/(1 - s) by which the bristles trail; infinite as v falls to 0.
         let trail = (s * v.abs()) / -exp_less_one(-(u * u));
-        let free = set.damping.mul_add(trail, set.coulomb);
-        let level = free.min(set.drop.mul_add(s, set.coulomb).max(zero));
-        [sign(v) * (level / set.stiffness), s, zero, zero]
+        let free = law.damping.mul_add(trail, law.coulomb);
+        let level = free.min(law.drop.mul_add(s, law.coulomb).max(zero));
+        [sign(v) * (level / law.stiffness), s, zero, zero]
     }
 }

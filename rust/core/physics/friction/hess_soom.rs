@@ -1,7 +1,7 @@
 //! The rational fall from static to Coulomb friction.
 
 use super::fall::Fall;
-use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use super::{Contact, ContactState, Dry, Law, LawInfo, Parameters, ReferenceValue};
 use crate::lane::Lane;
 
 pub struct HessSoom;
@@ -14,9 +14,9 @@ impl Law for HessSoom {
         limits: "falls slowly: a hundredth of the drop is left at ten times the Stribeck speed",
         meaning: "falls from static to Coulomb friction along a rational curve",
         params: &["mu_static", "mu_coulomb", "viscous", "stribeck_speed"],
-        worked: Worked {
+        reference: ReferenceValue {
             // 4 + 4/1.25 + 2*0.25.
-            given: &[
+            parameters: &[
                 ("mu_static", 0.8),
                 ("mu_coulomb", 0.4),
                 ("mass", 1.0),
@@ -26,26 +26,26 @@ impl Law for HessSoom {
             ],
             speed: 0.25,
             force: 7.7,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Fall<L>;
+    type Coefficients<L: Lane> = Fall<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Fall<L> {
-        Fall::stribeck(contact, given)
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> Fall<L> {
+        Fall::stribeck(contact, params)
     }
 }
 
 impl Dry for HessSoom {
     #[inline(always)]
-    fn resistance<L: Lane>(set: &Fall<L>, speed: L, _: &Place<L>) -> L {
-        let u = speed * set.per_speed;
-        let share = speed.with(1.0) / u.mul_add(u, speed.with(1.0));
-        set.with_share(share, speed)
+    fn resistance<L: Lane>(law: &Fall<L>, speed: L, _: &ContactState<L>) -> L {
+        let u = speed * law.per_speed;
+        let share = speed.splat(1.0) / u.mul_add(u, speed.splat(1.0));
+        law.with_share(share, speed)
     }
     #[inline(always)]
-    fn holding<L: Lane>(set: &Fall<L>, _: &Place<L>) -> L {
-        set.holding
+    fn break_away<L: Lane>(law: &Fall<L>, _: &ContactState<L>) -> L {
+        law.break_away
     }
 }

@@ -3,7 +3,7 @@
 //! are integrated along the motion.
 
 use super::values::Values;
-use super::{Bristle, Contact, Dry, Law, MOST_STATES, Place, Smooth};
+use super::{Bristle, Contact, ContactState, Dry, Law, MOST_STATES, Smooth};
 use nalgebra::{LU, Matrix4, U4, Vector4};
 
 /// Imposed motion of one run, sample by sample.
@@ -18,10 +18,10 @@ pub struct Motion {
     /// Normal force.
     pub normal: Vec<f64>,
     /// Direction of motion; at rest the one in which it goes on: 1 or -1.
-    pub way: Vec<f64>,
+    pub direction: Vec<f64>,
     pub rests: Vec<bool>,
     /// Distance moved forward since the last rest or turn.
-    pub swept: Vec<f64>,
+    pub sliding_distance: Vec<f64>,
 }
 
 impl Motion {
@@ -29,34 +29,34 @@ impl Motion {
     pub fn new(t: Vec<f64>, x: Vec<f64>, v: Vec<f64>, drive: Vec<f64>, rest_speed: f64) -> Motion {
         let count = t.len();
         let rests: Vec<bool> = v.iter().map(|v| v.abs() <= rest_speed).collect();
-        let mut way = vec![1.0; count];
+        let mut direction = vec![1.0; count];
         let mut ahead: Option<f64> = None;
         for i in (0..count).rev() {
             if !rests[i] {
                 ahead = Some(v[i].signum());
             }
-            way[i] = ahead.unwrap_or(0.0);
+            direction[i] = ahead.unwrap_or(0.0);
         }
         // A rest that nothing follows belongs to the motion before it.
         let mut before = 1.0;
-        for way in &mut way {
-            if *way == 0.0 {
-                *way = before;
+        for direction in &mut direction {
+            if *direction == 0.0 {
+                *direction = before;
             }
-            before = *way;
+            before = *direction;
         }
-        let mut swept = vec![0.0; count];
+        let mut sliding_distance = vec![0.0; count];
         let mut since = x.first().copied().unwrap_or(0.0);
         for i in 0..count {
-            let forward = !rests[i] && way[i] > 0.0;
-            let goes_on = i > 0 && !rests[i - 1] && way[i - 1] > 0.0;
+            let forward = !rests[i] && direction[i] > 0.0;
+            let goes_on = i > 0 && !rests[i - 1] && direction[i - 1] > 0.0;
             if !(forward && goes_on) {
                 since = x[i];
             }
-            swept[i] = (x[i] - since).max(0.0);
+            sliding_distance[i] = (x[i] - since).max(0.0);
         }
         let normal = vec![1.0; count];
-        Motion { t, x, v, drive, normal, way, rests, swept }
+        Motion { t, x, v, drive, normal, direction, rests, sliding_distance }
     }
 
     pub fn len(&self) -> usize {
@@ -67,9 +67,15 @@ impl Motion {
         self.t.is_empty()
     }
 
-    fn place(&self, i: usize) -> Place<f64> {
-        let (x, swept) = (self.x[i], self.swept[i]);
-        Place { way: self.way[i], x, swept, drive: self.drive[i], t: self.t[i] - self.t[0] }
+    fn at(&self, i: usize) -> ContactState<f64> {
+        let (x, sliding_distance) = (self.x[i], self.sliding_distance[i]);
+        ContactState {
+            direction: self.direction[i],
+            x,
+            sliding_distance,
+            drive: self.drive[i],
+            t: self.t[i] - self.t[0],
+        }
     }
 }
 
@@ -78,20 +84,20 @@ impl Motion {
 struct Pressed<'a, T: Law> {
     values: &'a Values,
     normal: f64,
-    set: T::Set<f64>,
+    law: T::Coefficients<f64>,
 }
 
 impl<'a, T: Law> Pressed<'a, T> {
     fn new(values: &'a Values, normal: f64) -> Self {
-        let set = T::set(&Contact::under(normal, values), values);
-        Pressed { values, normal, set }
+        let law = T::coefficients(&Contact::under(normal, values), values);
+        Pressed { values, normal, law }
     }
 
-    fn at(&mut self, normal: f64) -> &T::Set<f64> {
+    fn at(&mut self, normal: f64) -> &T::Coefficients<f64> {
         if normal != self.normal {
             *self = Pressed::new(self.values, normal);
         }
-        &self.set
+        &self.law
     }
 }
 
@@ -100,13 +106,13 @@ pub(super) fn dry<D: Dry>(values: &Values, motion: &Motion, rows: &[usize], to: 
     let Some(first) = rows.first() else { return };
     let mut pressed = Pressed::<D>::new(values, motion.normal[*first]);
     for (i, to) in rows.iter().copied().zip(to) {
-        let (set, place) = (pressed.at(motion.normal[i]), motion.place(i));
+        let (law, at) = (pressed.at(motion.normal[i]), motion.at(i));
         let level = if motion.rests[i] {
-            D::holding(set, &place)
+            D::break_away(law, &at)
         } else {
-            D::resistance(set, motion.v[i].abs(), &place)
+            D::resistance(law, motion.v[i].abs(), &at)
         };
-        *to = place.way * level;
+        *to = at.direction * level;
     }
 }
 
@@ -128,15 +134,15 @@ pub(super) fn bristle<B: Bristle>(
 ) {
     let Some(last) = rows.last() else { return };
     let mut pressed = Pressed::<B>::new(values, motion.normal[0]);
-    let set = *pressed.at(motion.normal[0]);
+    let law = *pressed.at(motion.normal[0]);
     let mut z = [0.0; MOST_STATES];
     if !motion.rests[0] && motion.v[0] != 0.0 {
-        z = B::steady(&set, motion.v[0]);
+        z = B::steady(&law, motion.v[0]);
     }
     let mut step = f64::INFINITY;
     let mut next = 0;
     for i in 0..=*last {
-        let set = B::placed(pressed.at(motion.normal[i]), &motion.place(i));
+        let law = B::placed(pressed.at(motion.normal[i]), &motion.at(i));
         if i > 0 {
             let (from, until) = (i - 1, i);
             let dt = motion.t[until] - motion.t[from];
@@ -144,15 +150,15 @@ pub(super) fn bristle<B: Bristle>(
             // |v| has a kink where the motion turns.
             if v0 * v1 < 0.0 {
                 let share = v0 / (v0 - v1);
-                deflect::<B>(&set, &mut z, (v0, 0.0), dt * share, &mut step);
-                deflect::<B>(&set, &mut z, (0.0, v1), dt * (1.0 - share), &mut step);
+                deflect::<B>(&law, &mut z, (v0, 0.0), dt * share, &mut step);
+                deflect::<B>(&law, &mut z, (0.0, v1), dt * (1.0 - share), &mut step);
             } else {
-                deflect::<B>(&set, &mut z, (v0, v1), dt, &mut step);
+                deflect::<B>(&law, &mut z, (v0, v1), dt, &mut step);
             }
         }
         while next < rows.len() && rows[next] == i {
             let v = motion.v[i];
-            to[next] = B::force(&set, v, &z, &B::rates(&set, v, &z));
+            to[next] = B::force(&law, v, &z, &B::rates(&law, v, &z));
             next += 1;
         }
     }
@@ -170,7 +176,7 @@ const GAMMA: f64 = 0.292_893_218_813_452_5;
 /// ROS2 of Verwer, Spee, Blom and Hundsdorfer 1999, order 2 with an embedded one
 /// of order 1: bristles a thousand times faster than the samples do not limit it.
 fn deflect<B: Bristle>(
-    set: &B::Set<f64>,
+    law: &B::Coefficients<f64>,
     z: &mut [f64; MOST_STATES],
     (from, until): (f64, f64),
     span: f64,
@@ -180,18 +186,18 @@ fn deflect<B: Bristle>(
         return;
     }
     let rise = (until - from) / span;
-    let way = if from + until < 0.0 { -1.0 } else { 1.0 };
-    let usual = B::steady(set, way * SLOW);
+    let direction = if from + until < 0.0 { -1.0 } else { 1.0 };
+    let usual = B::steady(law, direction * SLOW);
     let mut at = 0.0;
     while at < span {
         let left = span - at;
         let h = step.min(left);
         let v = rise.mul_add(at, from);
-        let (tried, error) = attempt::<B>(set, z, (v, rise), h, &usual);
+        let (tried, error) = attempt::<B>(law, z, (v, rise), h, &usual);
         let fine = error <= 1.0;
         if fine || h <= span * SMALLEST {
             // Across a kink at the smallest step the method may overshoot.
-            *z = if fine { tried } else { creep::<B>(set, z, rise.mul_add(h, v), h) };
+            *z = if fine { tried } else { creep::<B>(law, z, rise.mul_add(h, v), h) };
             at = if h >= left { span } else { at + h };
         }
         // Error falls with the square of the step. What the end of an interval
@@ -209,19 +215,19 @@ fn deflect<B: Bristle>(
 const SLOW: f64 = 1e-12;
 
 fn attempt<B: Bristle>(
-    set: &B::Set<f64>,
+    law: &B::Coefficients<f64>,
     z: &[f64; MOST_STATES],
     (v, rise): (f64, f64),
     h: f64,
     usual: &[f64; MOST_STATES],
 ) -> ([f64; MOST_STATES], f64) {
-    let partials = B::partials(set, v, z);
-    let rate = Vector4::from(B::rates(set, v, z));
+    let partials = B::partials(law, v, z);
+    let rate = Vector4::from(B::rates(law, v, z));
     let drift = Vector4::from(partials.rate_v) * (rise * h * GAMMA);
     let solve = Damped::new(&partials.rate_z, h * GAMMA);
     let k1 = solve.at(rate + drift);
     let middle = Vector4::from(*z) + k1 * h;
-    let ahead = Vector4::from(B::rates(set, rise.mul_add(h, v), &middle.into()));
+    let ahead = Vector4::from(B::rates(law, rise.mul_add(h, v), &middle.into()));
     let k2 = solve.at(ahead - k1 * 2.0 - drift);
     let next = Vector4::from(*z) + (k1 * 3.0 + k2) * (0.5 * h);
     let mut error: f64 = 0.0;
@@ -235,13 +241,13 @@ fn attempt<B: Bristle>(
 
 /// One step of the linearly implicit Euler method, which does not overshoot.
 fn creep<B: Bristle>(
-    set: &B::Set<f64>,
+    law: &B::Coefficients<f64>,
     z: &[f64; MOST_STATES],
     v: f64,
     h: f64,
 ) -> [f64; MOST_STATES] {
-    let solve = Damped::new(&B::partials(set, v, z).rate_z, h);
-    (Vector4::from(*z) + solve.at(Vector4::from(B::rates(set, v, z))) * h).into()
+    let solve = Damped::new(&B::partials(law, v, z).rate_z, h);
+    (Vector4::from(*z) + solve.at(Vector4::from(B::rates(law, v, z))) * h).into()
 }
 
 /// The system I - h J.

@@ -1,6 +1,6 @@
 //! Friction that the drive itself presses onto the ground.
 
-use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use super::{Contact, ContactState, Dry, Law, LawInfo, Parameters, ReferenceValue};
 use crate::lane::Lane;
 use crate::params::ParamId;
 
@@ -20,8 +20,8 @@ pub fn pressed<L: Lane>(level: L, drive: L, load: L) -> L {
 
 impl<L: Lane> Pressed<L> {
     #[inline(always)]
-    fn beside(&self, level: L, place: &Place<L>) -> L {
-        pressed(level, place.drive, self.load)
+    fn beside(&self, level: L, at: &ContactState<L>) -> L {
+        pressed(level, at.drive, self.load)
     }
 }
 
@@ -33,9 +33,9 @@ impl Law for LoadFriction {
         limits: "jumps with the drive force; from 1 on the drive locks itself",
         meaning: "levels that rise with the force of the drive",
         params: &["mu_static", "mu_coulomb", "viscous", "load_friction"],
-        worked: Worked {
+        reference: ReferenceValue {
             // 4.2 + 0.1*|-5| + 0.5*2.
-            given: &[
+            parameters: &[
                 ("mu_static", 0.5),
                 ("mu_coulomb", 0.35),
                 ("mass", 1.0),
@@ -46,14 +46,14 @@ impl Law for LoadFriction {
             speed: 2.0,
             at: (0.0, 0.0, -5.0),
             force: 5.7,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Pressed<L>;
+    type Coefficients<L: Lane> = Pressed<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Pressed<L> {
-        Pressed { contact: *contact, load: given.get(ParamId::LoadFriction) }
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> Pressed<L> {
+        Pressed { contact: *contact, load: params.get(ParamId::LoadFriction) }
     }
 }
 
@@ -61,15 +61,15 @@ impl Dry for LoadFriction {
     const LINEAR: bool = true;
 
     #[inline(always)]
-    fn resistance<L: Lane>(set: &Pressed<L>, speed: L, place: &Place<L>) -> L {
-        set.contact.viscous.mul_add(speed, set.beside(set.contact.coulomb, place))
+    fn resistance<L: Lane>(law: &Pressed<L>, speed: L, at: &ContactState<L>) -> L {
+        law.contact.viscous.mul_add(speed, law.beside(law.contact.coulomb, at))
     }
     #[inline(always)]
-    fn holding<L: Lane>(set: &Pressed<L>, place: &Place<L>) -> L {
-        set.beside(set.contact.holding, place)
+    fn break_away<L: Lane>(law: &Pressed<L>, at: &ContactState<L>) -> L {
+        law.beside(law.contact.break_away, at)
     }
     #[inline(always)]
-    fn linear<L: Lane>(set: &Pressed<L>, place: &Place<L>) -> (L, L) {
-        (set.beside(set.contact.coulomb, place), set.contact.viscous)
+    fn linear<L: Lane>(law: &Pressed<L>, at: &ContactState<L>) -> (L, L) {
+        (law.beside(law.contact.coulomb, at), law.contact.viscous)
     }
 }

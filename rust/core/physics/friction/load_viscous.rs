@@ -1,6 +1,6 @@
 //! Viscous friction that grows with the normal force.
 
-use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use super::{Contact, ContactState, Dry, Law, LawInfo, Parameters, ReferenceValue};
 use crate::lane::Lane;
 use crate::lane::log::power;
 use crate::params::ParamId;
@@ -15,9 +15,9 @@ impl Law for LoadViscous {
         limits: "the normal force is constant over one run",
         meaning: "constant level and a viscous part that grows with the normal force",
         params: &["mu_coulomb", "viscous", "viscous_load", "load_exponent"],
-        worked: Worked {
+        reference: ReferenceValue {
             // 0.35*16 + (0.5 + 0.2*16^0.5)*2.
-            given: &[
+            parameters: &[
                 ("mu_coulomb", 0.35),
                 ("mass", 1.0),
                 ("gravity", 16.0),
@@ -27,16 +27,16 @@ impl Law for LoadViscous {
             ],
             speed: 2.0,
             force: 8.2,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
     /// F_C and the whole viscous coefficient.
-    type Set<L: Lane> = (L, L);
+    type Coefficients<L: Lane> = (L, L);
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> (L, L) {
-        let grown = power(contact.normal, given.get(ParamId::LoadExponent));
-        let viscous = given.get(ParamId::ViscousLoad).mul_add(grown, contact.viscous);
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> (L, L) {
+        let grown = power(contact.normal, params.get(ParamId::LoadExponent));
+        let viscous = params.get(ParamId::ViscousLoad).mul_add(grown, contact.viscous);
         (contact.coulomb, viscous)
     }
 }
@@ -45,15 +45,15 @@ impl Dry for LoadViscous {
     const LINEAR: bool = true;
 
     #[inline(always)]
-    fn resistance<L: Lane>(set: &(L, L), speed: L, _: &Place<L>) -> L {
-        set.1.mul_add(speed, set.0)
+    fn resistance<L: Lane>(law: &(L, L), speed: L, _: &ContactState<L>) -> L {
+        law.1.mul_add(speed, law.0)
     }
     #[inline(always)]
-    fn holding<L: Lane>(set: &(L, L), _: &Place<L>) -> L {
-        set.0
+    fn break_away<L: Lane>(law: &(L, L), _: &ContactState<L>) -> L {
+        law.0
     }
     #[inline(always)]
-    fn linear<L: Lane>(set: &(L, L), _: &Place<L>) -> (L, L) {
-        *set
+    fn linear<L: Lane>(law: &(L, L), _: &ContactState<L>) -> (L, L) {
+        *law
     }
 }

@@ -1,7 +1,7 @@
 //! LuGre: bristles that bend, then slide along a Stribeck curve.
 
 use super::fall::{Bell, sign};
-use super::{Bristle, Contact, Given, Law, LawInfo, MOST_STATES, Partials, Worked};
+use super::{Bristle, Contact, Law, LawInfo, MOST_STATES, Parameters, Partials, ReferenceValue};
 use crate::lane::Lane;
 use crate::lane::exp::exp;
 use crate::params::ParamId;
@@ -21,13 +21,13 @@ pub struct Bristles<L> {
 
 impl<L: Lane> Bristles<L> {
     #[inline(always)]
-    pub(super) fn of(contact: &Contact<L>, given: &impl Given<L>) -> Self {
+    pub(super) fn of(contact: &Contact<L>, params: &impl Parameters<L>) -> Self {
         Bristles {
-            stiffness: given.get(ParamId::BristleStiffness),
-            damping: given.get(ParamId::BristleDamping),
-            per_fading: contact.normal.with(1.0) / given.get(ParamId::DampingSpeed),
+            stiffness: params.get(ParamId::BristleStiffness),
+            damping: params.get(ParamId::BristleDamping),
+            per_fading: contact.normal.splat(1.0) / params.get(ParamId::DampingSpeed),
             viscous: contact.viscous,
-            bell: Bell::of(contact, given),
+            bell: Bell::of(contact, params),
         }
     }
 
@@ -66,7 +66,7 @@ impl<L: Lane> Bristles<L> {
     #[inline(always)]
     pub(super) fn steady(&self, v: L) -> [L; MOST_STATES] {
         let (level, _) = self.level(v);
-        let zero = v.with(0.0);
+        let zero = v.splat(0.0);
         [sign(v) * (level / self.stiffness), zero, zero, zero]
     }
 }
@@ -87,10 +87,10 @@ impl Law for Lugre {
             "bristle_damping",
             "damping_speed",
         ],
-        worked: Worked {
+        reference: ReferenceValue {
             // Steady sliding of the standard set at 5 mm/s, bristles at rest:
             // g = 1 + 0.5 e^-25, F = g + 0.4 * 0.005.
-            given: &[
+            parameters: &[
                 ("mu_static", 1.5),
                 ("mu_coulomb", 1.0),
                 ("mass", 1.0),
@@ -102,14 +102,14 @@ impl Law for Lugre {
             speed: 5e-3,
             states: [1.000_000_000_006_943_9e-5, 0.0, 0.0, 0.0],
             force: 1.002_000_000_006_944,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Bristles<L>;
+    type Coefficients<L: Lane> = Bristles<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Bristles<L> {
-        Bristles::of(contact, given)
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> Bristles<L> {
+        Bristles::of(contact, params)
     }
 }
 
@@ -117,39 +117,39 @@ impl Bristle for Lugre {
     const STATES: usize = 1;
 
     #[inline(always)]
-    fn rates<L: Lane>(set: &Bristles<L>, v: L, z: &[L; MOST_STATES]) -> [L; MOST_STATES] {
-        let (level, _) = set.level(v);
-        let rate = v - (set.stiffness * v.abs()) * (z[0] / level);
-        [rate, v.with(0.0), v.with(0.0), v.with(0.0)]
+    fn rates<L: Lane>(law: &Bristles<L>, v: L, z: &[L; MOST_STATES]) -> [L; MOST_STATES] {
+        let (level, _) = law.level(v);
+        let rate = v - (law.stiffness * v.abs()) * (z[0] / level);
+        [rate, v.splat(0.0), v.splat(0.0), v.splat(0.0)]
     }
 
     #[inline(always)]
     fn force<L: Lane>(
-        set: &Bristles<L>,
+        law: &Bristles<L>,
         v: L,
         z: &[L; MOST_STATES],
         rates: &[L; MOST_STATES],
     ) -> L {
-        set.force(v, z[0], rates[0])
+        law.force(v, z[0], rates[0])
     }
 
     #[inline(always)]
-    fn partials<L: Lane>(set: &Bristles<L>, v: L, z: &[L; MOST_STATES]) -> Partials<L> {
-        let (level, level_v) = set.level(v);
-        let per_level = v.with(1.0) / level;
-        let pull = (set.stiffness * v.abs()) * per_level;
+    fn partials<L: Lane>(law: &Bristles<L>, v: L, z: &[L; MOST_STATES]) -> Partials<L> {
+        let (level, level_v) = law.level(v);
+        let per_level = v.splat(1.0) / level;
+        let pull = (law.stiffness * v.abs()) * per_level;
         // d/dv of |v|/g is sgn/g - |v| g'/g^2.
-        let pull_v = (set.stiffness * per_level) * (sign(v) - (v.abs() * per_level) * level_v);
-        set.partials(v, v - pull * z[0], v.with(1.0) - pull_v * z[0], -pull)
+        let pull_v = (law.stiffness * per_level) * (sign(v) - (v.abs() * per_level) * level_v);
+        law.partials(v, v - pull * z[0], v.splat(1.0) - pull_v * z[0], -pull)
     }
 
     #[inline(always)]
-    fn stored<L: Lane>(set: &Bristles<L>, z: &[L; MOST_STATES]) -> L {
-        (set.stiffness * 0.5) * (z[0] * z[0])
+    fn stored<L: Lane>(law: &Bristles<L>, z: &[L; MOST_STATES]) -> L {
+        (law.stiffness * 0.5) * (z[0] * z[0])
     }
 
     #[inline(always)]
-    fn steady<L: Lane>(set: &Bristles<L>, v: L) -> [L; MOST_STATES] {
-        set.steady(v)
+    fn steady<L: Lane>(law: &Bristles<L>, v: L) -> [L; MOST_STATES] {
+        law.steady(v)
     }
 }

@@ -12,7 +12,7 @@
 //! an element that slides while g(v) rises lags behind it, this one follows.
 
 use super::fall::{Bell, sign};
-use super::{Bristle, Contact, Given, Law, LawInfo, MOST_STATES, Partials, Worked};
+use super::{Bristle, Contact, Law, LawInfo, MOST_STATES, Parameters, Partials, ReferenceValue};
 use crate::lane::Lane;
 use crate::params::ParamId;
 
@@ -49,7 +49,7 @@ struct Element<L> {
 impl<L: Lane> Elements<L> {
     #[inline(always)]
     fn element(&self, i: usize, v: L, z: L, level: L) -> Element<L> {
-        let (zero, one) = (v.with(0.0), v.with(1.0));
+        let (zero, one) = (v.splat(0.0), v.splat(1.0));
         let load_z = sign(v) * (self.stiffness[i] / (level * SHARE));
         let load = load_z * z;
         let left = (one - load) * self.per_width;
@@ -82,9 +82,9 @@ impl Law for MaxwellSlip {
             "elastic_share",
             "attraction",
         ],
-        worked: Worked {
+        reference: ReferenceValue {
             // Stiffness 1, 2, 4, 8 e4 N/m: 0.1 + 0.2 + 0.16 + 0.24 + 0.4*0.1.
-            given: &[
+            parameters: &[
                 ("mu_static", 1.5),
                 ("mu_coulomb", 1.0),
                 ("mass", 1.0),
@@ -95,34 +95,34 @@ impl Law for MaxwellSlip {
             speed: 0.1,
             states: [1e-5, 1e-5, 4e-6, 3e-6],
             force: 0.74,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Elements<L>;
+    type Coefficients<L: Lane> = Elements<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Elements<L> {
-        let one = contact.normal.with(1.0);
-        let spread = given.get(ParamId::StiffnessSpread);
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> Elements<L> {
+        let one = contact.normal.splat(1.0);
+        let spread = params.get(ParamId::StiffnessSpread);
         let mut parts = [one; MOST_STATES];
         let mut sum = one;
         for i in 1..MOST_STATES {
             parts[i] = parts[i - 1] * spread;
             sum = sum + parts[i];
         }
-        let unit = given.get(ParamId::BristleStiffness) / sum;
-        let attraction = given.get(ParamId::Attraction);
+        let unit = params.get(ParamId::BristleStiffness) / sum;
+        let attraction = params.get(ParamId::Attraction);
         let (mut stiffness, mut decay) = (parts, parts);
         for i in 0..MOST_STATES {
             stiffness[i] = unit * parts[i];
             decay[i] = attraction * SHARE / stiffness[i];
         }
         Elements {
-            bell: Bell::of(contact, given),
+            bell: Bell::of(contact, params),
             viscous: contact.viscous,
             stiffness,
             decay,
-            per_width: one / (one - given.get(ParamId::ElasticShare)),
+            per_width: one / (one - params.get(ParamId::ElasticShare)),
         }
     }
 }
@@ -131,54 +131,54 @@ impl Bristle for MaxwellSlip {
     const STATES: usize = MOST_STATES;
 
     #[inline(always)]
-    fn rates<L: Lane>(set: &Elements<L>, v: L, z: &[L; MOST_STATES]) -> [L; MOST_STATES] {
-        let (level, _) = set.bell.level(v);
+    fn rates<L: Lane>(law: &Elements<L>, v: L, z: &[L; MOST_STATES]) -> [L; MOST_STATES] {
+        let (level, _) = law.bell.level(v);
         let mut rates = *z;
         for (i, rate) in rates.iter_mut().enumerate() {
-            let element = set.element(i, v, z[i], level);
-            *rate = v * element.bends - sign(v) * (set.decay[i] * element.excess);
+            let element = law.element(i, v, z[i], level);
+            *rate = v * element.bends - sign(v) * (law.decay[i] * element.excess);
         }
         rates
     }
 
     #[inline(always)]
-    fn force<L: Lane>(set: &Elements<L>, v: L, z: &[L; MOST_STATES], _: &[L; MOST_STATES]) -> L {
-        let mut sum = set.viscous * v;
-        for (k, z) in set.stiffness.iter().zip(z) {
+    fn force<L: Lane>(law: &Elements<L>, v: L, z: &[L; MOST_STATES], _: &[L; MOST_STATES]) -> L {
+        let mut sum = law.viscous * v;
+        for (k, z) in law.stiffness.iter().zip(z) {
             sum = k.mul_add(*z, sum);
         }
         sum
     }
 
     #[inline(always)]
-    fn partials<L: Lane>(set: &Elements<L>, v: L, z: &[L; MOST_STATES]) -> Partials<L> {
-        let (level, level_v) = set.bell.level(v);
+    fn partials<L: Lane>(law: &Elements<L>, v: L, z: &[L; MOST_STATES]) -> Partials<L> {
+        let (level, level_v) = law.bell.level(v);
         let mut partials = Partials::zero(v);
-        partials.force_v = set.viscous;
+        partials.force_v = law.viscous;
         for (i, z) in z.iter().enumerate() {
-            let element = set.element(i, v, *z, level);
-            let by_load = v * element.bends_w - sign(v) * (set.decay[i] * element.excess_w);
+            let element = law.element(i, v, *z, level);
+            let by_load = v * element.bends_w - sign(v) * (law.decay[i] * element.excess_w);
             let load_v = -(element.load * (level_v / level));
             partials.rate_v[i] = by_load.mul_add(load_v, element.bends);
             partials.rate_z[i][i] = by_load * element.load_z;
-            partials.force_z[i] = set.stiffness[i];
+            partials.force_z[i] = law.stiffness[i];
         }
         partials
     }
 
     #[inline(always)]
-    fn stored<L: Lane>(set: &Elements<L>, z: &[L; MOST_STATES]) -> L {
-        let mut sum = z[0].with(0.0);
-        for (k, z) in set.stiffness.iter().zip(z) {
+    fn stored<L: Lane>(law: &Elements<L>, z: &[L; MOST_STATES]) -> L {
+        let mut sum = z[0].splat(0.0);
+        for (k, z) in law.stiffness.iter().zip(z) {
             sum = (*k * 0.5).mul_add(*z * *z, sum);
         }
         sum
     }
 
     #[inline(always)]
-    fn steady<L: Lane>(set: &Elements<L>, v: L) -> [L; MOST_STATES] {
-        let (level, _) = set.bell.level(v);
-        let mut z = set.stiffness;
+    fn steady<L: Lane>(law: &Elements<L>, v: L) -> [L; MOST_STATES] {
+        let (level, _) = law.bell.level(v);
+        let mut z = law.stiffness;
         for z in &mut z {
             *z = sign(v) * (level * SHARE / *z);
         }

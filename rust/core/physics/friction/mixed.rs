@@ -1,6 +1,6 @@
 //! Mixed lubrication: a film takes over from solid contact as speed rises.
 
-use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use super::{Contact, ContactState, Dry, Law, LawInfo, Parameters, ReferenceValue};
 use crate::lane::Lane;
 use crate::lane::exp::exp;
 use crate::lane::log::power;
@@ -24,9 +24,9 @@ impl Law for Mixed {
         limits: "steady film: no lag, no squeezing out at rest; nothing but the film brakes at high speed",
         meaning: "solid contact at rest, a viscous film at speed",
         params: &["mu_static", "viscous", "mixed_speed", "mixed_exponent"],
-        worked: Worked {
+        reference: ReferenceValue {
             // With e = exp(-0.25): 6 e + (1 - e)*0.5*0.25.
-            given: &[
+            parameters: &[
                 ("mu_static", 0.5),
                 ("mass", 1.0),
                 ("gravity", 12.0),
@@ -36,33 +36,33 @@ impl Law for Mixed {
             ],
             speed: 0.25,
             force: 4.700_454_600_544_504,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Film<L>;
+    type Coefficients<L: Lane> = Film<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Film<L> {
-        let speed = given.get(ParamId::MixedSpeed);
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> Film<L> {
+        let speed = params.get(ParamId::MixedSpeed);
         Film {
-            boundary: contact.holding,
+            boundary: contact.break_away,
             viscous: contact.viscous,
-            per_speed: speed.with(1.0) / speed,
-            exponent: given.get(ParamId::MixedExponent),
+            per_speed: speed.splat(1.0) / speed,
+            exponent: params.get(ParamId::MixedExponent),
         }
     }
 }
 
 impl Dry for Mixed {
     #[inline(always)]
-    fn resistance<L: Lane>(set: &Film<L>, speed: L, _: &Place<L>) -> L {
-        let u = (speed * set.per_speed).max(speed.with(0.0));
-        let share = exp(-power(u, set.exponent));
-        let film = (speed.with(1.0) - share) * (set.viscous * speed);
-        set.boundary.mul_add(share, film)
+    fn resistance<L: Lane>(law: &Film<L>, speed: L, _: &ContactState<L>) -> L {
+        let u = (speed * law.per_speed).max(speed.splat(0.0));
+        let share = exp(-power(u, law.exponent));
+        let film = (speed.splat(1.0) - share) * (law.viscous * speed);
+        law.boundary.mul_add(share, film)
     }
     #[inline(always)]
-    fn holding<L: Lane>(set: &Film<L>, _: &Place<L>) -> L {
-        set.boundary
+    fn break_away<L: Lane>(law: &Film<L>, _: &ContactState<L>) -> L {
+        law.boundary
     }
 }

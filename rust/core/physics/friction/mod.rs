@@ -1,5 +1,5 @@
 //! LAW REGISTRY: friction between a segment and the ground. A new law is one
-//! file here, its `mod` line, and one line in `for_each_law!`; `tests/fit/laws.rs` tells
+//! file here, its `mod` line, and one line in `for_each_law!`; `tests/friction_fit/laws.rs` tells
 //! whether fits know its parameters.
 //!
 //! There are three kinds. A *dry* law is set-valued at rest: it gives levels,
@@ -126,16 +126,16 @@ pub struct LawInfo {
     pub meaning: &'static str,
     /// Names of the parameters that enter beside the normal force.
     pub params: &'static [&'static str],
-    pub worked: Worked,
+    pub reference: ReferenceValue,
 }
 
-/// One number of a law, worked out by hand or in its source.
+/// A value of a law's force, calculated by hand or printed in its source.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Worked {
+pub struct ReferenceValue {
     /// Parameters that differ from their defaults, by name.
-    pub given: &'static [(&'static str, f64)],
+    pub parameters: &'static [(&'static str, f64)],
     pub speed: f64,
-    /// Position, distance swept, drive force.
+    /// Position, sliding distance since reversal, drive force.
     pub at: (f64, f64, f64),
     /// Bristle states.
     pub states: [f64; MOST_STATES],
@@ -145,10 +145,10 @@ pub struct Worked {
     pub digits: f64,
 }
 
-impl Worked {
-    /// No parameters, at rest at the origin; a start for `..Worked::NONE`.
-    pub const NONE: Worked = Worked {
-        given: &[],
+impl ReferenceValue {
+    /// No parameters, at rest at the origin; a start for `..ReferenceValue::NONE`.
+    pub const NONE: ReferenceValue = ReferenceValue {
+        parameters: &[],
         speed: 0.0,
         at: (0.0, 0.0, 0.0),
         states: [0.0; MOST_STATES],
@@ -158,7 +158,7 @@ impl Worked {
 }
 
 /// The parameters of one trajectory (or one per lane).
-pub trait Given<L> {
+pub trait Parameters<L> {
     /// The value; of an angle its cosine (`slope_deg`) or the value in degrees.
     fn get(&self, id: ParamId) -> L;
     /// The number derived from it (see `point::columns`).
@@ -173,7 +173,7 @@ pub struct Contact<L> {
     /// Coulomb level F_C, N.
     pub coulomb: L,
     /// Static level F_S, N.
-    pub holding: L,
+    pub break_away: L,
     /// Viscous coefficient, N s/m.
     pub viscous: L,
 }
@@ -181,32 +181,32 @@ pub struct Contact<L> {
 impl<L: Lane> Contact<L> {
     /// Weight in a groove, and the force that presses the segment to the wall.
     #[inline(always)]
-    pub fn of(given: &impl Given<L>) -> Self {
-        let weight = given.get(ParamId::Mass) * given.get(ParamId::Gravity);
-        let across = given.get(ParamId::SlopeDeg) * given.derived(ParamId::CornerDeg);
-        Contact::under(weight.mul_add(across, given.get(ParamId::WallForce)), given)
+    pub fn of(params: &impl Parameters<L>) -> Self {
+        let weight = params.get(ParamId::Mass) * params.get(ParamId::Gravity);
+        let across = params.get(ParamId::SlopeDeg) * params.derived(ParamId::CornerDeg);
+        Contact::under(weight.mul_add(across, params.get(ParamId::WallForce)), params)
     }
 
     /// Under a normal force that is given.
     #[inline(always)]
-    pub fn under(normal: L, given: &impl Given<L>) -> Self {
+    pub fn under(normal: L, params: &impl Parameters<L>) -> Self {
         Contact {
             normal,
-            coulomb: given.get(ParamId::MuCoulomb) * normal,
-            holding: given.get(ParamId::MuStatic) * normal,
-            viscous: given.get(ParamId::Viscous),
+            coulomb: params.get(ParamId::MuCoulomb) * normal,
+            break_away: params.get(ParamId::MuStatic) * normal,
+            viscous: params.get(ParamId::Viscous),
         }
     }
 }
 
-/// What a dry law may depend on beside the speed.
+/// State of the contact, on which a dry law may depend beside the speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place<L> {
+pub struct ContactState<L> {
     /// Direction of motion, or of the push at rest: 1 or -1.
-    pub way: L,
+    pub direction: L,
     pub x: L,
     /// Distance moved forward since the last rest or turn.
-    pub swept: L,
+    pub sliding_distance: L,
     /// Force of the drive.
     pub drive: L,
     /// Time since the run began.
@@ -217,8 +217,11 @@ pub struct Place<L> {
 pub trait Law: 'static {
     const INFO: LawInfo;
     /// Its coefficients, made once per trajectory.
-    type Set<L: Lane>: Copy;
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Self::Set<L>;
+    type Coefficients<L: Lane>: Copy;
+    fn coefficients<L: Lane>(
+        contact: &Contact<L>,
+        params: &impl Parameters<L>,
+    ) -> Self::Coefficients<L>;
 }
 
 /// A law that is set-valued at rest.
@@ -227,21 +230,21 @@ pub trait Dry: Law {
     /// direction nor drive force changes: motion between events is then known
     /// in closed form.
     const LINEAR: bool = false;
-    /// Resistance depends on `x` or on `swept`.
+    /// Resistance depends on `x` or on `sliding_distance`.
     const PLACED: bool = false;
 
-    /// Force against the motion at `speed` = way * v. Below zero, where a trial
+    /// Force against the motion at `speed` = direction * v. Below zero, where a trial
     /// step may look, it must go on finite.
-    fn resistance<L: Lane>(set: &Self::Set<L>, speed: L, place: &Place<L>) -> L;
+    fn resistance<L: Lane>(law: &Self::Coefficients<L>, speed: L, at: &ContactState<L>) -> L;
 
-    /// The largest force in direction `way` that does not start motion.
-    fn holding<L: Lane>(set: &Self::Set<L>, place: &Place<L>) -> L;
+    /// The largest force in `direction` that does not start motion.
+    fn break_away<L: Lane>(law: &Self::Coefficients<L>, at: &ContactState<L>) -> L;
 
     /// Level and viscous coefficient of a linear law.
     #[inline(always)]
-    fn linear<L: Lane>(set: &Self::Set<L>, place: &Place<L>) -> (L, L) {
-        let none = place.x.with(f64::NAN);
-        let _ = set;
+    fn linear<L: Lane>(law: &Self::Coefficients<L>, at: &ContactState<L>) -> (L, L) {
+        let none = at.x.splat(f64::NAN);
+        let _ = law;
         (none, none)
     }
 }
@@ -249,7 +252,7 @@ pub trait Dry: Law {
 /// A law that is a function of speed alone, odd and without a jump.
 pub trait Smooth: Law {
     /// Force against the motion, with the sign of `v`.
-    fn force<L: Lane>(set: &Self::Set<L>, v: L) -> L;
+    fn force<L: Lane>(law: &Self::Coefficients<L>, v: L) -> L;
 }
 
 /// Derivatives of a bristle law, for stiff methods. Only the first `STATES`
@@ -269,7 +272,7 @@ impl<L: Lane> Partials<L> {
     /// All zero; `like` only says how many lanes there are.
     #[inline(always)]
     pub fn zero(like: L) -> Self {
-        let zero = [like.with(0.0); MOST_STATES];
+        let zero = [like.splat(0.0); MOST_STATES];
         Partials { rate_v: zero, rate_z: [zero; MOST_STATES], force_v: zero[0], force_z: zero }
     }
 }
@@ -279,30 +282,30 @@ pub trait Bristle: Law {
     const STATES: usize;
 
     /// Rates of the states, 1/s of their unit.
-    fn rates<L: Lane>(set: &Self::Set<L>, v: L, z: &[L; MOST_STATES]) -> [L; MOST_STATES];
+    fn rates<L: Lane>(law: &Self::Coefficients<L>, v: L, z: &[L; MOST_STATES]) -> [L; MOST_STATES];
 
     /// Force against the motion, with the sign of `v` in steady sliding.
     fn force<L: Lane>(
-        set: &Self::Set<L>,
+        law: &Self::Coefficients<L>,
         v: L,
         z: &[L; MOST_STATES],
         rates: &[L; MOST_STATES],
     ) -> L;
 
-    fn partials<L: Lane>(set: &Self::Set<L>, v: L, z: &[L; MOST_STATES]) -> Partials<L>;
+    fn partials<L: Lane>(law: &Self::Coefficients<L>, v: L, z: &[L; MOST_STATES]) -> Partials<L>;
 
-    /// The law as it is at a place; most are the same everywhere.
+    /// The law at a position; most are the same everywhere.
     #[inline(always)]
-    fn placed<L: Lane>(set: &Self::Set<L>, place: &Place<L>) -> Self::Set<L> {
-        let _ = place;
-        *set
+    fn placed<L: Lane>(law: &Self::Coefficients<L>, at: &ContactState<L>) -> Self::Coefficients<L> {
+        let _ = at;
+        *law
     }
 
     /// Elastic energy in the states, J.
-    fn stored<L: Lane>(set: &Self::Set<L>, z: &[L; MOST_STATES]) -> L;
+    fn stored<L: Lane>(law: &Self::Coefficients<L>, z: &[L; MOST_STATES]) -> L;
 
     /// States after long sliding at `v` (not 0).
-    fn steady<L: Lane>(set: &Self::Set<L>, v: L) -> [L; MOST_STATES];
+    fn steady<L: Lane>(law: &Self::Coefficients<L>, v: L) -> [L; MOST_STATES];
 }
 
 /// A smooth law for the stiff method: a bristle law without bristles.
@@ -310,11 +313,14 @@ pub struct Stiff<S>(std::marker::PhantomData<S>);
 
 impl<S: Smooth> Law for Stiff<S> {
     const INFO: LawInfo = S::INFO;
-    type Set<L: Lane> = S::Set<L>;
+    type Coefficients<L: Lane> = S::Coefficients<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> S::Set<L> {
-        S::set(contact, given)
+    fn coefficients<L: Lane>(
+        contact: &Contact<L>,
+        params: &impl Parameters<L>,
+    ) -> S::Coefficients<L> {
+        S::coefficients(contact, params)
     }
 }
 
@@ -322,31 +328,36 @@ impl<S: Smooth> Bristle for Stiff<S> {
     const STATES: usize = 0;
 
     #[inline(always)]
-    fn rates<L: Lane>(_: &S::Set<L>, v: L, _: &[L; MOST_STATES]) -> [L; MOST_STATES] {
-        [v.with(0.0); MOST_STATES]
+    fn rates<L: Lane>(_: &S::Coefficients<L>, v: L, _: &[L; MOST_STATES]) -> [L; MOST_STATES] {
+        [v.splat(0.0); MOST_STATES]
     }
 
     #[inline(always)]
-    fn force<L: Lane>(set: &S::Set<L>, v: L, _: &[L; MOST_STATES], _: &[L; MOST_STATES]) -> L {
-        S::force(set, v)
+    fn force<L: Lane>(
+        law: &S::Coefficients<L>,
+        v: L,
+        _: &[L; MOST_STATES],
+        _: &[L; MOST_STATES],
+    ) -> L {
+        S::force(law, v)
     }
 
     #[inline(always)]
-    fn partials<L: Lane>(set: &S::Set<L>, v: L, _: &[L; MOST_STATES]) -> Partials<L> {
+    fn partials<L: Lane>(law: &S::Coefficients<L>, v: L, _: &[L; MOST_STATES]) -> Partials<L> {
         // A central difference far below the speeds over which laws bend: the
         // method only needs the steepness.
         let width = (v.abs() + 1e-6) * 1e-6;
-        let rise = S::force(set, v + width) - S::force(set, v - width);
+        let rise = S::force(law, v + width) - S::force(law, v - width);
         Partials { force_v: rise / (width + width), ..Partials::zero(v) }
     }
 
     #[inline(always)]
-    fn stored<L: Lane>(_: &S::Set<L>, z: &[L; MOST_STATES]) -> L {
-        z[0].with(0.0)
+    fn stored<L: Lane>(_: &S::Coefficients<L>, z: &[L; MOST_STATES]) -> L {
+        z[0].splat(0.0)
     }
 
     #[inline(always)]
-    fn steady<L: Lane>(_: &S::Set<L>, v: L) -> [L; MOST_STATES] {
-        [v.with(0.0); MOST_STATES]
+    fn steady<L: Lane>(_: &S::Coefficients<L>, v: L) -> [L; MOST_STATES] {
+        [v.splat(0.0); MOST_STATES]
     }
 }

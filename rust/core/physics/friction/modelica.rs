@@ -1,7 +1,7 @@
 //! Friction in the form of the Modelica Standard Library.
 
 use super::fall::Fall;
-use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use super::{Contact, ContactState, Dry, Law, LawInfo, Parameters, ReferenceValue};
 use crate::lane::Lane;
 use crate::params::ParamId;
 
@@ -15,9 +15,9 @@ impl Law for Modelica {
         limits: "the exponential fall of tustin, told by its decay instead of its speed",
         meaning: "exponential fall in the parameters of the Modelica library",
         params: &["mu_static", "mu_coulomb", "viscous", "modelica_decay"],
-        worked: Worked {
+        reference: ReferenceValue {
             // 4 + 4 e^-0.75 + 2*0.25.
-            given: &[
+            parameters: &[
                 ("mu_static", 0.8),
                 ("mu_coulomb", 0.4),
                 ("mass", 1.0),
@@ -27,24 +27,24 @@ impl Law for Modelica {
             ],
             speed: 0.25,
             force: 6.389_466_210_964_059,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Fall<L>;
+    type Coefficients<L: Lane> = Fall<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Fall<L> {
-        Fall::of(contact, given.get(ParamId::ModelicaDecay))
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> Fall<L> {
+        Fall::of(contact, params.get(ParamId::ModelicaDecay))
     }
 }
 
 impl Dry for Modelica {
     #[inline(always)]
-    fn resistance<L: Lane>(set: &Fall<L>, speed: L, _: &Place<L>) -> L {
-        set.exponential(speed)
+    fn resistance<L: Lane>(law: &Fall<L>, speed: L, _: &ContactState<L>) -> L {
+        law.exponential(speed)
     }
     #[inline(always)]
-    fn holding<L: Lane>(set: &Fall<L>, _: &Place<L>) -> L {
-        set.holding
+    fn break_away<L: Lane>(law: &Fall<L>, _: &ContactState<L>) -> L {
+        law.break_away
     }
 }

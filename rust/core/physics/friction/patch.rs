@@ -1,6 +1,6 @@
 //! A patch of other friction on the track.
 
-use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use super::{Contact, ContactState, Dry, Law, LawInfo, Parameters, ReferenceValue};
 use crate::lane::Lane;
 use crate::params::ParamId;
 
@@ -16,8 +16,8 @@ pub struct Edges<L> {
 
 impl<L: Lane> Edges<L> {
     #[inline(always)]
-    fn at(&self, level: L, place: &Place<L>) -> L {
-        let on = L::and(self.start.le(place.x), place.x.lt(self.end));
+    fn at(&self, level: L, at: &ContactState<L>) -> L {
+        let on = L::and(self.start.le(at.x), at.x.lt(self.end));
         L::select(on, level * self.ratio, level)
     }
 }
@@ -37,9 +37,9 @@ impl Law for Patch {
             "patch_length",
             "patch_ratio",
         ],
-        worked: Worked {
+        reference: ReferenceValue {
             // 2*4.2 + 0.5*2 on the patch.
-            given: &[
+            parameters: &[
                 ("mu_static", 0.5),
                 ("mu_coulomb", 0.35),
                 ("mass", 1.0),
@@ -52,19 +52,19 @@ impl Law for Patch {
             speed: 2.0,
             at: (0.6, 0.0, 0.0),
             force: 9.4,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Edges<L>;
+    type Coefficients<L: Lane> = Edges<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Edges<L> {
-        let start = given.get(ParamId::PatchStart);
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> Edges<L> {
+        let start = params.get(ParamId::PatchStart);
         Edges {
             contact: *contact,
             start,
-            end: start + given.get(ParamId::PatchLength),
-            ratio: given.get(ParamId::PatchRatio),
+            end: start + params.get(ParamId::PatchLength),
+            ratio: params.get(ParamId::PatchRatio),
         }
     }
 }
@@ -73,11 +73,11 @@ impl Dry for Patch {
     const PLACED: bool = true;
 
     #[inline(always)]
-    fn resistance<L: Lane>(set: &Edges<L>, speed: L, place: &Place<L>) -> L {
-        set.contact.viscous.mul_add(speed, set.at(set.contact.coulomb, place))
+    fn resistance<L: Lane>(law: &Edges<L>, speed: L, at: &ContactState<L>) -> L {
+        law.contact.viscous.mul_add(speed, law.at(law.contact.coulomb, at))
     }
     #[inline(always)]
-    fn holding<L: Lane>(set: &Edges<L>, place: &Place<L>) -> L {
-        set.at(set.contact.holding, place)
+    fn break_away<L: Lane>(law: &Edges<L>, at: &ContactState<L>) -> L {
+        law.at(law.contact.break_away, at)
     }
 }

@@ -1,6 +1,6 @@
 //! A yield level with drag along a power law, as greases have.
 
-use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use super::{Contact, ContactState, Dry, Law, LawInfo, Parameters, ReferenceValue};
 use crate::lane::Lane;
 use crate::lane::log::power;
 use crate::params::ParamId;
@@ -22,9 +22,9 @@ impl Law for PowerDrag {
         limits: "p < 1 thins under shear and rises infinitely steeply from rest",
         meaning: "constant level and drag along a power of the speed",
         params: &["mu_coulomb", "power_drag", "power_exponent"],
-        worked: Worked {
+        reference: ReferenceValue {
             // 0.35*12 + 2*0.25^1.5.
-            given: &[
+            parameters: &[
                 ("mu_coulomb", 0.35),
                 ("mass", 1.0),
                 ("gravity", 12.0),
@@ -33,29 +33,29 @@ impl Law for PowerDrag {
             ],
             speed: 0.25,
             force: 4.45,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Yield<L>;
+    type Coefficients<L: Lane> = Yield<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Yield<L> {
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> Yield<L> {
         Yield {
             level: contact.coulomb,
-            drag: given.get(ParamId::PowerDrag),
-            exponent: given.get(ParamId::PowerExponent),
+            drag: params.get(ParamId::PowerDrag),
+            exponent: params.get(ParamId::PowerExponent),
         }
     }
 }
 
 impl Dry for PowerDrag {
     #[inline(always)]
-    fn resistance<L: Lane>(set: &Yield<L>, speed: L, _: &Place<L>) -> L {
-        let u = speed.max(speed.with(0.0));
-        set.drag.mul_add(power(u, set.exponent), set.level)
+    fn resistance<L: Lane>(law: &Yield<L>, speed: L, _: &ContactState<L>) -> L {
+        let u = speed.max(speed.splat(0.0));
+        law.drag.mul_add(power(u, law.exponent), law.level)
     }
     #[inline(always)]
-    fn holding<L: Lane>(set: &Yield<L>, _: &Place<L>) -> L {
-        set.level
+    fn break_away<L: Lane>(law: &Yield<L>, _: &ContactState<L>) -> L {
+        law.level
     }
 }

@@ -1,6 +1,6 @@
 //! Coulomb friction with viscous and quadratic drag.
 
-use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use super::{Contact, ContactState, Dry, Law, LawInfo, Parameters, ReferenceValue};
 use crate::lane::Lane;
 use crate::params::ParamId;
 
@@ -28,9 +28,9 @@ impl Law for Quadratic {
         limits: "drag of a body that pushes a fluid aside; negligible at crawling speeds in air",
         meaning: "constant level, a viscous part and drag with the square of the speed",
         params: &["mu_coulomb", "viscous", "quadratic"],
-        worked: Worked {
+        reference: ReferenceValue {
             // 0.35*12 + 0.5*2 + 3*4.
-            given: &[
+            parameters: &[
                 ("mu_coulomb", 0.35),
                 ("mass", 1.0),
                 ("gravity", 12.0),
@@ -39,29 +39,29 @@ impl Law for Quadratic {
             ],
             speed: 2.0,
             force: 17.2,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Drag<L>;
+    type Coefficients<L: Lane> = Drag<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Drag<L> {
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> Drag<L> {
         Drag {
             coulomb: contact.coulomb,
             viscous: contact.viscous,
-            quadratic: given.get(ParamId::Quadratic),
+            quadratic: params.get(ParamId::Quadratic),
         }
     }
 }
 
 impl Dry for Quadratic {
     #[inline(always)]
-    fn resistance<L: Lane>(set: &Drag<L>, speed: L, _: &Place<L>) -> L {
-        let linear = set.viscous.mul_add(speed, set.coulomb);
-        dragged(linear, set.quadratic, speed, speed)
+    fn resistance<L: Lane>(law: &Drag<L>, speed: L, _: &ContactState<L>) -> L {
+        let linear = law.viscous.mul_add(speed, law.coulomb);
+        dragged(linear, law.quadratic, speed, speed)
     }
     #[inline(always)]
-    fn holding<L: Lane>(set: &Drag<L>, _: &Place<L>) -> L {
-        set.coulomb
+    fn break_away<L: Lane>(law: &Drag<L>, _: &ContactState<L>) -> L {
+        law.coulomb
     }
 }

@@ -1,6 +1,6 @@
 //! Friction that varies periodically along the track.
 
-use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use super::{Contact, ContactState, Dry, Law, LawInfo, Parameters, ReferenceValue};
 use crate::lane::Lane;
 use crate::lane::trig::sin_turns;
 use crate::params::ParamId;
@@ -21,13 +21,13 @@ pub struct Wave<L> {
 #[inline(always)]
 pub fn rippled<L: Lane>(level: L, x: L, amplitude: L, per_length: L, phase: L) -> L {
     let turns = x.mul_add(per_length, phase);
-    level * amplitude.mul_add(sin_turns(turns), level.with(1.0))
+    level * amplitude.mul_add(sin_turns(turns), level.splat(1.0))
 }
 
 impl<L: Lane> Wave<L> {
     #[inline(always)]
-    fn at(&self, level: L, place: &Place<L>) -> L {
-        rippled(level, place.x, self.amplitude, self.per_length, self.phase)
+    fn at(&self, level: L, at: &ContactState<L>) -> L {
+        rippled(level, at.x, self.amplitude, self.per_length, self.phase)
     }
 }
 
@@ -46,10 +46,10 @@ impl Law for Ripple {
             "ripple_length",
             "ripple_phase_deg",
         ],
-        worked: Worked {
+        reference: ReferenceValue {
             // 4.2*(1 + 0.5 sin(30 deg)) + 0.5*2 a quarter of the period ahead
             // of the phase.
-            given: &[
+            parameters: &[
                 ("mu_static", 0.5),
                 ("mu_coulomb", 0.35),
                 ("mass", 1.0),
@@ -62,19 +62,19 @@ impl Law for Ripple {
             speed: 2.0,
             at: (0.0625, 0.0, 0.0),
             force: 6.25,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Wave<L>;
+    type Coefficients<L: Lane> = Wave<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Wave<L> {
-        let length = given.get(ParamId::RippleLength);
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> Wave<L> {
+        let length = params.get(ParamId::RippleLength);
         Wave {
             contact: *contact,
-            amplitude: given.get(ParamId::RippleAmplitude),
-            per_length: length.with(1.0) / length,
-            phase: given.get(ParamId::RipplePhaseDeg) * (1.0 / 360.0),
+            amplitude: params.get(ParamId::RippleAmplitude),
+            per_length: length.splat(1.0) / length,
+            phase: params.get(ParamId::RipplePhaseDeg) * (1.0 / 360.0),
         }
     }
 }
@@ -83,11 +83,11 @@ impl Dry for Ripple {
     const PLACED: bool = true;
 
     #[inline(always)]
-    fn resistance<L: Lane>(set: &Wave<L>, speed: L, place: &Place<L>) -> L {
-        set.contact.viscous.mul_add(speed, set.at(set.contact.coulomb, place))
+    fn resistance<L: Lane>(law: &Wave<L>, speed: L, at: &ContactState<L>) -> L {
+        law.contact.viscous.mul_add(speed, law.at(law.contact.coulomb, at))
     }
     #[inline(always)]
-    fn holding<L: Lane>(set: &Wave<L>, place: &Place<L>) -> L {
-        set.at(set.contact.holding, place)
+    fn break_away<L: Lane>(law: &Wave<L>, at: &ContactState<L>) -> L {
+        law.at(law.contact.break_away, at)
     }
 }

@@ -1,6 +1,6 @@
 //! The smooth Stribeck curve of Simscape's Translational Friction block.
 
-use super::{Contact, Given, Law, LawInfo, Smooth, Worked};
+use super::{Contact, Law, LawInfo, Parameters, ReferenceValue, Smooth};
 use crate::lane::Lane;
 use crate::lane::exp::{exp, tanh};
 use crate::params::ParamId;
@@ -25,9 +25,9 @@ impl Law for Simscape {
         limits: "creeps; the peak passes F_S a little, on the rise of the tanh",
         meaning: "smooth curve with static friction at the break-away speed",
         params: &["mu_static", "mu_coulomb", "viscous", "transition_speed"],
-        worked: Worked {
+        reference: ReferenceValue {
             // F_S + 2*0.25 at the break-away speed, less 4 (1 - tanh 10).
-            given: &[
+            parameters: &[
                 ("mu_static", 0.8),
                 ("mu_coulomb", 0.4),
                 ("mass", 1.0),
@@ -37,18 +37,18 @@ impl Law for Simscape {
             ],
             speed: 0.25,
             force: 8.499_999_983_510_77,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = BreakAway<L>;
+    type Coefficients<L: Lane> = BreakAway<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> BreakAway<L> {
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> BreakAway<L> {
         const SQRT_2E: f64 = 2.331_643_981_597_124;
-        let per = contact.normal.with(1.0) / given.get(ParamId::TransitionSpeed);
+        let per = contact.normal.splat(1.0) / params.get(ParamId::TransitionSpeed);
         BreakAway {
             coulomb: contact.coulomb,
-            peak: (contact.holding - contact.coulomb) * SQRT_2E,
+            peak: (contact.break_away - contact.coulomb) * SQRT_2E,
             viscous: contact.viscous,
             per_stribeck: per * std::f64::consts::FRAC_1_SQRT_2,
             per_coulomb: per * 10.0,
@@ -58,10 +58,10 @@ impl Law for Simscape {
 
 impl Smooth for Simscape {
     #[inline(always)]
-    fn force<L: Lane>(set: &BreakAway<L>, v: L) -> L {
-        let u = v * set.per_stribeck;
-        let peak = set.peak * (exp(-(u * u)) * u);
-        let rise = set.coulomb.mul_add(tanh(v * set.per_coulomb), peak);
-        set.viscous.mul_add(v, rise)
+    fn force<L: Lane>(law: &BreakAway<L>, v: L) -> L {
+        let u = v * law.per_stribeck;
+        let peak = law.peak * (exp(-(u * u)) * u);
+        let rise = law.coulomb.mul_add(tanh(v * law.per_coulomb), peak);
+        law.viscous.mul_add(v, rise)
     }
 }

@@ -1,6 +1,6 @@
 //! Static and Coulomb friction as two separate levels.
 
-use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use super::{Contact, ContactState, Dry, Law, LawInfo, Parameters, ReferenceValue};
 use crate::lane::Lane;
 
 pub struct StaticCoulomb;
@@ -13,19 +13,24 @@ impl Law for StaticCoulomb {
         limits: "the fall from static to Coulomb friction takes no distance and no time",
         meaning: "constant level against the motion, a higher one at rest",
         params: &["mu_static", "mu_coulomb"],
-        worked: Worked {
-            given: &[("mu_static", 0.5), ("mu_coulomb", 0.35), ("mass", 1.0), ("gravity", 12.0)],
+        reference: ReferenceValue {
+            parameters: &[
+                ("mu_static", 0.5),
+                ("mu_coulomb", 0.35),
+                ("mass", 1.0),
+                ("gravity", 12.0),
+            ],
             speed: 0.5,
             force: 4.2,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
     /// F_S and F_C.
-    type Set<L: Lane> = (L, L);
+    type Coefficients<L: Lane> = (L, L);
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, _: &impl Given<L>) -> (L, L) {
-        (contact.holding, contact.coulomb)
+    fn coefficients<L: Lane>(contact: &Contact<L>, _: &impl Parameters<L>) -> (L, L) {
+        (contact.break_away, contact.coulomb)
     }
 }
 
@@ -33,15 +38,15 @@ impl Dry for StaticCoulomb {
     const LINEAR: bool = true;
 
     #[inline(always)]
-    fn resistance<L: Lane>(set: &(L, L), _: L, _: &Place<L>) -> L {
-        set.1
+    fn resistance<L: Lane>(law: &(L, L), _: L, _: &ContactState<L>) -> L {
+        law.1
     }
     #[inline(always)]
-    fn holding<L: Lane>(set: &(L, L), _: &Place<L>) -> L {
-        set.0
+    fn break_away<L: Lane>(law: &(L, L), _: &ContactState<L>) -> L {
+        law.0
     }
     #[inline(always)]
-    fn linear<L: Lane>(set: &(L, L), place: &Place<L>) -> (L, L) {
-        (set.1, place.x.with(0.0))
+    fn linear<L: Lane>(law: &(L, L), at: &ContactState<L>) -> (L, L) {
+        (law.1, at.x.splat(0.0))
     }
 }

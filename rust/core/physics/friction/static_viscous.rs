@@ -1,6 +1,6 @@
 //! Static, Coulomb and viscous friction.
 
-use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use super::{Contact, ContactState, Dry, Law, LawInfo, Parameters, ReferenceValue};
 use crate::lane::Lane;
 
 pub struct StaticViscous;
@@ -13,17 +13,17 @@ impl Law for StaticViscous {
         limits: "the fall from static to Coulomb friction takes no distance and no time",
         meaning: "constant level and a viscous part in motion, a higher level at rest",
         params: &["mu_static", "mu_coulomb", "viscous"],
-        worked: Worked {
-            given: &[("mu_static", 0.3), ("mu_coulomb", 0.15), ("viscous", 0.5)],
+        reference: ReferenceValue {
+            parameters: &[("mu_static", 0.3), ("mu_coulomb", 0.15), ("viscous", 0.5)],
             speed: 1.0,
             force: 0.15 * 0.271 * 9.81 + 0.5,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Contact<L>;
+    type Coefficients<L: Lane> = Contact<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, _: &impl Given<L>) -> Contact<L> {
+    fn coefficients<L: Lane>(contact: &Contact<L>, _: &impl Parameters<L>) -> Contact<L> {
         *contact
     }
 }
@@ -32,15 +32,15 @@ impl Dry for StaticViscous {
     const LINEAR: bool = true;
 
     #[inline(always)]
-    fn resistance<L: Lane>(set: &Contact<L>, speed: L, _: &Place<L>) -> L {
-        set.viscous.mul_add(speed, set.coulomb)
+    fn resistance<L: Lane>(law: &Contact<L>, speed: L, _: &ContactState<L>) -> L {
+        law.viscous.mul_add(speed, law.coulomb)
     }
     #[inline(always)]
-    fn holding<L: Lane>(set: &Contact<L>, _: &Place<L>) -> L {
-        set.holding
+    fn break_away<L: Lane>(law: &Contact<L>, _: &ContactState<L>) -> L {
+        law.break_away
     }
     #[inline(always)]
-    fn linear<L: Lane>(set: &Contact<L>, _: &Place<L>) -> (L, L) {
-        (set.coulomb, set.viscous)
+    fn linear<L: Lane>(law: &Contact<L>, _: &ContactState<L>) -> (L, L) {
+        (law.coulomb, law.viscous)
     }
 }

@@ -1,7 +1,7 @@
 //! The bell-shaped fall from static to Coulomb friction.
 
 use super::fall::Fall;
-use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use super::{Contact, ContactState, Dry, Law, LawInfo, Parameters, ReferenceValue};
 use crate::lane::Lane;
 use crate::lane::exp::exp;
 
@@ -15,8 +15,8 @@ impl Law for Stribeck {
         limits: "sliding is unstable where the level falls faster than the viscous part rises",
         meaning: "falls from static to Coulomb friction along a bell curve",
         params: &["mu_static", "mu_coulomb", "viscous", "stribeck_speed"],
-        worked: Worked {
-            given: &[
+        reference: ReferenceValue {
+            parameters: &[
                 ("mu_static", 0.8),
                 ("mu_coulomb", 0.4),
                 ("mass", 1.0),
@@ -26,25 +26,25 @@ impl Law for Stribeck {
             ],
             speed: 0.25,
             force: 7.615_203_132_285_619,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Fall<L>;
+    type Coefficients<L: Lane> = Fall<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Fall<L> {
-        Fall::stribeck(contact, given)
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> Fall<L> {
+        Fall::stribeck(contact, params)
     }
 }
 
 impl Dry for Stribeck {
     #[inline(always)]
-    fn resistance<L: Lane>(set: &Fall<L>, speed: L, _: &Place<L>) -> L {
-        let u = speed * set.per_speed;
-        set.with_share(exp(-(u * u)), speed)
+    fn resistance<L: Lane>(law: &Fall<L>, speed: L, _: &ContactState<L>) -> L {
+        let u = speed * law.per_speed;
+        law.with_share(exp(-(u * u)), speed)
     }
     #[inline(always)]
-    fn holding<L: Lane>(set: &Fall<L>, _: &Place<L>) -> L {
-        set.holding
+    fn break_away<L: Lane>(law: &Fall<L>, _: &ContactState<L>) -> L {
+        law.break_away
     }
 }

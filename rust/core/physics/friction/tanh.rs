@@ -1,6 +1,6 @@
 //! A hyperbolic tangent in place of the jump at rest.
 
-use super::{Contact, Given, Law, LawInfo, Smooth, Worked};
+use super::{Contact, Law, LawInfo, Parameters, ReferenceValue, Smooth};
 use crate::lane::Lane;
 use crate::lane::exp::{exp, tanh};
 use crate::params::ParamId;
@@ -25,9 +25,9 @@ impl Law for Tanh {
         limits: "creeps: never holds on a slope; stiffness F_C/(m v_t) bounds the step",
         meaning: "Stribeck friction with the jump at rest smoothed by tanh",
         params: &["mu_static", "mu_coulomb", "viscous", "stribeck_speed", "transition_speed"],
-        worked: Worked {
+        reference: ReferenceValue {
             // tanh(0.549306) = 1/2, the creep of half the Coulomb level.
-            given: &[
+            parameters: &[
                 ("mu_static", 0.3),
                 ("mu_coulomb", 0.3),
                 ("mass", 1.0),
@@ -36,19 +36,19 @@ impl Law for Tanh {
             ],
             speed: 0.549_306_144_334_054_8e-3,
             force: 1.5,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Curve<L>;
+    type Coefficients<L: Lane> = Curve<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Curve<L> {
-        let stribeck = given.get(ParamId::StribeckSpeed);
-        let transition = given.get(ParamId::TransitionSpeed);
-        let one = stribeck.with(1.0);
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> Curve<L> {
+        let stribeck = params.get(ParamId::StribeckSpeed);
+        let transition = params.get(ParamId::TransitionSpeed);
+        let one = stribeck.splat(1.0);
         Curve {
             coulomb: contact.coulomb,
-            drop: contact.holding - contact.coulomb,
+            drop: contact.break_away - contact.coulomb,
             viscous: contact.viscous,
             per_stribeck: one / stribeck,
             per_transition: one / transition,
@@ -58,9 +58,9 @@ impl Law for Tanh {
 
 impl Smooth for Tanh {
     #[inline(always)]
-    fn force<L: Lane>(set: &Curve<L>, v: L) -> L {
-        let u = v * set.per_stribeck;
-        let level = set.drop.mul_add(exp(-(u * u)), set.coulomb);
-        level.mul_add(tanh(v * set.per_transition), set.viscous * v)
+    fn force<L: Lane>(law: &Curve<L>, v: L) -> L {
+        let u = v * law.per_stribeck;
+        let level = law.drop.mul_add(exp(-(u * u)), law.coulomb);
+        level.mul_add(tanh(v * law.per_transition), law.viscous * v)
     }
 }

@@ -1,7 +1,7 @@
 //! Threlfall's exponential in place of the jump at rest.
 
 use super::fall::sign;
-use super::{Contact, Given, Law, LawInfo, Smooth, Worked};
+use super::{Contact, Law, LawInfo, Parameters, ReferenceValue, Smooth};
 use crate::lane::Lane;
 use crate::lane::exp::exp_less_one;
 use crate::params::ParamId;
@@ -23,9 +23,9 @@ impl Law for Threlfall {
         limits: "creeps; not normalised: beyond v_t it stays at 1 - e^-3 = 0.950213 of the Coulomb level, where some authors jump to the whole; kink at v_t",
         meaning: "Coulomb friction that rises exponentially from zero",
         params: &["mu_coulomb", "viscous", "transition_speed"],
-        worked: Worked {
+        reference: ReferenceValue {
             // 1 - e^-3u = 1/2 at u = ln(2)/3.
-            given: &[
+            parameters: &[
                 ("mu_coulomb", 0.3),
                 ("mass", 1.0),
                 ("gravity", 10.0),
@@ -33,27 +33,27 @@ impl Law for Threlfall {
             ],
             speed: 0.231_049_060_186_648_4e-3,
             force: 1.5,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Rise<L>;
+    type Coefficients<L: Lane> = Rise<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Rise<L> {
-        let transition = given.get(ParamId::TransitionSpeed);
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> Rise<L> {
+        let transition = params.get(ParamId::TransitionSpeed);
         Rise {
             coulomb: contact.coulomb,
             viscous: contact.viscous,
-            per_transition: transition.with(1.0) / transition,
+            per_transition: transition.splat(1.0) / transition,
         }
     }
 }
 
 impl Smooth for Threlfall {
     #[inline(always)]
-    fn force<L: Lane>(set: &Rise<L>, v: L) -> L {
-        let u = (v.abs() * set.per_transition).min(v.with(1.0));
-        let size = -(set.coulomb * exp_less_one(u * -3.0));
-        size.mul_add(sign(v), set.viscous * v)
+    fn force<L: Lane>(law: &Rise<L>, v: L) -> L {
+        let u = (v.abs() * law.per_transition).min(v.splat(1.0));
+        let size = -(law.coulomb * exp_less_one(u * -3.0));
+        size.mul_add(sign(v), law.viscous * v)
     }
 }

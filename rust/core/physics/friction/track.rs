@@ -1,6 +1,6 @@
 //! Friction along a smooth curve through six ratios, repeated along the track.
 
-use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use super::{Contact, ContactState, Dry, Law, LawInfo, Parameters, ReferenceValue};
 use crate::lane::Lane;
 use crate::params::ParamId;
 
@@ -19,24 +19,24 @@ pub struct Spline<L> {
 
 impl<L: Lane> Spline<L> {
     #[inline(always)]
-    fn at(&self, level: L, place: &Place<L>) -> L {
-        let zero = level.with(0.0);
-        let turns = place.x * self.per_length;
+    fn at(&self, level: L, at: &ContactState<L>) -> L {
+        let zero = level.splat(0.0);
+        let turns = at.x * self.per_length;
         let along = (turns - turns.floor()) * KNOTS as f64;
-        // A place just below zero rounds up to the end of the last piece.
-        let piece = along.floor().min(along.with(KNOTS as f64 - 1.0));
+        // A position just below zero rounds up to the end of the last piece.
+        let piece = along.floor().min(along.splat(KNOTS as f64 - 1.0));
         let s = along - piece;
         let [mut from, mut to, mut bend, mut next] = [zero; 4];
         for i in 0..KNOTS {
-            let here = piece.le(piece.with(i as f64 + 0.5));
-            let here = L::and(here, piece.with(i as f64 - 0.5).le(piece));
+            let here = piece.le(piece.splat(i as f64 + 0.5));
+            let here = L::and(here, piece.splat(i as f64 - 0.5).le(piece));
             let j = (i + 1) % KNOTS;
             from = L::select(here, self.knots[i], from);
             to = L::select(here, self.knots[j], to);
             bend = L::select(here, self.bends[i], bend);
             next = L::select(here, self.bends[j], next);
         }
-        let left = s.with(1.0) - s;
+        let left = s.splat(1.0) - s;
         let line = s.mul_add(to - from, from);
         let curve = ((left * left - 1.0) * left).mul_add(bend, ((s * s - 1.0) * s) * next);
         level * (line + curve).max(zero)
@@ -62,10 +62,10 @@ impl Law for Track {
             "track_5",
             "track_6",
         ],
-        worked: Worked {
+        reference: ReferenceValue {
             // Ratios of the cosine 1 + cos(2 pi x/L)/2; halfway between the
             // first two knots the spline is 229/160, the cosine 1.4330.
-            given: &[
+            parameters: &[
                 ("mu_static", 0.5),
                 ("mu_coulomb", 0.35),
                 ("mass", 1.0),
@@ -82,18 +82,18 @@ impl Law for Track {
             speed: 2.0,
             at: (0.03125, 0.0, 0.0),
             force: 7.011_25,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Spline<L>;
+    type Coefficients<L: Lane> = Spline<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Spline<L> {
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> Spline<L> {
         use ParamId::{Track1, Track2, Track3, Track4, Track5, Track6};
-        let length = given.get(ParamId::TrackLength);
+        let length = params.get(ParamId::TrackLength);
         let mut knots = [length; KNOTS];
         for (knot, id) in knots.iter_mut().zip([Track1, Track2, Track3, Track4, Track5, Track6]) {
-            *knot = given.get(id);
+            *knot = params.get(id);
         }
         let at = |i: usize| knots[i % KNOTS];
         let turn = |i: usize| (at(i + 1) - at(i)) - (at(i) - at(i + 5));
@@ -106,7 +106,7 @@ impl Law for Track {
             let sum = turn(i) * 26.0 - near * 7.0 + far * 2.0 - turn(i + 3);
             *bend = sum * (1.0 / 90.0);
         }
-        Spline { contact: *contact, per_length: length.with(1.0) / length, knots, bends }
+        Spline { contact: *contact, per_length: length.splat(1.0) / length, knots, bends }
     }
 }
 
@@ -114,11 +114,11 @@ impl Dry for Track {
     const PLACED: bool = true;
 
     #[inline(always)]
-    fn resistance<L: Lane>(set: &Spline<L>, speed: L, place: &Place<L>) -> L {
-        set.contact.viscous.mul_add(speed, set.at(set.contact.coulomb, place))
+    fn resistance<L: Lane>(law: &Spline<L>, speed: L, at: &ContactState<L>) -> L {
+        law.contact.viscous.mul_add(speed, law.at(law.contact.coulomb, at))
     }
     #[inline(always)]
-    fn holding<L: Lane>(set: &Spline<L>, place: &Place<L>) -> L {
-        set.at(set.contact.holding, place)
+    fn break_away<L: Lane>(law: &Spline<L>, at: &ContactState<L>) -> L {
+        law.at(law.contact.break_away, at)
     }
 }

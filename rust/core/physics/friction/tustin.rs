@@ -1,7 +1,7 @@
 //! The exponential fall from static to Coulomb friction.
 
 use super::fall::Fall;
-use super::{Contact, Dry, Given, Law, LawInfo, Place, Worked};
+use super::{Contact, ContactState, Dry, Law, LawInfo, Parameters, ReferenceValue};
 use crate::lane::Lane;
 
 pub struct Tustin;
@@ -14,9 +14,9 @@ impl Law for Tustin {
         limits: "steepest at rest: the least stable start of sliding of the Stribeck forms",
         meaning: "falls from static to Coulomb friction exponentially",
         params: &["mu_static", "mu_coulomb", "viscous", "stribeck_speed"],
-        worked: Worked {
+        reference: ReferenceValue {
             // 4 + 4 e^-0.5 + 2*0.25.
-            given: &[
+            parameters: &[
                 ("mu_static", 0.8),
                 ("mu_coulomb", 0.4),
                 ("mass", 1.0),
@@ -26,24 +26,24 @@ impl Law for Tustin {
             ],
             speed: 0.25,
             force: 6.926_122_638_850_534,
-            ..Worked::NONE
+            ..ReferenceValue::NONE
         },
     };
-    type Set<L: Lane> = Fall<L>;
+    type Coefficients<L: Lane> = Fall<L>;
 
     #[inline(always)]
-    fn set<L: Lane>(contact: &Contact<L>, given: &impl Given<L>) -> Fall<L> {
-        Fall::stribeck(contact, given)
+    fn coefficients<L: Lane>(contact: &Contact<L>, params: &impl Parameters<L>) -> Fall<L> {
+        Fall::stribeck(contact, params)
     }
 }
 
 impl Dry for Tustin {
     #[inline(always)]
-    fn resistance<L: Lane>(set: &Fall<L>, speed: L, _: &Place<L>) -> L {
-        set.exponential(speed)
+    fn resistance<L: Lane>(law: &Fall<L>, speed: L, _: &ContactState<L>) -> L {
+        law.exponential(speed)
     }
     #[inline(always)]
-    fn holding<L: Lane>(set: &Fall<L>, _: &Place<L>) -> L {
-        set.holding
+    fn break_away<L: Lane>(law: &Fall<L>, _: &ContactState<L>) -> L {
+        law.break_away
     }
 }

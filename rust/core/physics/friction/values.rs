@@ -1,6 +1,6 @@
 //! Named values of one contact.
 
-use super::{Given, ParamId};
+use super::{ParamId, Parameters};
 use crate::error::Result;
 use crate::point::{COLUMNS, columns};
 
@@ -14,10 +14,10 @@ pub const NORMAL: &[ParamId] =
     &[ParamId::Mass, ParamId::Gravity, ParamId::SlopeDeg, ParamId::CornerDeg, ParamId::WallForce];
 
 impl Values {
-    pub fn of(given: &[(ParamId, f64)]) -> Values {
+    pub fn of(parameters: &[(ParamId, f64)]) -> Values {
         let mut all = [f64::NAN; COLUMNS];
         for id in ParamId::all() {
-            let value = given.iter().rev().find(|(g, _)| *g == id).map(|(_, v)| *v);
+            let value = parameters.iter().rev().find(|(g, _)| *g == id).map(|(_, v)| *v);
             if let Some(value) = value.or(id.param().default) {
                 [all[id.main()], all[id.derived()]] = columns(id, value);
             }
@@ -26,9 +26,9 @@ impl Values {
     }
 
     /// The same from names, each value checked against its range.
-    pub fn named(given: &[(&str, f64)]) -> Result<Values> {
-        let mut pairs = Vec::with_capacity(given.len());
-        for (name, value) in given {
+    pub fn named(parameters: &[(&str, f64)]) -> Result<Values> {
+        let mut pairs = Vec::with_capacity(parameters.len());
+        for (name, value) in parameters {
             let id = ParamId::parse(name)?;
             pairs.push((id, id.param().check(*value, None)?));
         }
@@ -36,7 +36,7 @@ impl Values {
     }
 }
 
-impl Given<f64> for Values {
+impl Parameters<f64> for Values {
     fn get(&self, id: ParamId) -> f64 {
         self.0[id.main()]
     }

@@ -1,10 +1,12 @@
 //! Laws at imposed motion, and found again from their own force.
 
 use crate::Uniform;
-use locosweep::fit::{Candidate, FITTED, FROZEN, Measured, Pressing, Run, What, fit_all, imposed};
+use locosweep::friction_fit::{
+    Candidate, FITTED, FROZEN, Measured, Pressing, Run, What, fit_all, imposed,
+};
 use locosweep::physics::ParamId;
 use locosweep::physics::friction::imposed::Motion;
-use locosweep::physics::friction::{Kind, LAWS, LawEntry, Place, Values};
+use locosweep::physics::friction::{ContactState, Kind, LAWS, LawEntry, Values};
 use locosweep::sweep::Control;
 
 /// Back and forth with two amplitudes, every speed from 0 up.
@@ -12,9 +14,9 @@ fn motion(count: usize) -> Motion {
     let t: Vec<f64> = (0..count).map(|i| 0.01 * i as f64).collect();
     let speed = |t: &f64| 0.04 * (1.3 * t).sin() + 0.02 * (3.1 * t).sin();
     let v: Vec<f64> = t.iter().map(speed).collect();
-    let place =
+    let position =
         |t: &f64| 0.04 / 1.3 * (1.0 - (1.3 * t).cos()) + 0.02 / 3.1 * (1.0 - (3.1 * t).cos());
-    let x = t.iter().map(place).collect();
+    let x = t.iter().map(position).collect();
     let drive = t.iter().map(|t| 2.0 * (0.7 * t).sin()).collect();
     Motion::new(t, x, v, drive, 1e-5)
 }
@@ -34,12 +36,13 @@ fn imposed_force_is_the_registered_one() {
             Values::of(&[pairs.clone(), given(&[("gravity", 0.0), ("wall_force", 1.0)])].concat());
         let force = imposed(law, &pairs, &motion).unwrap();
         for (i, found) in force.iter().enumerate().skip(1) {
-            let (v, way) = (motion.v[i], motion.v[i].signum());
-            let (x, swept, drive) = (motion.x[i], motion.swept[i], motion.drive[i]);
-            let place = Place { way, x, swept, drive, t: motion.t[i] };
+            let (v, direction) = (motion.v[i], motion.v[i].signum());
+            let (x, sliding_distance, drive) =
+                (motion.x[i], motion.sliding_distance[i], motion.drive[i]);
+            let position = ContactState { direction, x, sliding_distance, drive, t: motion.t[i] };
             let own = match law.kind {
-                Kind::Dry => way * (law.resistance)(&values, v.abs(), &place, &[0.0; 4]),
-                _ => (law.resistance)(&values, v, &place, &[0.0; 4]),
+                Kind::Dry => direction * (law.resistance)(&values, v.abs(), &position, &[0.0; 4]),
+                _ => (law.resistance)(&values, v, &position, &[0.0; 4]),
             };
             assert_eq!(*found, own, "{} at {i}", law.info.name);
         }
@@ -161,7 +164,7 @@ fn threads_and_order_change_no_bit() {
         .to_vec();
     let one = fit_all(&data, &candidates, 1, &Control::default()).unwrap();
     let three = fit_all(&data, &candidates, 3, &Control::default()).unwrap();
-    let bits = |all: &[locosweep::fit::Outcome]| -> Vec<u64> {
+    let bits = |all: &[locosweep::friction_fit::Outcome]| -> Vec<u64> {
         all.iter()
             .flat_map(|o| o.predicted.iter().chain(&o.held_out).map(|f| f.to_bits()))
             .collect()

@@ -1,6 +1,6 @@
 //! Least squares: certified values, bounds.
 
-use locosweep::fit::squares::{Residuals, minimise};
+use locosweep::friction_fit::squares::{Residuals, minimise};
 
 /// Misra1a of NIST's reference datasets: y = b1 (1 - exp(-b2 x)), certified
 /// b1 = 238.94212918, b2 = 5.5015643181e-4, sum of squares 0.12455138894.

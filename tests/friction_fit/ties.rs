@@ -1,6 +1,6 @@
 //! Which fits can be told apart.
 
-use locosweep::fit::ties::rank;
+use locosweep::friction_fit::ties::rank;
 
 fn noise(count: usize) -> Vec<f64> {
     let mut state = 3_u64;

@@ -160,14 +160,14 @@ pub fn compass(
     for _ in 0..10 {
         let mut helped = false;
         for i in edges.iter().copied() {
-            for way in [1.0, -1.0] {
+            for direction in [1.0, -1.0] {
                 if model.stop() {
                     return best;
                 }
                 let (low, high) = model.bounds(i);
                 let mut tried = best.u.clone();
                 let reach = if (high - low).is_finite() { high - low } else { 1.0 };
-                tried[i] = (tried[i] + way * width * reach).clamp(low, high);
+                tried[i] = (tried[i] + direction * width * reach).clamp(low, high);
                 let found = minimise(model, &tried, others, 3);
                 if found.cost < best.cost * (1.0 - 1e-9) {
                     best = Minimum { settled: true, ..found };

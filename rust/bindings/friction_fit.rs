@@ -2,10 +2,10 @@
 
 use crate::door::{enter, enter_briefly, input_error, raise};
 use crate::sweep::CancelToken;
-use locosweep::fit::spread;
-use locosweep::fit::ties::rank;
-use locosweep::fit::velocity;
-use locosweep::fit::{self, Candidate, Found, Measured, Outcome, Pressing, Run};
+use locosweep::friction_fit::spread;
+use locosweep::friction_fit::ties::rank;
+use locosweep::friction_fit::velocity;
+use locosweep::friction_fit::{self, Candidate, Found, Measured, Outcome, Pressing, Run};
 use locosweep::physics::ParamId;
 use locosweep::physics::friction::LawEntry;
 use locosweep::physics::friction::imposed::Motion;
@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 
 type Array<'py> = PyReadonlyArray1<'py, f64>;
 
-/// Name and meaning of every way in which friction levels may follow the load.
+/// Name and meaning of every relation between friction level and load.
 #[pyfunction]
 pub fn pressings() -> Vec<(&'static str, &'static str)> {
     Pressing::ALL.iter().map(|(_, name, meaning)| (*name, *meaning)).collect()
@@ -216,7 +216,7 @@ impl FrictionData {
         let candidates: Vec<Candidate> = candidates.into_iter().map(|c| c.0).collect();
         let control = token.map_or_else(Default::default, CancelToken::control);
         let total = candidates.len() as u64;
-        let work = || fit::fit_all(&self.0, &candidates, threads, &control);
+        let work = || friction_fit::fit_all(&self.0, &candidates, threads, &control);
         let found = enter(py, &control, total, progress.as_ref(), work)?;
         Ok(found.into_iter().map(FrictionOutcome).collect())
     }
@@ -258,7 +258,7 @@ pub fn imposed_force<'py>(
     }
     let mut motion = Motion::new(t, x, v, drive, rest_speed);
     motion.normal = normal;
-    let force = enter_briefly(py, || fit::imposed(law, &values, &motion))?;
+    let force = enter_briefly(py, || friction_fit::imposed(law, &values, &motion))?;
     Ok(force.into_pyarray(py))
 }
 
@@ -283,8 +283,8 @@ pub fn derivative<'py>(
 #[pyfunction]
 pub fn noise(t: Array<'_>, y: Array<'_>) -> f64 {
     let (t, y) = (t.as_array().to_vec(), y.as_array().to_vec());
-    let places: Vec<usize> = (0..t.len().min(y.len())).collect();
-    velocity::noise(&t, &y, &places)
+    let indices: Vec<usize> = (0..t.len().min(y.len())).collect();
+    velocity::noise(&t, &y, &indices)
 }
 
 /// Numbers of the samples that stand alone, further from the median of their

@@ -2,9 +2,9 @@
 //! when friction gives way while it rests.
 
 use super::State;
-use super::settle::rise;
+use super::event_location::rise;
 use crate::lane::Lane;
-use crate::physics::friction::{Dry, Place};
+use crate::physics::friction::{ContactState, Dry};
 use crate::physics::segment::Segment;
 
 /// A dry law with its coefficients, as integrators meet it. Laws come behind `dyn`, so
@@ -51,34 +51,48 @@ pub struct Slide<L> {
 }
 
 /// The coefficients of law `Q`.
-pub struct Bound<Q: Dry, L: Lane>(pub Q::Set<L>);
+pub struct Bound<Q: Dry, L: Lane>(pub Q::Coefficients<L>);
 
 impl<Q: Dry, L: Lane> Bound<Q, L> {
     #[inline(always)]
-    fn place(&self, state: &State<L>, way: L, x: L, drive: L, t: L) -> Place<L> {
-        let forward = (x - state.x).max(x.with(0.0));
-        let swept = if Q::PLACED { state.swept + forward } else { state.swept };
-        Place { way, x, swept, drive, t }
+    fn contact_state(
+        &self,
+        state: &State<L>,
+        direction: L,
+        x: L,
+        drive: L,
+        t: L,
+    ) -> ContactState<L> {
+        let forward = (x - state.x).max(x.splat(0.0));
+        let sliding_distance =
+            if Q::PLACED { state.sliding_distance + forward } else { state.sliding_distance };
+        ContactState { direction, x, sliding_distance, drive, t }
     }
 
     /// Acceleration, drive force and resistance on lanes that slide.
     #[inline(always)]
     pub fn slope(&self, segment: &Segment<L>, state: &State<L>, (t, x, v): (L, L, L)) -> (L, L, L) {
         let force = segment.force(t, &state.clock, x, v);
-        let place = self.place(state, state.way, x, force, t);
-        let against = Q::resistance(&self.0, state.way * v, &place);
-        let net = force - segment.pull_back(x) - state.way * against;
+        let contact_state = self.contact_state(state, state.direction, x, force, t);
+        let against = Q::resistance(&self.0, state.direction * v, &contact_state);
+        let net = force - segment.pull_back(x) - state.direction * against;
         (net * segment.per_mass, force, against)
     }
 
     #[inline(always)]
     fn excess_here(&self, segment: &Segment<L>, state: &State<L>, t: L) -> (L, L) {
-        let zero = t.with(0.0);
+        let zero = t.splat(0.0);
         let force = segment.force(t, &state.clock, state.x, zero);
         let push = force - segment.pull_back(state.x);
-        let place = Place { way: push.sign(), x: state.x, swept: zero, drive: force, t };
-        let holds = Q::holding(&self.0, &place);
-        let holds = holds.max(Q::resistance(&self.0, zero, &place));
+        let contact_state = ContactState {
+            direction: push.sign(),
+            x: state.x,
+            sliding_distance: zero,
+            drive: force,
+            t,
+        };
+        let holds = Q::break_away(&self.0, &contact_state);
+        let holds = holds.max(Q::resistance(&self.0, zero, &contact_state));
         (push, push.abs() - holds)
     }
 
@@ -86,7 +100,7 @@ impl<Q: Dry, L: Lane> Bound<Q, L> {
     fn slide_here(&self, segment: &Segment<L>, state: &State<L>, dt: L, energy: bool) -> Slide<L> {
         let half = dt * 0.5;
         let sixth = dt * (1.0 / 6.0);
-        let zero = dt.with(0.0);
+        let zero = dt.splat(0.0);
         let (x0, v0) = (state.x, state.v);
         let (mut a, mut u) = (zero, v0);
         let (mut x, mut v) = (x0, v0);
@@ -115,7 +129,7 @@ impl<Q: Dry, L: Lane> Bound<Q, L> {
                 start = a;
             }
             if stage < 4 {
-                let weight = dt.with(if stage == 1 || stage == 2 { 2.0 } else { 1.0 });
+                let weight = dt.splat(if stage == 1 || stage == 2 { 2.0 } else { 1.0 });
                 sum_a = a.mul_add(weight, sum_a);
                 sum_v = v.mul_add(weight, sum_v);
                 if energy {
@@ -124,7 +138,7 @@ impl<Q: Dry, L: Lane> Bound<Q, L> {
                 }
             }
         }
-        let (work, heat) = (sixth * work, state.way * (sixth * heat));
+        let (work, heat) = (sixth * work, state.direction * (sixth * heat));
         Slide { x, v, start, end: a, work, heat }
     }
 }
@@ -137,7 +151,7 @@ impl<Q: Dry, L: Lane> DryContact<L> for Bound<Q, L> {
 
     #[inline(always)]
     fn slide(&self, segment: &Segment<L>, state: &State<L>, dt: L, energy: bool) -> Slide<L> {
-        dt.apart(
+        dt.outlined(
             #[inline(always)]
             || self.slide_here(segment, state, dt, energy),
         )
@@ -145,7 +159,7 @@ impl<Q: Dry, L: Lane> DryContact<L> for Bound<Q, L> {
 
     #[inline(always)]
     fn excess(&self, segment: &Segment<L>, state: &State<L>, t: L) -> (L, L) {
-        t.apart(
+        t.outlined(
             #[inline(always)]
             || self.excess_here(segment, state, t),
         )
@@ -175,9 +189,9 @@ impl<Q: Dry> PlainContact for Bound<Q, f64> {
 /// direction then; all of `left` and 0 where it holds. `excess_at` is `excess` over time.
 #[inline(always)]
 pub fn wait<L: Lane>(from: L, left: L, locate: bool, excess_at: impl Fn(L) -> (L, L)) -> (L, L) {
-    let zero = left.with(0.0);
+    let zero = left.splat(0.0);
     let excess = |theta: L| excess_at(from + left * theta).1;
-    let one = left.with(1.0);
+    let one = left.splat(1.0);
     let end = excess(one);
     if !locate {
         // Seen at the end of the step only: the next one starts with it.

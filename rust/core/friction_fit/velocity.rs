@@ -67,12 +67,12 @@ pub fn derivative(t: &[f64], y: &[f64], order: usize) -> Result<Derivative> {
         });
     }
     let step = (count / PLACES).max(1);
-    let places: Vec<usize> = (0..count).step_by(step).collect();
-    let noise = noise(t, y, &places);
+    let indices: Vec<usize> = (0..count).step_by(step).collect();
+    let noise = noise(t, y, &indices);
     let mut best: Option<(f64, usize)> = None;
     for size in WINDOWS.iter().copied().filter(|size| (least..=count).contains(size)) {
         let (mut bias, mut left, mut used) = (0.0, 0.0, 0.0);
-        for i in places.iter().copied() {
+        for i in indices.iter().copied() {
             let (from, to) = window(i, size, count);
             let plain = weights(&t[from..to], t[i], degree, order);
             let fine = weights(&t[from..to], t[i], degree + 2, order);
@@ -102,12 +102,12 @@ pub fn derivative(t: &[f64], y: &[f64], order: usize) -> Result<Derivative> {
 
 /// Standard deviation of white noise on samples of something smooth: what local
 /// cubics leave, so that neither slopes nor bends count.
-pub fn noise(t: &[f64], y: &[f64], places: &[usize]) -> f64 {
+pub fn noise(t: &[f64], y: &[f64], indices: &[usize]) -> f64 {
     const SIZE: usize = 7;
     if t.len() < SIZE {
         return f64::NAN;
     }
-    let left: Vec<f64> = places
+    let left: Vec<f64> = indices
         .iter()
         .map(|i| {
             let (from, _) = window(*i, SIZE, t.len());

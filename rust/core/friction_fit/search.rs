@@ -204,10 +204,10 @@ impl Residuals for Model<'_> {
 fn even(i: usize, dimension: usize) -> f64 {
     const PRIMES: [usize; 8] = [2, 3, 5, 7, 11, 13, 17, 19];
     let base = PRIMES[dimension % PRIMES.len()];
-    let (mut i, mut place, mut sum) = (i + 1, 1.0, 0.0);
+    let (mut i, mut digit_weight, mut sum) = (i + 1, 1.0, 0.0);
     while i > 0 {
-        place /= base as f64;
-        sum += place * (i % base) as f64;
+        digit_weight /= base as f64;
+        sum += digit_weight * (i % base) as f64;
         i /= base;
     }
     sum
@@ -225,8 +225,8 @@ fn starts(free: &[Free], kind: Kind) -> Vec<Vec<f64>> {
     };
     let point = |k: usize| {
         let value = |(i, f): (usize, &Free)| {
-            let place = spread.iter().position(|s| *s == i).unwrap_or(0);
-            f.inner(f.spread(even(k, place)).clamp(f.low, f.high))
+            let digit_weight = spread.iter().position(|s| *s == i).unwrap_or(0);
+            f.inner(f.spread(even(k, digit_weight)).clamp(f.low, f.high))
         };
         free.iter().enumerate().map(value).collect()
     };

@@ -5,8 +5,8 @@ use super::chunks::{Buffer, Chunk, cut};
 use super::job::{Job, Request};
 use super::pool::pool;
 use super::reduce::{Reduce, quantile};
-use super::registry::{Entry, Way};
-use super::runs::{RUN_BLOCK, Runs};
+use super::registry::{Entry, Evaluation};
+use super::simulated::{SIMULATED_BLOCK, Simulated};
 use crate::cells::closed::{Closed, Points, Search};
 use crate::cells::columns::{BLOCK, Cursor, PADDING, Vary, is_wide};
 use crate::cells::grid::Axis;
@@ -99,7 +99,7 @@ struct Worker<'a> {
     streamed: bool,
     cursor: Cursor<'a>,
     scratch: Scratch,
-    runs: Runs,
+    runs: Simulated,
 }
 
 #[derive(Default)]
@@ -117,7 +117,7 @@ struct Scratch {
 impl<'a> Worker<'a> {
     fn new(job: &'a Job, level: Level, control: &'a Control, streamed: bool) -> Worker<'a> {
         let cursor = Cursor::new(&job.layout, &job.fixed);
-        let (scratch, runs) = (Scratch::default(), Runs::new(job));
+        let (scratch, runs) = (Scratch::default(), Simulated::new(job));
         Worker { job, level, control, streamed, cursor, scratch, runs }
     }
 
@@ -172,17 +172,17 @@ impl<'a> Worker<'a> {
 
     /// Values of one request, not reduced, on a stretch of cells.
     fn dense(&mut self, request: usize, cell: usize, out: &mut [f64], streamed: bool) {
-        match self.job.requests[request].entry.way {
-            Way::Closed(Closed { dense, .. }) => {
+        match self.job.requests[request].entry.evaluation {
+            Evaluation::Closed(Closed { dense, .. }) => {
                 let (plain, vary) = self.kernel();
                 let points = Points { columns: self.cursor.at(cell, vary as u8), plain, vary };
                 dense(self.level, points, out, streamed);
             }
-            way => {
+            evaluation => {
                 let columns = self.cursor.at(cell, Vary::ANY);
                 let cells = (cell, out.len(), 0);
                 let (cancel, level) = (&self.control.cancel, self.level);
-                let values = self.runs.values(self.job, level, cancel, columns, way, cells);
+                let values = self.runs.values(self.job, level, cancel, columns, evaluation, cells);
                 out.copy_from_slice(values);
             }
         }
@@ -205,7 +205,7 @@ impl<'a> Worker<'a> {
         } else if self.job.over.is_some() {
             BLOCK / 4
         } else if self.job.simulates() {
-            RUN_BLOCK
+            SIMULATED_BLOCK
         } else {
             BLOCK
         }
@@ -246,8 +246,8 @@ impl<'a> Worker<'a> {
                 reset(&mut scratch.best, cells, 0.0);
                 reset(&mut scratch.at, cells, f64::NAN);
                 reset(&mut scratch.count, cells, 0.0);
-                self.for_each_rival(entry, cell, scratch, |level, place, values, kept| {
-                    lane::run(level, FoldAll { values, kept, place });
+                self.for_each_rival(entry, cell, scratch, |level, index, values, kept| {
+                    lane::run(level, FoldAll { values, kept, index });
                 });
                 match reduce {
                     Reduce::Mean => {
@@ -263,8 +263,8 @@ impl<'a> Worker<'a> {
             Reduce::Quantile(q) => {
                 let mut trace = std::mem::take(&mut scratch.trace);
                 reset(&mut trace, axis.values.len() * cells, f64::NAN);
-                self.for_each_rival(entry, cell, scratch, |_, place, values, _| {
-                    trace[place * cells..][..cells].copy_from_slice(values);
+                self.for_each_rival(entry, cell, scratch, |_, index, values, _| {
+                    trace[index * cells..][..cells].copy_from_slice(values);
                 });
                 let sorted = &mut scratch.best;
                 for (i, value) in scratch.values.iter_mut().enumerate() {
@@ -302,7 +302,7 @@ impl<'a> Worker<'a> {
                 let rivals = Rivals {
                     main: &main[range.clone()],
                     derived: &derived[range.clone()],
-                    places: &self.job.places[range],
+                    indices: &self.job.indices[range],
                 };
                 let search = Search { columns, rivals, ahead, min };
                 (closed.extremum)(self.level, search, &mut scratch.best, &mut scratch.at);
@@ -314,8 +314,8 @@ impl<'a> Worker<'a> {
         }
         reset(&mut scratch.best, cells, f64::NEG_INFINITY);
         let sign = if min { -1.0 } else { 1.0 };
-        self.for_each_rival(entry, cell, scratch, |level, place, values, kept| {
-            lane::run(level, FoldBest { values, kept, place, ahead: margin, sign });
+        self.for_each_rival(entry, cell, scratch, |level, index, values, kept| {
+            lane::run(level, FoldBest { values, kept, index, ahead: margin, sign });
         });
     }
 
@@ -324,7 +324,7 @@ impl<'a> Worker<'a> {
     }
 
     /// Computes the block once per rival, into `scratch.values`, and calls
-    /// `fold` with the rival's place, its values and what to keep.
+    /// `fold` with the rival's index, its values and what to keep.
     fn for_each_rival(
         &mut self,
         entry: &Entry,
@@ -341,30 +341,30 @@ impl<'a> Worker<'a> {
         let (job, level, control) = (self.job, self.level, self.control);
         let columns = self.cursor.at(cell, vary as u8);
         let Scratch { cells, values, chosen, best, at, count, .. } = scratch;
-        for place in 0..job.rival_count() {
+        for index in 0..job.rival_count() {
             if control.cancel.load(Ordering::Relaxed) {
                 return;
             }
             for (chosen, rivals) in chosen.iter_mut().zip(&job.rivals) {
-                reset(chosen, values.len() + PADDING, rivals[place]);
+                reset(chosen, values.len() + PADDING, rivals[index]);
             }
             let columns = columns.replacing(id, [&chosen[0], &chosen[1]]);
-            match entry.way {
-                Way::Closed(Closed { dense, .. }) => {
+            match entry.evaluation {
+                Evaluation::Closed(Closed { dense, .. }) => {
                     dense(level, Points { columns, plain, vary }, values, false);
                 }
-                way => {
-                    let stretch = (cell, *cells, place);
+                evaluation => {
+                    let stretch = (cell, *cells, index);
                     let cancel = &control.cancel;
-                    let found = self.runs.values(job, level, cancel, columns, way, stretch);
+                    let found = self.runs.values(job, level, cancel, columns, evaluation, stretch);
                     values[..*cells].copy_from_slice(found);
                 }
             }
-            fold(level, place, values, Kept { best, at, count });
+            fold(level, index, values, Kept { best, at, count });
         }
     }
 
-    /// The quantity itself at the places in `scratch.at`.
+    /// The quantity itself at the indices in `scratch.at`.
     fn value_at_best(&mut self, entry: &Entry, cell: usize, scratch: &mut Scratch) {
         let param = self.over().id;
         let columns = self.cursor.at(cell, Vary::ANY);
@@ -374,14 +374,14 @@ impl<'a> Worker<'a> {
             look_up(rivals, at, chosen);
         }
         let columns = columns.replacing(param, [&chosen[0], &chosen[1]]);
-        match entry.way {
-            Way::Closed(Closed { dense, .. }) => {
+        match entry.evaluation {
+            Evaluation::Closed(Closed { dense, .. }) => {
                 dense(self.level, Points { columns, plain: false, vary: Vary::Any }, values, false);
             }
-            way => {
+            evaluation => {
                 let stretch = (cell, *cells, usize::MAX);
                 let (job, cancel) = (self.job, &self.control.cancel);
-                let found = self.runs.values(job, self.level, cancel, columns, way, stretch);
+                let found = self.runs.values(job, self.level, cancel, columns, evaluation, stretch);
                 values[..*cells].copy_from_slice(found);
             }
         }
@@ -418,10 +418,10 @@ impl<'a> Worker<'a> {
                     } else if reduce.is_some() {
                         Status::NoneFeasible
                     } else {
-                        match &entry.way {
-                            Way::Closed(closed) => (closed.status)(&columns.point(i)),
-                            Way::Run(output) => self.runs.status(i, *output),
-                            Way::Gait(_) => self.runs.gait_status(i),
+                        match &entry.evaluation {
+                            Evaluation::Closed(closed) => (closed.status)(&columns.point(i)),
+                            Evaluation::Trajectory(output) => self.runs.status(i, *output),
+                            Evaluation::Gait(_) => self.runs.gait_status(i),
                         }
                     };
                     to[offset + i] = status as u8;
@@ -436,7 +436,7 @@ fn reset(buffer: &mut Vec<f64>, len: usize, value: f64) {
     buffer.resize(len, value);
 }
 
-/// `to[i] = values[at[i]]`, NaN where there is no place.
+/// `to[i] = values[at[i]]`, NaN where there is no index.
 fn look_up(values: &[f64], at: &[f64], to: &mut [f64]) {
     for (to, at) in to.iter_mut().zip(at) {
         *to = if at.is_nan() { f64::NAN } else { values[*at as usize] };

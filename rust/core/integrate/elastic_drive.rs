@@ -12,7 +12,7 @@ use super::{State, Tally};
 use crate::lane::Lane;
 use crate::lane::exp::speed_factor;
 use crate::physics::effects::{Coefficients, Effect, Joint, Measured};
-use crate::physics::friction::{Dry, Place};
+use crate::physics::friction::{ContactState, Dry};
 use crate::physics::segment::Segment;
 
 /// What stands between the drive and the head.
@@ -26,7 +26,7 @@ pub enum Link<L> {
 /// State (a, b, v) and inputs: constant acceleration of the head, drive force.
 type Inputs<L> = [L; 5];
 
-/// Where a step leads: a, b, v and the way gone, by state and inputs.
+/// Where a step leads: a, b, v and the distance gone, by state and inputs.
 #[derive(Clone, Copy)]
 struct Map<L> {
     rows: [Inputs<L>; 4],
@@ -50,13 +50,13 @@ impl<L: Lane> Map<L> {
     fn twice(&self) -> Map<L> {
         let mut rows = self.rows;
         for column in 0..5 {
-            let zero = self.rows[0][0].with(0.0);
+            let zero = self.rows[0][0].splat(0.0);
             let mut half = [zero; 5];
             for (half, row) in half.iter_mut().zip(&self.rows[..3]) {
                 *half = row[column];
             }
             if column > 2 {
-                half[column] = zero.with(1.0);
+                half[column] = zero.splat(1.0);
             }
             let end = self.apply(&half);
             for row in 0..3 {
@@ -83,11 +83,11 @@ struct Rates<L> {
 }
 
 impl<L: Lane> Rates<L> {
-    /// Derivatives of (a, b, v, way gone).
+    /// Derivatives of (a, b, v, distance gone).
     #[inline(always)]
     fn slope(&self, y: &Inputs<L>, slides: bool, joined: bool) -> [L; 4] {
         let [a, b, v, g, u] = *y;
-        let zero = a.with(0.0);
+        let zero = a.splat(0.0);
         let v = if slides { v } else { zero };
         let (da, db, push) = if self.is_lag {
             ((u - a) * self.lag, zero, a)
@@ -104,7 +104,7 @@ impl<L: Lane> Rates<L> {
     /// Taylor's series over a short time.
     #[inline(always)]
     fn series(&self, from: &Inputs<L>, dt: L, slides: bool, joined: bool) -> [L; 4] {
-        let zero = dt.with(0.0);
+        let zero = dt.splat(0.0);
         let mut sum = [from[0], from[1], if slides { from[2] } else { zero }, zero];
         let mut term = *from;
         for n in 1..=TERMS {
@@ -121,11 +121,11 @@ impl<L: Lane> Rates<L> {
 
     #[inline(always)]
     fn map(&self, dt: L, slides: bool, joined: bool) -> Map<L> {
-        let zero = dt.with(0.0);
+        let zero = dt.splat(0.0);
         let mut rows = [[zero; 5]; 4];
         for column in 0..5 {
             let mut unit = [zero; 5];
-            unit[column] = zero.with(1.0);
+            unit[column] = zero.splat(1.0);
             let end = self.series(&unit, dt, slides, joined);
             for row in 0..4 {
                 rows[row][column] = end[row];
@@ -170,11 +170,11 @@ struct Now<L> {
     b: L,
     v: L,
     /// Direction of sliding, 0 at rest.
-    way: L,
+    direction: L,
     /// 1 where the joint transmits, 0 in free flight.
     joined: L,
     /// Distance moved forward since the last rest or turn.
-    swept: L,
+    sliding_distance: L,
 }
 
 impl<L: Lane> Now<L> {
@@ -185,9 +185,9 @@ impl<L: Lane> Now<L> {
             a: L::select(mask, self.a, other.a),
             b: L::select(mask, self.b, other.b),
             v: L::select(mask, self.v, other.v),
-            way: L::select(mask, self.way, other.way),
+            direction: L::select(mask, self.direction, other.direction),
             joined: L::select(mask, self.joined, other.joined),
-            swept: L::select(mask, self.swept, other.swept),
+            sliding_distance: L::select(mask, self.sliding_distance, other.sliding_distance),
         }
     }
 }
@@ -206,14 +206,14 @@ fn either<L: Lane>(mask: L::Mask, a: [L; 4], b: [L; 4]) -> [L; 4] {
 /// where it does not.
 #[inline(always)]
 fn crossing<L: Lane>(from: L, to: L) -> L {
-    let one = from.with(1.0);
-    let share = (-from / (to - from)).max(from.with(0.0)).min(one);
-    L::select(from.with(0.0).lt(to), share, one)
+    let one = from.splat(1.0);
+    let share = (-from / (to - from)).max(from.splat(0.0)).min(one);
+    L::select(from.splat(0.0).lt(to), share, one)
 }
 
-pub struct Switched<'a, 'b, L: Lane> {
+pub struct ElasticDrive<'a, 'b, L: Lane> {
     segment: &'b Segment<'a, L>,
-    set: Coefficients<L>,
+    law: Coefficients<L>,
     rates: Rates<L>,
     gap: L,
     is_gap: bool,
@@ -225,23 +225,23 @@ pub struct Switched<'a, 'b, L: Lane> {
     levels: Vec<Level<L>>,
 }
 
-impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
+impl<'a, 'b, L: Lane> ElasticDrive<'a, 'b, L> {
     /// `interval` is the usual time between samples, `longest` the longest step where
     /// friction or gravity bend with the motion.
     #[inline(always)]
     pub fn new(
         segment: &'b Segment<'a, L>,
-        set: Coefficients<L>,
+        law: Coefficients<L>,
         link: Link<L>,
         start: &State<L>,
         (interval, longest): (f64, Option<f64>),
     ) -> Self {
-        let zero = start.x.with(0.0);
-        let one = zero.with(1.0);
+        let zero = start.x.splat(0.0);
+        let one = zero.splat(1.0);
         let first = segment.commanded(start.t, &start.clock);
         let mut rates = Rates {
             per_mass: segment.per_mass,
-            viscous: set.viscous * segment.per_mass,
+            viscous: law.viscous * segment.per_mass,
             lag: zero,
             stiffness: zero,
             damping: zero,
@@ -254,18 +254,18 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
             a: first,
             b: zero,
             v: start.v,
-            way: start.way,
+            direction: start.direction,
             joined: one,
-            swept: zero,
+            sliding_distance: zero,
         };
         // Steps are per lane, their halvings the same for all: no lane's result hangs on
         // its neighbours.
         let look = match link {
             Link::Lag(rate) => {
-                let fastest = zero.with(FASTEST_LAG / interval);
+                let fastest = zero.splat(FASTEST_LAG / interval);
                 (rates.is_lag, rates.lag) = (true, rate.min(fastest));
                 at_once = L::select(fastest.lt(rate), one, zero);
-                zero.with(LAG_LOOKS)
+                zero.splat(LAG_LOOKS)
             }
             Link::Joint(joint) => {
                 let (joint, reduced) = joint.followed(segment.mass);
@@ -277,12 +277,12 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
                 now.b = start.v;
                 now.joined = if is_gap { zero } else { one };
                 let turn = (rates.stiffness / reduced).sqrt();
-                (turn * (interval / LOOK)).min(zero.with(MOST_LOOKS))
+                (turn * (interval / LOOK)).min(zero.splat(MOST_LOOKS))
             }
         };
         let least = interval / longest.unwrap_or(interval);
         // As many equal steps as fill an interval.
-        let looks = (look.max(zero.with(least)).max(one) * (1.0 - 1e-9)).floor() + 1.0;
+        let looks = (look.max(zero.splat(least)).max(one) * (1.0 - 1e-9)).floor() + 1.0;
         let dt = one * interval / looks * 0.5_f64.powi(HALVINGS);
         let mut level = Level {
             dt,
@@ -303,7 +303,7 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
             levels.push(level);
         }
         let bent = longest.is_some();
-        Switched { segment, set, rates, gap, is_gap, at_once, bent, now, levels }
+        ElasticDrive { segment, law, rates, gap, is_gap, at_once, bent, now, levels }
     }
 
     /// Force of the link on the head.
@@ -333,29 +333,31 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
         self.rates.damping.mul_add(now.b - now.v, self.rates.stiffness * self.depth(now))
     }
 
-    /// Friction towards `way` without its viscous part, while the link gives `drive`.
+    /// Friction against `direction` without its viscous part, while the link gives `drive`.
     #[inline(always)]
-    fn level(&self, now: &Now<L>, way: L, drive: L, t: L) -> L {
-        let zero = t.with(0.0);
-        let place = Place { way, x: now.x, swept: now.swept, drive, t };
+    fn level(&self, now: &Now<L>, direction: L, drive: L, t: L) -> L {
+        let zero = t.splat(0.0);
+        let contact_state =
+            ContactState { direction, x: now.x, sliding_distance: now.sliding_distance, drive, t };
         if !self.bent {
-            return Measured::linear(&self.set, &place).0;
+            return Measured::linear(&self.law, &contact_state).0;
         }
-        let speed = (way * now.v).max(zero);
-        (-self.set.viscous).mul_add(speed, Measured::resistance(&self.set, speed, &place))
+        let speed = (direction * now.v).max(zero);
+        (-self.law.viscous).mul_add(speed, Measured::resistance(&self.law, speed, &contact_state))
     }
 
     /// What pushes the head at rest, and by how much it exceeds what holds it.
     #[inline(always)]
     fn excess(&self, now: &Now<L>, t: L) -> (L, L) {
-        let zero = t.with(0.0);
-        let still = Now { v: zero, swept: zero, ..*now };
+        let zero = t.splat(0.0);
+        let still = Now { v: zero, sliding_distance: zero, ..*now };
         let drive = self.push(&still);
         let push = drive - self.segment.pull_back(now.x);
         let mut holds = self.level(&still, push.sign(), drive, t);
         if self.bent {
-            let place = Place { way: push.sign(), x: now.x, swept: zero, drive, t };
-            holds = holds.max(Measured::holding(&self.set, &place));
+            let contact_state =
+                ContactState { direction: push.sign(), x: now.x, sliding_distance: zero, drive, t };
+            holds = holds.max(Measured::break_away(&self.law, &contact_state));
         }
         (push, push.abs() - holds)
     }
@@ -364,11 +366,11 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
     /// or the push what holds; and the contact's: it closed or would pull.
     #[inline(always)]
     fn overruns(&self, now: &Now<L>, t: L) -> (L, L) {
-        let zero = t.with(0.0);
-        let slides = zero.lt(now.way.abs());
-        let own = L::select(slides, -(now.way * now.v), self.excess(now, t).1);
+        let zero = t.splat(0.0);
+        let slides = zero.lt(now.direction.abs());
+        let own = L::select(slides, -(now.direction * now.v), self.excess(now, t).1);
         if !self.is_gap {
-            return (own, zero.with(-1.0));
+            return (own, zero.splat(-1.0));
         }
         let side = now.a.sign();
         let (deep, push) = (side * self.depth(now), side * self.contact(now));
@@ -379,8 +381,8 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
     /// One step of a level from `now`, whatever happens within.
     #[inline(always)]
     fn moved(&self, level: &Level<L>, now: &Now<L>, inputs: (L, L)) -> Now<L> {
-        let zero = now.x.with(0.0);
-        let slides = zero.lt(now.way.abs());
+        let zero = now.x.splat(0.0);
+        let slides = zero.lt(now.direction.abs());
         let (offset, at) = self.inward(now, inputs);
         let mut end = either(slides, level.sliding.apply(&at), level.resting.apply(&at));
         if self.is_gap {
@@ -393,8 +395,8 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
     /// The same over any time up to the shortest step.
     #[inline(always)]
     fn crept(&self, dt: L, now: &Now<L>, inputs: (L, L)) -> Now<L> {
-        let zero = now.x.with(0.0);
-        let slides = zero.lt(now.way.abs());
+        let zero = now.x.splat(0.0);
+        let slides = zero.lt(now.direction.abs());
         let (offset, at) = self.inward(now, inputs);
         let rates = &self.rates;
         let go = rates.series(&at, dt, true, true);
@@ -410,9 +412,17 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
     /// Where a step has led to.
     #[inline(always)]
     fn gone(&self, now: &Now<L>, end: [L; 4], offset: L) -> Now<L> {
-        let zero = now.x.with(0.0);
-        let swept = L::select(zero.lt(now.way), now.swept + end[3], zero);
-        Now { x: now.x + end[3], a: end[0] + offset, b: end[1], v: end[2], swept, ..*now }
+        let zero = now.x.splat(0.0);
+        let sliding_distance =
+            L::select(zero.lt(now.direction), now.sliding_distance + end[3], zero);
+        Now {
+            x: now.x + end[3],
+            a: end[0] + offset,
+            b: end[1],
+            v: end[2],
+            sliding_distance,
+            ..*now
+        }
     }
 
     /// State and inputs with the stretch counted from the contact's face.
@@ -425,12 +435,12 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
     /// Takes every lane to its time `until`.
     #[inline(always)]
     pub fn advance(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) {
-        let mut events = until.with(0.0);
+        let mut events = until.splat(0.0);
         while L::any(state.t.lt(until)) {
             let piece_end = self.segment.drive.piece_end(state.clock.piece);
             let active = state.t.lt(until);
             let end = piece_end.min(until);
-            self.stretch(state, tally, (end - state.t).max(end.with(0.0)), &mut events);
+            self.stretch(state, tally, (end - state.t).max(end.splat(0.0)), &mut events);
             state.t = L::select(active, end, state.t);
             let over = L::and(active, piece_end.le(until));
             self.segment.drive.turn_over(&mut state.clock, piece_end, over);
@@ -441,7 +451,7 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
     /// Over `left` seconds of one piece.
     #[inline(always)]
     fn stretch(&mut self, state: &State<L>, tally: &mut Tally<L>, left: L, events: &mut L) {
-        let zero = left.with(0.0);
+        let zero = left.splat(0.0);
         let (mut t, mut left) = (state.t, left);
         let shortest = self.levels[0].dt;
         let drive = self.segment.drive.mean(t, left, &state.clock);
@@ -473,12 +483,12 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
     #[inline(always)]
     fn inputs(&self, now: &Now<L>, from: &Now<L>, (t, dt): (L, L), drive: L) -> (L, L) {
         let mut load = self.push(now);
-        if self.rates.is_lag && self.set.active.has(Effect::LoadDependentFriction) {
+        if self.rates.is_lag && self.law.active.has(Effect::LoadDependentFriction) {
             // Mean over the step.
             load = (from.a - drive).mul_add(speed_factor(dt * self.rates.lag), drive);
         }
-        let level = self.level(now, now.way, load, dt.mul_add(dt.with(0.5), t));
-        let back = now.way.mul_add(level, self.segment.pull_back(now.x));
+        let level = self.level(now, now.direction, load, dt.mul_add(dt.splat(0.5), t));
+        let back = now.direction.mul_add(level, self.segment.pull_back(now.x));
         (-back * self.segment.per_mass, drive)
     }
 
@@ -494,13 +504,13 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
         dt: L,
         events: &mut L,
     ) -> L {
-        let zero = dt.with(0.0);
+        let zero = dt.splat(0.0);
         // What rests may be free to go at once.
-        let rests = L::and(mask, self.now.way.abs().le(zero));
+        let rests = L::and(mask, self.now.direction.abs().le(zero));
         if L::any(rests) {
             let (push, over) = self.excess(&self.now, t);
             let goes = L::and(rests, zero.lt(over));
-            self.now.way = L::select(goes, push.sign(), self.now.way);
+            self.now.direction = L::select(goes, push.sign(), self.now.direction);
         }
         let from = self.now;
         let drive = self.segment.drive.mean(t, dt, &state.clock);
@@ -517,17 +527,17 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
             return L::select(mask, dt, zero);
         }
         *events = L::select(happens, *events + 1.0, *events);
-        let lost = L::and(happens, zero.with(MOST_EVENTS).lt(*events));
+        let lost = L::and(happens, zero.splat(MOST_EVENTS).lt(*events));
         if L::any(lost) {
             tally.lost = L::select(lost, tally.lost + 1.0, tally.lost);
             // Nothing happens to what is not a number any more.
-            let nothing = zero.with(f64::NAN);
+            let nothing = zero.splat(f64::NAN);
             self.now.x = L::select(lost, nothing, self.now.x);
             self.now.v = L::select(lost, nothing, self.now.v);
-            self.now.way = L::select(lost, zero.with(1.0), self.now.way);
+            self.now.direction = L::select(lost, zero.splat(1.0), self.now.direction);
         }
         let happens = L::and(happens, L::not(lost));
-        let (low, gone) = zero.apart(
+        let (low, gone) = zero.outlined(
             #[inline(always)]
             || self.before(level, &from, inputs, t),
         );
@@ -541,16 +551,16 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
         let creep = L::select(happens, short * first, zero);
         let mut met = self.crept(creep, &low, inputs);
         let own_event = L::and(zero.lt(after.0), own.le(touch));
-        let slides = zero.lt(from.way.abs());
+        let slides = zero.lt(from.direction.abs());
         let stops = L::and(own_event, slides);
         met.v = L::select(stops, zero, met.v);
-        met.swept = L::select(stops, zero, met.swept);
-        met.joined = L::select(own_event, met.joined, zero.with(1.0) - met.joined);
+        met.sliding_distance = L::select(stops, zero, met.sliding_distance);
+        met.joined = L::select(own_event, met.joined, zero.splat(1.0) - met.joined);
         let (push, over) = self.excess(&met, t + gone + creep);
-        let way = L::select(zero.lt(over), push.sign(), zero);
+        let direction = L::select(zero.lt(over), push.sign(), zero);
         // A break-away found a hair early is one all the same.
-        let way = L::select(L::and(own_event, L::not(slides)), push.sign(), way);
-        met.way = L::select(own_event, way, met.way);
+        let direction = L::select(L::and(own_event, L::not(slides)), push.sign(), direction);
+        met.direction = L::select(own_event, direction, met.direction);
         self.now = met.or(happens, self.now);
         let used = (gone + creep).min(dt);
         L::select(happens, used, L::select(mask, dt, zero))
@@ -559,7 +569,7 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
     /// The last state before an event within a step, by halving, and its time.
     #[inline(always)]
     fn before(&self, level: usize, from: &Now<L>, inputs: (L, L), t: L) -> (Now<L>, L) {
-        let zero = t.with(0.0);
+        let zero = t.splat(0.0);
         let (mut low, mut gone) = (*from, zero);
         for level in self.levels[..level].iter().rev() {
             let trial = self.moved(level, &low, inputs);
@@ -575,14 +585,14 @@ impl<'a, 'b, L: Lane> Switched<'a, 'b, L> {
     /// Stops what a last short stretch has carried past rest.
     #[inline(always)]
     fn settle(&mut self, mask: L::Mask, t: L) {
-        let zero = t.with(0.0);
-        let past = L::and(mask, (self.now.way * self.now.v).lt(zero));
+        let zero = t.splat(0.0);
+        let past = L::and(mask, (self.now.direction * self.now.v).lt(zero));
         if L::any(past) {
             self.now.v = L::select(past, zero, self.now.v);
-            self.now.swept = L::select(past, zero, self.now.swept);
+            self.now.sliding_distance = L::select(past, zero, self.now.sliding_distance);
             let (push, over) = self.excess(&self.now, t);
-            let way = L::select(zero.lt(over), push.sign(), zero);
-            self.now.way = L::select(past, way, self.now.way);
+            let direction = L::select(zero.lt(over), push.sign(), zero);
+            self.now.direction = L::select(past, direction, self.now.direction);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::gait_outputs::GaitOutput;
 use super::job::Job;
-use super::registry::Way;
+use super::registry::Evaluation;
 use crate::cells::columns::{Columns, PADDING};
 use crate::integrate::Watch;
 use crate::integrate::robot::ensemble;
@@ -14,34 +14,36 @@ use crate::simulate::trajectories::simulate;
 use std::sync::atomic::AtomicBool;
 
 /// Cells that are simulated together.
-pub const RUN_BLOCK: usize = 256;
+pub const SIMULATED_BLOCK: usize = 256;
 /// Cells of a chunk: trajectories take longer than formulas.
-pub const RUN_CHUNK: usize = 1024;
+pub const SIMULATED_CHUNK: usize = 1024;
 
-/// First cell, cells, and the place of the rival.
-pub type Place = (usize, usize, usize);
+/// First cell, number of cells, and index of the rival.
+pub type BlockKey = (usize, usize, usize);
 
 /// The last block's results.
-pub struct Runs {
+pub struct Simulated {
     watch: Watch,
     /// Of what the results are, for segments and for robots.
-    known: [Option<Place>; 2],
+    known: [Option<BlockKey>; 2],
     outputs: Vec<(Output, Vec<f64>)>,
     fates: Vec<f64>,
     gaits: Vec<(GaitOutput, Vec<f64>)>,
     statuses: Vec<Status>,
 }
 
-impl Runs {
-    pub fn new(job: &Job) -> Runs {
+impl Simulated {
+    pub fn new(job: &Job) -> Simulated {
         let mut outputs: Vec<(Output, Vec<f64>)> = Vec::new();
         let mut gaits: Vec<(GaitOutput, Vec<f64>)> = Vec::new();
         for request in &job.requests {
-            match request.entry.way {
-                Way::Run(output) if outputs.iter().all(|(known, _)| *known != output) => {
+            match request.entry.evaluation {
+                Evaluation::Trajectory(output)
+                    if outputs.iter().all(|(known, _)| *known != output) =>
+                {
                     outputs.push((output, Vec::new()));
                 }
-                Way::Gait(output) if gaits.iter().all(|(known, _)| *known != output) => {
+                Evaluation::Gait(output) if gaits.iter().all(|(known, _)| *known != output) => {
                     gaits.push((output, Vec::new()));
                 }
                 _ => {}
@@ -49,7 +51,7 @@ impl Runs {
         }
         let watch = Output::watch(outputs.iter().map(|(output, _)| *output));
         let (fates, statuses) = (Vec::new(), Vec::new());
-        Runs { watch, known: [None; 2], outputs, fates, gaits, statuses }
+        Simulated { watch, known: [None; 2], outputs, fates, gaits, statuses }
     }
 
     /// Values of one simulated quantity on the cells that `columns` point at.
@@ -59,23 +61,27 @@ impl Runs {
         level: Level,
         cancel: &AtomicBool,
         columns: Columns,
-        way: Way,
-        place: Place,
+        evaluation: Evaluation,
+        key: BlockKey,
     ) -> &[f64] {
-        let len = place.1;
-        let robots = matches!(way, Way::Gait(_));
-        if self.known[usize::from(robots)] != Some(place) {
+        let len = key.1;
+        let robots = matches!(evaluation, Evaluation::Gait(_));
+        if self.known[usize::from(robots)] != Some(key) {
             if robots {
                 self.walk(job, level, cancel, columns, len);
             } else {
                 self.simulate(job, level, cancel, columns, len);
             }
-            self.known[usize::from(robots)] = Some(place);
+            self.known[usize::from(robots)] = Some(key);
         }
-        let found = match way {
-            Way::Closed(_) => None,
-            Way::Run(output) => self.outputs.iter().find(|known| known.0 == output).map(|k| &k.1),
-            Way::Gait(output) => self.gaits.iter().find(|known| known.0 == output).map(|k| &k.1),
+        let found = match evaluation {
+            Evaluation::Closed(_) => None,
+            Evaluation::Trajectory(output) => {
+                self.outputs.iter().find(|known| known.0 == output).map(|k| &k.1)
+            }
+            Evaluation::Gait(output) => {
+                self.gaits.iter().find(|known| known.0 == output).map(|k| &k.1)
+            }
         };
         found.map_or(&[], |values| &values[..len])
     }

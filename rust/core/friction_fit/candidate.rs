@@ -254,7 +254,7 @@ fn range(id: ParamId, scales: &Scales) -> Option<Free> {
     use ParamId as P;
     let Scales { force, speed, slowest, track, duration, interval, normal, drive, .. } = *scales;
     let length = track.1 - track.0;
-    let way = speed * interval;
+    let direction = speed * interval;
     let what = What::Law(id);
     let slow = (slowest * 0.3).max(speed * 1e-3);
     let free = match id {
@@ -280,11 +280,11 @@ fn range(id: ParamId, scales: &Scales) -> Option<Free> {
             Free::decades(what, slow, speed * 3.0)
         }
         P::ModelicaDecay => Free::decades(what, 0.3 / speed, 1.0 / slow),
-        P::BristleStiffness => Free::decades(what, force / length, force / (way * 0.01)),
+        P::BristleStiffness => Free::decades(what, force / length, force / (direction * 0.01)),
         P::BristleDamping => Free::decades(what, force / speed * 1e-4, force / speed * 30.0),
         P::DwellTime => Free::decades(what, interval, duration),
         P::RippleLength => {
-            let free = Free::decades(what, (length / 60.0).max(way * 2.0), length * 2.0);
+            let free = Free::decades(what, (length / 60.0).max(direction * 2.0), length * 2.0);
             Free { start: Start::SpreadInverse, ..free }
         }
         P::RipplePhaseDeg => {

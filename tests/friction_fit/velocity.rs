@@ -1,6 +1,6 @@
 //! Derivatives of noisy samples.
 
-use locosweep::fit::velocity::derivative;
+use locosweep::friction_fit::velocity::derivative;
 
 fn times(count: usize) -> Vec<f64> {
     // Uneven on purpose.

@@ -35,20 +35,20 @@ impl<L: Lane> Cubic<L> {
     #[inline(always)]
     pub fn turn(&self) -> L {
         let [_, c1, c2, c3] = self.c;
-        let zero = c1.with(0.0);
+        let zero = c1.splat(0.0);
         let root = c2.mul_add(c2, -(c3 * c1 * 3.0)).max(zero).sqrt();
         // -c1/(c2 + root) where the slope starts negative, mirrored elsewhere.
         let falls = c1.lt(zero);
         let below = L::select(falls, c2 + root, root - c2);
         let theta = c1.abs() / below;
-        L::select(L::and(theta.gt(zero), theta.lt(c1.with(1.0))), theta, c1.with(0.5))
+        L::select(L::and(theta.gt(zero), theta.lt(c1.splat(1.0))), theta, c1.splat(0.5))
     }
 
-    /// The place where the cubic passes below zero before `end`, where it is
+    /// The theta at which the cubic passes below zero before `end`, where it is
     /// negative; positive numbers come before.
     #[inline(always)]
     pub fn fall(&self, end: L) -> L {
-        let zero = end.with(0.0);
+        let zero = end.splat(0.0);
         let (mut low, mut high) = (zero, end);
         let mut theta = end * 0.5;
         // A lane that has settled stays, however long its neighbours take.
@@ -72,11 +72,11 @@ impl<L: Lane> Cubic<L> {
     }
 }
 
-/// First place in (0, 1] where `excess` is positive, found by bisection and
+/// The first theta in (0, 1] at which `excess` is positive, found by bisection and
 /// secants, if it is positive at `end`; it is not at 0.
 #[inline(always)]
 pub fn rise<L: Lane>(end: L, excess: impl Fn(L) -> L) -> L {
-    let zero = end.with(0.0);
+    let zero = end.splat(0.0);
     let (mut low, mut high) = (zero, end);
     let (mut at_low, mut at_high) = (excess(low), excess(high));
     // A lane that has settled stays, however long its neighbours take.

@@ -1,6 +1,6 @@
 //! Spread, spikes, memory, blocks and what they make of uncertainty.
 
-use locosweep::fit::spread::{blocks, memory, robust, spikes, uncertainty};
+use locosweep::friction_fit::spread::{blocks, memory, robust, spikes, uncertainty};
 use nalgebra::DMatrix;
 
 #[test]

@@ -4,7 +4,7 @@
 use super::RunOptions;
 use crate::error::{Error, Result};
 use crate::physics::ParamId;
-use crate::physics::friction::{Given, Values};
+use crate::physics::friction::{Parameters, Values};
 use crate::physics::robot::{MOST_SEGMENTS, Robot};
 
 /// What a value belongs to: the whole run, or one of the robot's parts, which
@@ -77,7 +77,7 @@ pub type PerPart = (String, Vec<f64>);
 
 /// A robot and its run from named values.
 #[derive(Debug, Clone)]
-pub struct GivenRun {
+pub struct RunParameters {
     pub robot: Robot<f64>,
     pub options: RunOptions<f64>,
     pub segments: usize,
@@ -100,7 +100,7 @@ fn names(wanted: impl Fn(Part) -> bool) -> String {
     all.map(|p| p.id.param().name).collect::<Vec<_>>().join(", ")
 }
 
-/// Checks the values of a part's parameter and returns them by place.
+/// Checks the values of a part's parameter and returns them by index.
 fn spread(part: Part, count: usize, given: &[PerPart]) -> Result<Vec<(ParamId, Vec<f64>)>> {
     let check = |(name, values): &PerPart| {
         let param = find(name)?;
@@ -124,14 +124,14 @@ fn spread(part: Part, count: usize, given: &[PerPart]) -> Result<Vec<(ParamId, V
     given.iter().map(check).collect()
 }
 
-impl GivenRun {
+impl RunParameters {
     /// `parameters` hold for all parts alike; `per_segment` and `per_joint` have
     /// a value for each.
     pub fn new(
         parameters: &[(String, f64)],
         per_segment: &[PerPart],
         per_joint: &[PerPart],
-    ) -> Result<GivenRun> {
+    ) -> Result<RunParameters> {
         let mut shared = Vec::with_capacity(parameters.len());
         for (name, value) in parameters {
             let id = find(name)?.id;
@@ -179,7 +179,7 @@ impl GivenRun {
             break_away: get(ParamId::BreakAway),
         };
         let (moving, cycles) = (get(ParamId::Moving) as usize, get(ParamId::Cycles) as usize);
-        Ok(GivenRun { robot, options, segments, moving, cycles })
+        Ok(RunParameters { robot, options, segments, moving, cycles })
     }
 }
 
