@@ -34,11 +34,11 @@ check: style types
 	@test -z "$$(find $(RUST_SOURCES) -newer $(VENV)/built)" || echo "make check: the compiled core is older than its sources: \`make build\` renews it"
 	$(PYTEST) -m "not slow and not whole" tests
 
-# What every change has to pass.
+# What every change has to pass. All packages are selected, so that the core is compiled with
+# the same features of its dependencies as for the package, and not again.
 test: $(VENV)/built lint
 	$(PYTEST) -m "not slow" --doctest-modules python/locosweep tests
-	cargo test $(CARGO_FLAGS)
-	cargo test $(CARGO_FLAGS) -p locosweep-reality
+	cargo test $(CARGO_FLAGS) --workspace
 
 # What is left out above for its time, too: whole diagnoses that take seconds each, and
 # benches as short as shows that they run.

@@ -340,6 +340,13 @@ def test_unsafe_code_stands_in_one_file() -> None:
         assert tomllib.loads(manifest.read_text())["lints"] == {"workspace": True}, manifest
 
 
+def test_crates_without_tests_have_none() -> None:
+    for name, (folder, manifest) in crates().items():
+        sources = [] if name == "friction_fit" else folder.rglob("*.rs")
+        has_tests = any("#[cfg(test)]" in path.read_text() for path in sources)
+        assert not has_tests or manifest["lib"].get("test", True), f"{name}: tests that never run"
+
+
 def test_nothing_is_executed_from_data() -> None:
     faults = {p.name: executes(p.read_text()) for p in PYTHON.rglob("*.py")}
     assert {name: f for name, f in faults.items() if f} == {}
