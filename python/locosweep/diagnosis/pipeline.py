@@ -44,8 +44,6 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.effects.scale import Scale
     from locosweep.diagnosis.report.result import Diagnosis
 
-__all__ = ["diagnose"]
-
 _SURE = (0.5, 0.95)
 """Least and largest probability of `unexplained` where the kept runs refute a cause."""
 

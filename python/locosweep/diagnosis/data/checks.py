@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from locosweep.files.robot import Robot
     from locosweep.files.runs import Run
 
-__all__ = ["check_runs", "usable"]
-
 _VALUES, _FEWEST = 20, 8
 """Fewest values of x in the best run, and in every run that takes part."""
 _FEW = 4

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     from locosweep.files.runs import Run
 
-__all__ = ["hold_out"]
-
 _TAIL = 0.7
 """Training fraction of a single run; its rest validates."""
 

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from locosweep.files.runs import Run
 
-__all__ = ["Noise", "noise_of", "stretches"]
-
 _THIRD = np.sqrt(20.0)
 """Standard deviation of third differences of white noise of deviation 1."""
 

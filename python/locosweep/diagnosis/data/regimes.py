@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.data.noise import Noise
     from locosweep.files.runs import Run
 
-__all__ = ["REGIMES", "MeasuredMotion", "measured_motion", "regimes_of"]
-
 REGIMES = ("at_rest", "breakaway", "sliding_forward", "sliding_backward", "reversal")
 """Kinds of motion that a sample belongs to."""
 

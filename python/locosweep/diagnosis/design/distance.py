@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["PlannedRuns", "project", "refit", "strengths"]
-
 _BATCH = 3_000_000
 """Samples of one call: some 100 MB of readings."""
 

@@ -33,8 +33,6 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Values = dict[str, float]
 
-__all__ = ["APART", "SEEN", "Distinction", "distinguish"]
-
 SEEN = 6.0
 """Length of a signal, in sigmas, that a diagnosis detects."""
 

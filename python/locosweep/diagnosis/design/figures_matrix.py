@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.design.distinguish import Distinction
 
-__all__ = ["matrix"]
-
 
 def matrix(distinction: Distinction, *, ax: Axes | None = None) -> Axes:
     """Draw how far each effect lies from each rival; pairs too near are framed.

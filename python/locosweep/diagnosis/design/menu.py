@@ -12,8 +12,6 @@ from locosweep.files.runs import Run
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["FORCE_NOISE", "MENU", "PAYLOAD"]
-
 PAYLOAD, _INCLINE = 1.3, 5.0
 FORCE_NOISE = 0.01
 """Of a force sensor that is added, in the drive's largest force."""

@@ -35,8 +35,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["RESOLVED", "next_experiment"]
-
 RESOLVED = 3.0
 """Distance, in deviations, from which two explanations are told apart."""
 _SHOWN = 4

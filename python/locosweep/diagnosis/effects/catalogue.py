@@ -27,19 +27,6 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Values = dict[str, float]
 
-__all__ = [
-    "VARIABLES",
-    "Family",
-    "Free",
-    "Shape",
-    "candidates",
-    "families",
-    "lacking",
-    "parameters_at",
-    "parameters_of",
-    "starts_of",
-]
-
 VARIABLES = {record.name: record.variable for record in effects() if record.variable}
 """The variable that an effect acts through, where another law of it is possible."""
 

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     Sizes = Mapping[str, Any]
     Node = Callable[[Sizes], Any]
 
-__all__ = ["number", "numbers"]
-
 
 def _least(a: Any, b: Any) -> Any:
     return np.minimum(a, b) if isinstance(a, np.ndarray) or isinstance(b, np.ndarray) else min(a, b)

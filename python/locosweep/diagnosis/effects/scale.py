@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from locosweep.files.robot import Robot
     from locosweep.files.runs import Run
 
-__all__ = ["Scale", "level_of", "scale_of"]
-
 _DOUBT = 3.0
 """Standard deviations that an uncertain value may be off."""
 

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.estimate.problem import Point, Problem
 
-__all__ = ["free_errors"]
-
 
 def _restarted(
     problem: Problem, point: Point, cuts: list[tuple[int, int, int]]

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["initial_states"]
-
 _DEVIATIONS = 3.0
 """Deviations from which a start speed is looked into."""
 _LEAST_SAMPLES = 5

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.effects.catalogue import Free
     from locosweep.diagnosis.estimate.problem import Problem
 
-__all__ = ["Fit", "Model", "Nuisances", "chi2_of", "fit_all", "start_fits"]
-
 _TRIALS = (0.05, 1.0, 30.0)
 """Factors on the damping that each step tries side by side."""
 _DOUBT = 3.0

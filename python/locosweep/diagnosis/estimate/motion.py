@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.estimate.problem import Problem
 
-__all__ = ["ALL", "Motion", "motion_of", "response", "terms_of"]
-
 _KNOTS = 9
 _LAGS = 8
 _LONGEST = 0.08

@@ -20,8 +20,6 @@ from locosweep.diagnosis.estimate.least_squares import (
 if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.problem import Problem
 
-__all__ = ["fit_nominal", "gaps_of"]
-
 _NOMINAL = 9
 """Starts of the nominal model that are followed."""
 

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from locosweep.files.robot import Robot
     from locosweep.files.runs import Run
 
-__all__ = ["LOST", "InitialStates", "Point", "Problem", "ReplayMeter"]
-
 LOST = 1e60
 """Reading of a model that cannot be replayed to the end: far from everything."""
 _ANYWHERE = 10.0

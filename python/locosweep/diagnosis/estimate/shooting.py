@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Window", "WindowProblem", "cut", "knows_start"]
-
 _WIDER = 2.0
 """A start may lie this much further off than noise alone says: the cubic through
 the samples around it is no exact motion, and the window's own samples settle it."""

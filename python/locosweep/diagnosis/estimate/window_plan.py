@@ -35,16 +35,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = [
-    "Plan",
-    "adjoining_windows",
-    "decimated",
-    "for_planning",
-    "plan_of",
-    "problem_of",
-    "scale_in_windows",
-]
-
 GROWTH = 2.5
 """Exponent by which a start's error may grow along a run: beyond it, twelvefold, the
 error of a free run says more about its start than about the model."""

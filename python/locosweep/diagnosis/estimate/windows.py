@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["LEAD", "LEAST", "TURNS", "chosen_windows", "growth_rates", "spread", "windows_along"]
-
 TURNS = 2.0
 """Longest window over the shortest time in which an error grows by e; within a window
 it grows by half as many."""

@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.select.search import Search
     from locosweep.diagnosis.select.verdict import Choice
 
-__all__ = ["Findings", "Source", "assemble"]
-
 _CANDIDATES = 8
 """Candidates that the report shows."""
 

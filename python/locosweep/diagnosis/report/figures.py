@@ -7,14 +7,10 @@ from typing import TYPE_CHECKING
 from locosweep.diagnosis.report.figures_cause import candidates, horizons, parameters
 from locosweep.diagnosis.report.figures_localization import (
     force_view,
-    origin_strips,
     shares,
     where_in_time,
-    window_strips,
 )
 from locosweep.diagnosis.report.figures_motion import (
-    channel_over_time,
-    residual_over_time,
     runs_large,
     runs_small,
 )
@@ -25,10 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from locosweep.diagnosis.report.result import Diagnosis
-
-__all__ = ["FILES", "candidates", "channel_over_time", "force_view", "horizons", "origin_strips",
-           "parameters", "pictures", "residual_over_time", "runs_large", "runs_small", "shares",
-           "where_in_time", "window_strips"]  # fmt: skip
 
 FILES: dict[str, Callable[[Diagnosis], Figure | None]] = {
     "runs_large.png": runs_large,

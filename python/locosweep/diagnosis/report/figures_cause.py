@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.report.result import Diagnosis
 
-__all__ = ["candidates", "horizons", "leading", "parameters"]
-
 _MOST = 12
 _WIDE = 1.96
 """Standard deviations to either end of a 95 % interval."""

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.report.result import Diagnosis, Trace
 
-__all__ = ["force_view", "origin_strips", "shares", "where_in_time", "window_strips"]
-
 _MOST = 24
 """Runs that strips show."""
 

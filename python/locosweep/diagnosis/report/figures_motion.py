@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["channel_over_time", "residual_over_time", "runs_large", "runs_small"]
-
 _SMALL = 24
 """Runs that a page of small pictures shows."""
 

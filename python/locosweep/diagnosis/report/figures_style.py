@@ -23,9 +23,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["AUGMENTED", "MEASURED", "NOMINAL", "Channel", "channel", "figure", "finish", "label",
-           "reach", "unit_text", "words"]  # fmt: skip
-
 MEASURED: dict[str, Any] = {"color": "0.65", "linestyle": "-", "linewidth": 3.2}
 NOMINAL: dict[str, Any] = {"color": plot_style.LINES[1][0], "linestyle": "--", "linewidth": 1.4}
 AUGMENTED: dict[str, Any] = {"color": plot_style.LINES[0][0], "linestyle": "-", "linewidth": 1.1}

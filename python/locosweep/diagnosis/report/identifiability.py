@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.problem import Problem
     from locosweep.diagnosis.select.search import Collection, Search
 
-__all__ = ["not_visible"]
-
 _SHARE = 0.3
 """Share of a large effect; one whose strength is less sure than that is not identifiable."""
 

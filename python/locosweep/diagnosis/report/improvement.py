@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.estimate.problem import Point, Problem
 
-__all__ = ["HORIZONS", "RESAMPLES", "gap_of", "started", "units_of"]
-
 HORIZONS = (0.1, 0.5, 2.0)
 RESAMPLES = 400
 _STEPS = 4

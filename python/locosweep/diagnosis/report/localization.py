@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.data.regimes import MeasuredMotion
     from locosweep.diagnosis.estimate.problem import Point, Problem
 
-__all__ = ["force_view", "horizons", "origin", "shares", "windows"]
-
 WINDOWS = 20
 """Windows that a run is cut into."""
 _SHOWN = 10

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.estimate.problem import Point
 
-__all__ = ["calibrated", "write_augmented"]
-
 
 def calibrated(robot: Robot, point: Point, effects: dict[str, dict[str, float]]) -> Robot:
     """Return the model that a fit describes, its uncertain nominal values as fitted.

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.report.result import Diagnosis
 
-__all__ = ["page", "short"]
-
 _WIDE = 1.96
 
 HEADLINES = {

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Diagnosis", "Trace", "report_text"]
-
 
 @dataclass(frozen=True)
 class Trace:

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["ShotReport"]
-
 _JUDGED = 60_000
 """Samples kept from the fit on which every candidate's shrink is judged."""
 _WORST = 0.1

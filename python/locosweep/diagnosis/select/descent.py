@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.select.search import Collection, Found, Search
 
-__all__ = ["CLOSE", "FAR_BEHIND", "SLACK", "descend", "jump"]
-
 CLOSE = 8
 """Fits that are followed to their end whatever the best one reaches."""
 FAR_BEHIND = 30.0

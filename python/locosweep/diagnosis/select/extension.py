@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.least_squares import Model
     from locosweep.diagnosis.select.search import Search
 
-__all__ = ["extend", "extend_each", "pairs", "refit_from", "retried_singles", "singles"]
-
 _STARTS = 3
 """Starts of a single effect that are followed."""
 _STARTS_BESIDE = 2

@@ -30,14 +30,6 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.problem import Problem
     from locosweep.diagnosis.select.search import Collection, Search
 
-__all__ = [
-    "OUT_OF_LIBRARY",
-    "best_with_other_law",
-    "out_of_library",
-    "score_with_other_law",
-    "without_bending_effect",
-]
-
 _CARRIED = 6
 """Fits whose own variables are tried on what they leave."""
 _MOST_CARRIED = 10

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["Nearest", "nearest"]
-
 _LISTED = 6
 _COMPARED = 24
 

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.estimate.problem import Problem
 
-__all__ = ["NonparametricCorrection"]
-
 _SMOOTH = 2.0
 """Length scale of the process in knots: laws bend, they do not jump."""
 _FREE = 1e-8

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.problem import Problem
     from locosweep.diagnosis.select.search import Search
 
-__all__ = ["LEAST_GAIN", "gains", "remaining", "total"]
-
 
 def total(search: Search, fit: Fit) -> float:
     """Score of a fit, with its prediction of what it has not seen where that counts."""

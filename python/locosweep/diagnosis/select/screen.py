@@ -16,18 +16,6 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.estimate.problem import Problem
 
-__all__ = [
-    "Screened",
-    "below_limit",
-    "cancelling_pairs",
-    "distinct",
-    "informative_runs",
-    "near_best",
-    "scaled",
-    "scan",
-    "scan_beside",
-]
-
 _SCALED = 4.0
 """How many times larger than its start an effect is taken to act in proportion."""
 _INFORMATIVE = 2

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.effects.scale import Scale
     from locosweep.diagnosis.estimate.problem import Problem
 
-__all__ = ["Collection", "Found", "Search", "ranked"]
-
 _MUCH = 1.5
 """Chi2 of a fit over its expectation, beyond which it is tried from further places."""
 

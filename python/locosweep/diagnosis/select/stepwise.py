@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.select.search import Collection, Found, Search
     from locosweep.diagnosis.select.window_search import WindowSearch
 
-__all__ = ["backward", "forward", "is_stalled", "without"]
-
 _ALIKE = 12.0
 """Difference in chi2 below which seeds are taken for twins."""
 _SEEDS = 4

@@ -42,8 +42,6 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.select.whiteness import WhitenessTest
     from locosweep.diagnosis.select.window_search import WindowSearch
 
-__all__ = ["Choice", "choose"]
-
 
 @dataclass(frozen=True)
 class Choice:

@@ -16,15 +16,6 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.estimate.problem import Problem
 
-__all__ = [
-    "WhitenessTest",
-    "noise_level",
-    "residuals_by_run",
-    "stray_readings",
-    "white_variance",
-    "whiteness_test",
-]
-
 BLOCKS = (4, 16, 64, 256)
 """Samples of a block; its mean is tested."""
 

@@ -21,8 +21,6 @@ from locosweep.errors import DataFileError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["WindowSearch", "best_in_windows", "search_windows", "singles_in_windows"]
-
 _LENGTHS = (1.0 / 12.0, 1.0 / 25.0)
 """Lengths of windows, in those of a run."""
 _FOLLOWED = 4
