@@ -15,7 +15,7 @@ from locosweep.diagnosis.data.noise import noise_of
 from locosweep.diagnosis.design.distance import PlannedRuns
 from locosweep.diagnosis.estimate.problem import Problem
 from locosweep.diagnosis.report import figures_style
-from locosweep.diagnosis.report.improvement import units_of
+from locosweep.diagnosis.report.comparison import compare_whole_runs
 from locosweep.errors import InputError
 from locosweep.files.channels import CHANNELS, OFFSETS, PREDICTED, REPLAYED
 from locosweep.files.columns import UNITS
@@ -92,7 +92,9 @@ def test_a_diagnosis_fits_it(name):
     assert set(problem.channels) == {"x", name}
     assert np.isfinite(problem.residuals([problem.plain()])).all()
     assert (name in problem.priors) == (name in OFFSETS)
-    assert units_of(problem)[name] == CHANNELS[name].unit
+    nominal = problem.plain()
+    comparison = compare_whole_runs(problem, nominal, nominal)
+    assert comparison.unit(name) == CHANNELS[name].unit
 
 
 def test_an_experiment_may_plan_it_where_it_is_replayed(name):

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis_small import NOISE, ROBOT, driven, measured, problem
+from diagnosis_small import ROBOT, driven, measured, problem
 from locosweep.diagnosis.data.regimes import REGIMES
 from locosweep.diagnosis.report import localization as where
+from locosweep.diagnosis.report.comparison import compare_whole_runs
 
 
 def test_shares() -> None:
@@ -39,21 +40,20 @@ class TestWindows:
         assert where.windows(own, [0.0 * s for s in ones]) == []
 
 
-class TestGapSquares:
-    def test_an_explanation_is_what_it_changes(self) -> None:
-        own = problem(measured({}))
-        nominal = {"x": np.zeros((1, own.count))}
-        squares = where.gap_squares(own, "x", nominal, {"x": np.full((1, own.count), 2.0)})
-        assert [s.tolist() for s in squares] == [[4.0] * 200] * 3
+def test_tables_of_channels_and_runs() -> None:
+    own = problem(measured({"payload_mass": {"dm": 0.02}}), held=(1,))
+    comparison = compare_whole_runs(own, own.plain(), own.plain())
+    found = where.where_of(comparison, "x", explained=False)
+    (channel,) = found["channels"]
+    assert (channel["channel"], channel["unit"], channel["share"]) == ("x", "m", 1.0)
+    assert [row["run"] for row in found["runs"]] == ["0", "1", "2"]
+    assert found["runs"][1]["before"] == comparison.validation_rms["x"][0]
+    assert set(found) == {"channels", "runs", "windows", "origin", "regimes"}
 
-    def test_without_one_noise_is_smoothed_away(self) -> None:
-        runs = measured({})
-        runs[1].channels["x"][120:140] += 20.0 * NOISE
-        own = problem(runs)
-        squares = where.gap_squares(own, "x", own.replay([own.plain()]), None)
-        total = sum(s.sum() for s in squares)
-        assert squares[1][118:142].sum() > 0.9 * total
-        assert squares[1][125:135].mean() == pytest.approx((20.0 * NOISE) ** 2, rel=0.2)
+
+def test_the_error_of_a_run_without_readings_is_not_known() -> None:
+    assert where.rms([np.array([np.nan]), np.array([])]) is None
+    assert where.rms([np.array([np.nan, 4.0]), np.array([16.0])]) == pytest.approx(np.sqrt(10.0))
 
 
 def test_kinds_of_motion_share_the_squares() -> None:

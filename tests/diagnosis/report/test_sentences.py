@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from locosweep.diagnosis.report.sentences import summary
+from locosweep.diagnosis.report.sentences import no_gap, summary
 
 
 def report(status: str, *classes: list[str], **more: Any) -> dict[str, Any]:
@@ -47,6 +47,10 @@ def test_an_improvement_that_is_not_known_is_not_told() -> None:
 def test_another_law() -> None:
     text = summary(report("explained", ["drive_lag"], verdict={"law_mismatch": True}))
     assert "may come from drive lag" in text
+
+
+def test_validation_data_without_a_gap() -> None:
+    assert no_gap("windows").startswith("the windows kept from the fit show no gap")
 
 
 class TestUnexplained:

@@ -258,6 +258,10 @@ class Problem:
         """Whether runs may begin in motion, so that start speeds are found first."""
         return True
 
+    def has_offset(self, channel: str) -> bool:
+        """Whether a channel has a start offset that is projected out."""
+        return channel in self.priors and not (channel == "x" and self.position_matters)
+
     def parameter_index(self, name: str, parameter: str) -> int:
         """Return the place of a parameter among those of all effects."""
         record = effect(name)
@@ -335,7 +339,7 @@ class Problem:
         for c in self.channels:
             y, w = self.measured[c][picked], self.weights[c][picked] * self.seen[picked]
             e = np.where(w > 0.0, y, 0.0) - found[c]
-            if c in self.priors and not (c == "x" and self.position_matters):
+            if self.has_offset(c):
                 if CHANNELS[c].from_rest:
                     e -= np.repeat(self.rest_levels[c][chosen], self.lengths[chosen])
                 e *= w
@@ -362,7 +366,7 @@ class Problem:
         for c in self.channels:
             w = self.weights[c][picked] * self.seen[picked]
             change = {"x": dx, "v": dv}.get(c, np.zeros_like(dx)) * w
-            if c in self.priors and not (c == "x" and self.position_matters):
+            if self.has_offset(c):
                 prior = 1.0 / self.priors[c][self.fitted]
                 bottom = np.add.reduceat(w * w, edges) + prior**2
                 offset = np.add.reduceat(change * w, edges, axis=1) / bottom
@@ -381,11 +385,7 @@ class Problem:
         count = int(self.lengths[run])
         own = [np.arange(c * samples + first, c * samples + first + count)
                for c in range(len(self.channels))]  # fmt: skip
-        offsets = [
-            c
-            for c in self.channels
-            if c in self.priors and not (c == "x" and self.position_matters)
-        ]
+        offsets = [c for c in self.channels if self.has_offset(c)]
         base = len(self.channels) * samples
         own += [np.array([base + k * len(chosen) + place]) for k in range(len(offsets))]
         return np.concatenate(own)
@@ -403,7 +403,7 @@ class Problem:
             for c in self.channels:
                 w = self.weights[c]
                 e = (np.where(w > 0.0, self.measured[c], 0.0) - found[c]) * w
-                if c in self.priors and not (c == "x" and self.position_matters):
+                if self.has_offset(c):
                     if CHANNELS[c].from_rest:
                         e -= np.repeat(self.rest_levels[c], self.lengths) * w
                     wf = w * self.seen

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,21 +14,27 @@ from locosweep import _core
 from locosweep.diagnosis.data.regimes import regimes_of
 from locosweep.diagnosis.estimate.least_squares import evaluate, point_of
 from locosweep.diagnosis.report import localization, sentences
+from locosweep.diagnosis.report.comparison import compare_whole_runs
 from locosweep.diagnosis.report.identifiability import not_visible
-from locosweep.diagnosis.report.improvement import gap_of, started
+from locosweep.diagnosis.report.improvement import gap_of, reduction
 from locosweep.diagnosis.report.model_file import calibrated
 from locosweep.diagnosis.report.result import Diagnosis, Trace
-from locosweep.diagnosis.report.windowed import ShotReport
+from locosweep.diagnosis.report.windowed import (
+    WindowComparison,
+    compare_windows,
+    report_windows,
+)
 from locosweep.diagnosis.select.stepwise import without
 from locosweep.files.robot import Robot
 from locosweep.simulation.replay import effect
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.estimate.problem import Point, Problem
     from locosweep.diagnosis.estimate.window_plan import Plan
+    from locosweep.diagnosis.report.comparison import Comparison
     from locosweep.diagnosis.select.nearest import Nearest
     from locosweep.diagnosis.select.search import Search
     from locosweep.diagnosis.select.verdict import Choice
@@ -92,22 +99,13 @@ class Findings:
         return point_of(self.search.problem, self.choice.fit)
 
 
-@dataclass(frozen=True)
-class _Located:
-    """The sections on size and place of the gap, and the curves behind them."""
-
-    gap: dict[str, Any]
-    where: dict[str, Any]
-    traces: tuple[Trace, ...]
-    warnings: list[str]
-    nearest: dict[str, Any] | None = None
-
-
 def assemble(found: Findings, source: Source) -> Diagnosis:
     """Return the report of what was found, with both models and the curves of the runs."""
-    choice = found.choice
-    windows = ShotReport(found.whole, found.plan) if found.plan else None
-    located = _in_windows(found, windows, source) if windows else _in_whole_runs(found, source)
+    choice, problem, compare = found.choice, found.search.problem, _compare(found)
+    comparison = compare(found.nominal, found.augmented)
+    gap = gap_of(comparison, source.seed)
+    explained = found.named and not choice.law_mismatch
+    where = localization.where_of(comparison, gap["channel"], explained=explained)
     effects = _by_importance(found.search, choice.fit) if found.named else []
     classes = dict(zip(choice.fit.model.names, choice.classes, strict=False))
     verdict: dict[str, Any] = {
@@ -122,22 +120,29 @@ def assemble(found: Findings, source: Source) -> Diagnosis:
     report: dict[str, Any] = {
         "schema": "locosweep.diagnosis/1",
         "verdict": verdict,
-        "gap": located.gap,
-        "where": {**located.where, "site": effect(effects[0]).site if effects else None},
-        "candidates": _candidates(found, windows, located.gap["channel"], source.seed),
+        "gap": gap,
+        "where": {**where, "site": effect(effects[0]).site if effects else None},
+        "candidates": _candidates(found, compare, gap["channel"], source.seed),
         "not_visible": not_visible(found.search, choice.known, found.left_out),
         "next_experiment": found.next_experiment,
-        "warnings": [*found.warnings, *located.warnings],
+        "warnings": list(found.warnings),
         "provenance": _provenance(found, source),
     }
     if choice.unlisted:
         verdict["unlisted"] = {"variable": choice.unlisted, "effects": list(choice.fit.model.names)}
-    if windows and choice.status == "unexplained":
-        verdict["nearest"] = located.nearest
+    if gap["shrink"] is None and comparison.validates and not comparison.same:
+        report["warnings"].append(sentences.no_gap(comparison.parts))
+    if isinstance(comparison, WindowComparison):
+        near, nearer = found.nearest, comparison
+        if near:
+            nearer = replace(comparison, after=point_of(problem, near.fit))
+        report["warnings"] += sentences.odd_windows(nearer, gap["channel"])
+        if choice.status == "unexplained":
+            verdict["nearest"] = near and _nearest(near, nearer, gap["channel"])
     if choice.shape:
-        report["gap"]["left"] = [{"variable": v, "share": s} for v, s in choice.shape[:5]]
+        gap["left"] = [{"variable": v, "share": s} for v, s in choice.shape[:5]]
     verdict["summary"] = sentences.summary(report)
-    whole, problem = found.whole, found.search.problem
+    whole = found.whole
     details: dict[str, Any] = {
         "noise": {c: n.sd for c, n in problem.noise.items()},
         "force_view": localization.force_view(whole, found.nominal, problem.nominal["mass"]),
@@ -147,70 +152,43 @@ def assemble(found: Findings, source: Source) -> Diagnosis:
     augmented = source.robot
     if found.named:
         augmented = calibrated(source.robot, found.augmented, choice.fit.named())
-    return Diagnosis(report, located.traces, source.robot, augmented, details)
+    return Diagnosis(report, _traces(comparison), source.robot, augmented, details)
 
 
-def _in_windows(found: Findings, windows: ShotReport, source: Source) -> _Located:
-    """Return gap, places and curves of runs that are replayed in windows."""
-    warnings: list[str] = []
-    nominal, point, near = found.nominal, found.augmented, found.nearest
-    gap = windows.gap(nominal, point, source.seed, warnings)
-    channel = gap["channel"]
-    nearer = point_of(found.search.problem, near.fit) if near else point
-    rows = windows.runs(nominal, nearer, channel)
-    warnings += windows.said_of_runs(rows, channel)
-    warnings += windows.said_of_windows(nearer, channel)
-    told = None
-    if near:
-        part = windows.without_worst(nominal, nearer, channel)
-        told = {**near.told(), "shrink_without_worst": part, "runs": rows}
-    places = windows.places(nominal, point, channel)
-    return _Located(gap, places, windows.traces(nominal, point), warnings, told)
+def _compare(found: Findings) -> Callable[[Point, Point], Comparison]:
+    """Return what compares two models: on whole runs, or in windows where runs are cut."""
+    if found.plan is None:
+        return partial(compare_whole_runs, found.whole)
+    return partial(compare_windows, report_windows(found.whole, found.plan))
 
 
-def _in_whole_runs(found: Findings, source: Source) -> _Located:
-    """Return gap, places and curves of runs that are replayed from end to end."""
-    problem, warnings = found.search.problem, list[str]()
-    nominal, point = started(problem, found.nominal), started(problem, found.augmented)
-    if nominal.names != point.names:
-        nominal = replace(nominal, speeds=point.speeds, start_offsets=point.start_offsets)
-    gap, tables = gap_of(problem, nominal, point, source.seed, warnings)
-    before, after = (problem.replay([one], range(len(problem.runs))) for one in (nominal, point))
-    explained = found.named and not found.choice.law_mismatch
-    squares = localization.gap_squares(
-        problem, gap["channel"], before, after if explained else None
-    )
-    regimes = [regimes_of(motion) for motion in problem.motions]
-    places = {
-        "channels": tables["channels"],
-        "runs": tables["runs"],
-        "windows": localization.windows(problem, squares),
-        "origin": localization.origin(problem, nominal),
-        "regimes": localization.regime_shares(squares, regimes),
+def _nearest(near: Nearest, comparison: WindowComparison, channel: str) -> dict[str, Any]:
+    """Return the effects that come nearest to the gap, and how near they come."""
+    return {
+        "effects": list(near.fit.model.names),
+        "as_near": [list(fit.model.names) for fit in near.fits[1:]],
+        "shrink_without_worst": comparison.reduction_without_worst(channel),
+        "runs": localization.by_run(comparison, channel),
     }
-    return _Located(gap, places, _traces(problem, before, after, regimes), warnings)
 
 
-def _traces(
-    problem: Problem, before: dict[str, Any], after: dict[str, Any], regimes: list[Any]
-) -> tuple[Trace, ...]:
-    traces = []
-    for r, run in enumerate(problem.runs):
-        a, b = problem.starts_at[r], problem.starts_at[r + 1]
-        traces.append(
-            Trace(
-                run.label,
-                run.t,
-                run.drive,
-                problem.nominal["slope_deg"] if run.slope_deg is None else run.slope_deg,
-                dict(run.channels),
-                {c: read[0, a:b] for c, read in before.items()},
-                {c: read[0, a:b] for c, read in after.items()},
-                regimes[r],
-                r in problem.held,
-            )
+def _traces(comparison: Comparison) -> tuple[Trace, ...]:
+    problem = comparison.problem
+    before, after = comparison.readings
+    return tuple(
+        Trace(
+            run.label,
+            run.t,
+            run.drive,
+            problem.nominal["slope_deg"] if run.slope_deg is None else run.slope_deg,
+            dict(run.channels),
+            {c: rows[r] for c, rows in before.items()},
+            {c: rows[r] for c, rows in after.items()},
+            regimes_of(problem.motions[r]),
+            r in problem.held,
         )
-    return tuple(traces)
+        for r, run in enumerate(problem.runs)
+    )
 
 
 def _by_importance(search: Search, fit: Fit) -> list[str]:
@@ -224,7 +202,7 @@ def _by_importance(search: Search, fit: Fit) -> list[str]:
 
 
 def _candidates(
-    found: Findings, windows: ShotReport | None, channel: str, seed: int
+    found: Findings, compare: Callable[[Point, Point], Comparison], channel: str, seed: int
 ) -> list[dict[str, Any]]:
     """Return the best sets of effects, with their parameters and what they leave."""
     problem, choice = found.search.problem, found.choice
@@ -235,14 +213,9 @@ def _candidates(
     chosen = frozenset(choice.fit.model.names)
     if not any(frozenset(fit.model.names) == chosen for fit, _ in shown):
         shown += [pair for pair in choice.ranked if frozenset(pair[0].model.names) == chosen]
-    nominal = found.nominal if windows else started(problem, found.nominal)
     rows = []
     for fit, weight in shown:
-        point = point_of(problem, fit)
-        if windows:
-            gap = windows.gap(nominal, point, seed, [], channel=channel)
-        else:
-            gap, _ = gap_of(problem, nominal, started(problem, point), seed, [], channel=channel)
+        gap = reduction(compare(found.nominal, point_of(problem, fit)), channel, seed)
         rows.append(
             {
                 "effects": list(fit.model.names),

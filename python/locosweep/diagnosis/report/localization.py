@@ -8,15 +8,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from locosweep.diagnosis.data.regimes import REGIMES
+from locosweep.diagnosis.data.regimes import REGIMES, regimes_of
 from locosweep.diagnosis.estimate.free_run import _cuts, _restarted
-from locosweep.files.channels import CHANNELS
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from locosweep.diagnosis.data.regimes import MeasuredMotion
     from locosweep.diagnosis.estimate.problem import Point, Problem
+    from locosweep.diagnosis.report.comparison import Comparison
+
+    Floats = NDArray[np.float64]
 
 WINDOWS = 20
 """Windows that a run is cut into."""
@@ -31,36 +35,76 @@ def shares(parts: dict[str, float]) -> dict[str, float]:
     return {key: value / total if total > 0.0 else 0.0 for key, value in parts.items()}
 
 
-def gap_squares(
-    problem: Problem,
-    channel: str,
-    nominal: dict[str, NDArray[np.float64]],
-    explained: dict[str, NDArray[np.float64]] | None,
-) -> list[NDArray[np.float64]]:
-    """Return the square of the gap at every sample, run by run, without the noise's part.
+def where_of(comparison: Comparison, channel: str, *, explained: bool) -> dict[str, Any]:
+    """Return the report's `where`, but for its site.
 
-    It is what an explanation adds to the nominal model; without one, what is left of
-    the residual when it is smoothed.
+    Parameters
+    ----------
+    comparison : Comparison
+        The nominal model and the one that the verdict names.
+    channel : str
+        That of the gap.
+    explained : bool
+        Whether the second model accounts for the gap.
     """
-    if explained is not None:
-        change = explained[channel][0] - nominal[channel][0]
-        change = np.where(np.isfinite(problem.measured[channel]), change, 0.0)
-        return np.split(change**2, problem.starts_at[1:-1])
-    e = problem.measured[channel] - nominal[channel][0]
-    if CHANNELS[channel].from_rest:
-        e = e - np.repeat(problem.rest_levels[channel], problem.lengths)
-    found = []
-    for part in np.split(e, problem.starts_at[1:-1]):
-        known = np.isfinite(part)
-        width = max(1, part.size // _SMOOTHED)
-        count = uniform_filter1d(known.astype(float), width)
-        mean = uniform_filter1d(np.where(known, part, 0.0), width) / np.maximum(count, 1e-9)
-        noise = problem.noise[channel].sd ** 2 / np.maximum(width * count, 1.0)
-        found.append(np.where(known, np.maximum(mean**2 - noise, 0.0), 0.0))
-    return found
+    problem = comparison.problem
+    squares = comparison.gap_squares(channel, explained=explained)
+    largest = windows(problem, squares)
+    regimes = [regimes_of(motion) for motion in problem.motions]
+    return {
+        "channels": _by_channel(comparison),
+        "runs": by_run(comparison, channel),
+        "windows": largest,
+        "origin": comparison.origin(largest),
+        "regimes": regime_shares(squares, regimes),
+    }
 
 
-def windows(problem: Problem, squares: list[NDArray[np.float64]]) -> list[dict[str, Any]]:
+def _by_channel(comparison: Comparison) -> list[dict[str, Any]]:
+    before, after = comparison.squares
+    sums = {
+        c: float(np.nansum(np.concatenate(squares))) / comparison.noise[c].sd ** 2
+        for c, squares in before.items()
+    }
+    return [
+        {
+            "channel": c,
+            "before": rms(before[c]),
+            "after": rms(after[c]),
+            "unit": comparison.unit(c),
+            "share": share,
+        }
+        for c, share in shares(sums).items()
+    ]
+
+
+def by_run(comparison: Comparison, channel: str) -> list[dict[str, Any]]:
+    """Return the error of both models in every run."""
+    before, after = (squares[channel] for squares in comparison.squares)
+    return [
+        {"run": run.label, "before": rms([a]), "after": rms([b])}
+        for run, a, b in zip(comparison.problem.runs, before, after, strict=True)
+    ]
+
+
+def rms(squares: Sequence[Floats]) -> float | None:
+    """Return the root of the mean of what is known; None where nothing is."""
+    values = np.concatenate(squares)
+    values = values[np.isfinite(values)]
+    return float(np.sqrt(values.mean())) if values.size else None
+
+
+def smooth_square(residual: Floats, deviation: float) -> Floats:
+    """Return the square of a smoothed residual, without the part that noise has in it."""
+    known = np.isfinite(residual)
+    width = max(1, residual.size // _SMOOTHED)
+    count = uniform_filter1d(known.astype(float), width)
+    mean = uniform_filter1d(np.where(known, residual, 0.0), width) / np.maximum(count, 1e-9)
+    noise = deviation**2 / np.maximum(width * count, 1.0)
+    return np.where(known, np.maximum(mean**2 - noise, 0.0), 0.0)
+
+
+def windows(problem: Problem, squares: list[Floats]) -> list[dict[str, Any]]:
     """Return the windows that hold most of some squares, run by run, largest first."""
     total = float(sum(s.sum() for s in squares))
     found: list[tuple[float, int, int, int]] = []
@@ -119,9 +163,7 @@ def horizons(
     return rows
 
 
-def regime_shares(
-    squares: list[NDArray[np.float64]], regimes: list[NDArray[np.int64]]
-) -> list[dict[str, Any]]:
+def regime_shares(squares: list[Floats], regimes: list[NDArray[np.int64]]) -> list[dict[str, Any]]:
     """Shares of squares by kind of motion, largest first."""
     parts = dict.fromkeys(REGIMES, 0.0)
     for values, kinds in zip(squares, regimes, strict=True):
@@ -131,14 +173,14 @@ def regime_shares(
     return [{"regime": name, "share": share} for name, share in found if share > 0.0]
 
 
-def _swept(motion: MeasuredMotion) -> NDArray[np.float64]:
+def _swept(motion: MeasuredMotion) -> Floats:
     """Return the distance swept forward since the head last rested or turned."""
     x, v = motion.x, motion.v
     forward = v > 3.0 * motion.deviation + 0.01 * float(np.abs(v).max(initial=0.0))
     starts = np.where(forward, np.nan, x)
     last = np.maximum.accumulate(np.where(forward, 0, np.arange(x.size)))
     base = np.where(np.isnan(starts[last]), x[0], starts[last])
-    swept: NDArray[np.float64] = np.where(forward, x - base, 0.0)
+    swept: Floats = np.where(forward, x - base, 0.0)
     return swept
 
 

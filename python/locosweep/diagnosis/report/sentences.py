@@ -1,8 +1,24 @@
-"""The verdict of a report in one sentence."""
+"""Sentences of a report: its verdict, and what stands out in runs and windows."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from locosweep.diagnosis.report.localization import by_run, windows
+
+if TYPE_CHECKING:
+    from locosweep.diagnosis.report.windowed import WindowComparison
+
+_FEW = 0.05
+"""Part of a run's error whose fall is no fall."""
+_UNUSUAL = 3.0
+"""Error of a run over the median of all runs, from which it is unusual."""
+_RESTING = 0.01
+"""Part of a run's steps beyond the noise, below which its head hardly ever moves."""
+_MOST, _MANY = 0.4, 20
+"""Share of the squared error that one window of so many should not hold."""
 
 
 def _said(name: str) -> str:
@@ -56,3 +72,45 @@ def summary(report: dict[str, Any]) -> str:
     if verdict["status"] == "ambiguous":
         text += "; these runs cannot tell which"
     return f"{text} ({sure} sure)."
+
+
+def no_gap(parts: str) -> str:
+    """Say that the data kept from the fit, runs or windows, show no gap."""
+    return (
+        f"the {parts} kept from the fit show no gap beyond the noise: "
+        "how far it shrinks there is not known"
+    )
+
+
+def odd_windows(comparison: WindowComparison, channel: str) -> list[str]:
+    """Say which runs hardly move, which no effect helps, and which window holds most."""
+    problem = comparison.problem
+    noise = problem.noise["x"]
+    said, still = [], []
+    for run in problem.runs:
+        x = run.channels["x"]
+        x = x[np.isfinite(x)]
+        moves = np.abs(np.diff(x[:: max(1, x.size // 2000)])) > 4.0 * max(noise.sd, noise.step)
+        if moves.mean() < _RESTING:
+            still.append(run.label)
+            said.append(f"run {run.label}: the head hardly ever moves: it says what holds "
+                        "the head, and little of what moves it")  # fmt: skip
+    rows = [row for row in by_run(comparison, channel) if row["after"] is not None]
+    usual = float(np.median([row["after"] for row in rows])) if rows else 0.0
+    for row in rows if len(problem.runs) > 2 else []:
+        helped = row["before"] is None or row["after"] < (1.0 - _FEW) * row["before"]
+        if row["run"] not in still and row["after"] > _UNUSUAL * usual and not helped:
+            said.append(
+                f"run {row['run']}: no effect makes its error smaller than {row['after']:.2g} "
+                f"{comparison.unit(channel)}, {row['after'] / usual:.2g} times the usual one: "
+                "something acts there that the other runs whiteness, which may be clearer "
+                "without it"
+            )
+    left = [np.nan_to_num(squares) for squares in comparison.squares[1][channel]]
+    for row in windows(problem, left)[:1]:
+        if row["share"] > _MOST and len(comparison.windows.windows.runs) >= _MANY:
+            said.append(
+                f"run {row['run']}, {row['t0']:.3g} to {row['t1']:.3g} s holds {row['share']:.0%} "
+                "of the squared error that is left: a push from outside, or a reading that jumped?"
+            )
+    return said

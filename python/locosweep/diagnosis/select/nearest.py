@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -31,13 +31,6 @@ class Nearest:
 
     fit: Fit
     fits: list[Fit]
-
-    def told(self) -> dict[str, Any]:
-        """Return what the report says of it."""
-        return {
-            "effects": list(self.fit.model.names),
-            "as_near": [list(fit.model.names) for fit in self.fits[1:]],
-        }
 
     def weighed(self, others: Sequence[Fit], windows: int) -> list[tuple[Fit, float]]:
         """Weigh these and other fits; a window that is left with more counts for one sample."""

@@ -1,0 +1,235 @@
+"""Two models compared on the runs: readings, squared errors, and those of validation data."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from locosweep.diagnosis.report import localization
+from locosweep.diagnosis.report.improvement import draws_of_runs
+from locosweep.diagnosis.report.localization import rms
+from locosweep.files.channels import CHANNELS
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from locosweep.diagnosis.data.noise import Noise
+    from locosweep.diagnosis.estimate.problem import Point, Problem
+
+    Floats = NDArray[np.float64]
+    ByRun = dict[str, list[Floats]]
+    """Channel to one array a run."""
+
+_STEPS = 4
+"""Steps of a fit of a start speed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison(ABC):
+    """The nominal and another model on the same runs, replayed whole or in windows.
+
+    What is given by run has all its samples, NaN where nothing was measured or counts.
+    """
+
+    problem: Problem
+    """The runs as they were measured."""
+    before: Point
+    after: Point
+
+    parts: ClassVar[str] = "runs"
+    """Name of what is replayed."""
+
+    @property
+    def horizon(self) -> str:
+        """Length of a free run, as words that follow "simulation"."""
+        return ""
+
+    @property
+    def same(self) -> bool:
+        """Whether both models have the same effects."""
+        return self.before.names == self.after.names
+
+    @property
+    def validates(self) -> bool:
+        """Whether a part of the runs was kept from the fit."""
+        return self.problem.train_fraction < 1.0 or bool(self.problem.held)
+
+    def unit(self, channel: str) -> str:
+        """Return the unit of a channel on this rig."""
+        return CHANNELS[channel].unit_on(rotary="gravity_torque" in self.problem.nominal)
+
+    @property
+    @abstractmethod
+    def noise(self) -> Mapping[str, Noise]:
+        """Noise of each channel."""
+
+    @property
+    @abstractmethod
+    def readings(self) -> tuple[ByRun, ByRun]:
+        """What the sensors would read under either model."""
+
+    @property
+    @abstractmethod
+    def squares(self) -> tuple[ByRun, ByRun]:
+        """Squared errors of either model."""
+
+    @property
+    @abstractmethod
+    def validation_rms(self) -> dict[str, tuple[float, float]]:
+        """Error of either model in the data kept from the fit, by channel that these have."""
+
+    @property
+    @abstractmethod
+    def prominence(self) -> dict[str, float]:
+        """Size of the gap in each channel where it is known, in units of its noise."""
+
+    @abstractmethod
+    def draws(self, channel: str, generator: np.random.Generator) -> list[Floats]:
+        """Draw sums of squared errors, before and after, of data like those kept from the fit."""
+
+    @abstractmethod
+    def gap_squares(self, channel: str, *, explained: bool) -> list[Floats]:
+        """Return the square of the gap at every sample, 0 where nothing was measured."""
+
+    @abstractmethod
+    def origin(self, windows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+        """Return the windows where the gap arises; `windows` are those where it shows."""
+
+
+def compare_whole_runs(problem: Problem, before: Point, after: Point) -> Comparison:
+    """Compare two models on runs that are replayed from end to end.
+
+    Both start where the second one says that the head did: a start fitted to the first
+    would hide part of the gap.
+    """
+    after = started(problem, after)
+    if before.names == after.names:
+        before = started(problem, before)
+    else:
+        before = replace(before, speeds=after.speeds, start_offsets=after.start_offsets)
+    return _RunComparison(problem, before, after)
+
+
+class _RunComparison(Comparison):
+    @property
+    def noise(self) -> Mapping[str, Noise]:
+        return self.problem.noise
+
+    @cached_property
+    def readings(self) -> tuple[ByRun, ByRun]:
+        read = self.problem.replay([self.before, self.after])
+        before, after = ({c: self._by_run(rows[i]) for c, rows in read.items()} for i in range(2))
+        return before, after
+
+    def _by_run(self, values: Floats) -> list[Floats]:
+        return np.split(values, self.problem.starts_at[1:-1])
+
+    def _errors(self, model: int, channel: str) -> list[Floats]:
+        """Measured minus simulated, run by run."""
+        measured = self._by_run(self.problem.measured[channel])
+        levels = np.zeros(len(measured))
+        if CHANNELS[channel].from_rest:
+            levels = self.problem.rest_levels[channel]
+        read = self.readings[model][channel]
+        return [y - found - level for y, found, level in zip(measured, read, levels, strict=True)]
+
+    @cached_property
+    def squares(self) -> tuple[ByRun, ByRun]:
+        before: ByRun = {}
+        after: ByRun = {}
+        for c in self.problem.channels:
+            old, new = self._errors(0, c), self._errors(1, c)
+            offsets = self._offsets(c, new)
+            after[c] = [(e - offset) ** 2 for e, offset in zip(new, offsets, strict=True)]
+            offsets = self._offsets(c, old) if self.same else offsets
+            before[c] = [(e - offset) ** 2 for e, offset in zip(old, offsets, strict=True)]
+        return before, after
+
+    def _offsets(self, channel: str, errors: Sequence[Floats]) -> list[float]:
+        """Start offsets that the errors ask for, as far as the noise of the starts goes."""
+        if not self.problem.has_offset(channel):
+            return [0.0] * len(errors)
+        variance = self.problem.noise[channel].sd ** 2
+        return [
+            float(np.nansum(e) / variance / (np.isfinite(e).sum() / variance + prior**-2.0))
+            for e, prior in zip(errors, self.problem.priors[channel], strict=True)
+        ]
+
+    @cached_property
+    def validation_rms(self) -> dict[str, tuple[float, float]]:
+        found = {}
+        for c in self.problem.channels:
+            before, after = (rms(self._kept(squares[c])) for squares in self.squares)
+            if before is not None and after is not None:
+                found[c] = before, after
+        return found
+
+    def _kept(self, squares: list[Floats]) -> list[Floats]:
+        if self.problem.train_fraction < 1.0:
+            seen = np.split(self.problem.seen, self.problem.starts_at[1:-1])
+            return [s[~k] for s, k in zip(squares, seen, strict=True)]
+        return [squares[r] for r in self.problem.held or range(len(squares))]
+
+    @cached_property
+    def prominence(self) -> dict[str, float]:
+        """What the second model takes away; of the same model, the error itself.
+
+        All runs say it: those kept from the fit may hold little of the gap.
+        """
+        found = {}
+        for c in self.problem.channels:
+            before, after = (rms(squares[c]) for squares in self.squares)
+            if before is not None and after is not None:
+                size = before if self.same else np.sqrt(max(before**2 - after**2, 0.0))
+                found[c] = float(size) / self.noise[c].sd
+        return found
+
+    def draws(self, channel: str, generator: np.random.Generator) -> list[Floats]:
+        before, after = self.squares
+        kept = max(1, len(self.problem.held))
+        return draws_of_runs(before[channel], after[channel], kept, generator)
+
+    def gap_squares(self, channel: str, *, explained: bool) -> list[Floats]:
+        """Return what an explanation adds to the model; else the smoothed residual, squared."""
+        if not explained:
+            errors = self._errors(0, channel)
+            return [localization.smooth_square(e, self.noise[channel].sd) for e in errors]
+        before, after = self.readings
+        measured = self._by_run(self.problem.measured[channel])
+        return [
+            np.where(np.isfinite(y), b - a, 0.0) ** 2
+            for y, a, b in zip(measured, before[channel], after[channel], strict=True)
+        ]
+
+    def origin(self, windows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+        del windows
+        return localization.origin(self.problem, self.before)
+
+
+def started(problem: Problem, point: Point) -> Point:
+    """Return a model with start speeds fitted in the runs kept from its own fit."""
+    speeds = point.speeds.copy()
+    for r in (r for r in problem.held if r in problem.starts.moving):
+        step = 1e-4 * problem.speed_scale
+        for _ in range(_STEPS):
+            tried = [speeds, speeds.copy()]
+            tried[1][r] += step
+            points = [replace(point, speeds=s) for s in tried]
+            e, moved = problem.residuals(points, [r])
+            slope = (moved - e) / step
+            size = float(slope @ slope)
+            if size == 0.0 or not np.isfinite(size):
+                break
+            better = speeds.copy()
+            better[r] -= float(slope @ e) / size
+            new = problem.residuals([replace(point, speeds=better)], [r])[0]
+            if not new @ new < e @ e:
+                break
+            speeds = better
+    return replace(point, speeds=speeds)
