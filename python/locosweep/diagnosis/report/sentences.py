@@ -103,7 +103,7 @@ def odd_windows(comparison: WindowComparison, channel: str) -> list[str]:
             said.append(
                 f"run {row['run']}: no effect makes its error smaller than {row['after']:.2g} "
                 f"{comparison.unit(channel)}, {row['after'] / usual:.2g} times the usual one: "
-                "something acts there that the other runs whiteness, which may be clearer "
+                "something acts there that the other runs lack, which may be clearer "
                 "without it"
             )
     left = [np.nan_to_num(squares) for squares in comparison.squares[1][channel]]
