@@ -43,19 +43,6 @@ def test_the_residuals_of_a_run_are_where_it_says() -> None:
         np.testing.assert_array_equal(every[own.of_run(r, [0, 1, 2])], alone)
 
 
-def test_what_fits_do_not_see_are_the_other_samples() -> None:
-    one = problem(measured({}, driven(1)), train_fraction=0.7)
-    seen, unseen = one.residuals([one.plain()])[0], one.unseen([one.plain()])[0]
-    count = one.count
-    assert not seen[:count][~one.seen].any()
-    assert not unseen[:count][one.seen].any()
-    assert one.degrees() == 140
-    # The offset is that of the samples that fits see.
-    x = one.measured["x"] - replay_runs(ROBOT, one.runs)["x"].to_numpy()
-    offset = np.diff((x / NOISE - unseen[:count])[~one.seen])
-    np.testing.assert_allclose(offset, 0.0, atol=1e-6)
-
-
 def test_initial_states_are_those_given() -> None:
     own = problem(measured({}))
     moved = InitialStates(own.starts.position, np.array([0.0, 0.05, 0.0]), (1,))

@@ -10,6 +10,7 @@ import pytest
 from diagnosis_search import fit_of, search_for, search_of
 from diagnosis_small import measured
 from locosweep.diagnosis.estimate.least_squares import point_of
+from locosweep.diagnosis.estimate.validation import validation_residuals
 from locosweep.diagnosis.select.search import Collection, ranked
 from locosweep.diagnosis.select.thresholds import PENALTY
 
@@ -31,7 +32,7 @@ def test_every_free_parameter_has_its_price() -> None:
 
 def test_what_fits_have_not_seen_is_replayed_once() -> None:
     search = search_of(measured({"coulomb_error": {"d_mu": 0.01}}), *NAMES, held=(1,))
-    e = search.problem.unseen([point_of(search.problem, search.none)])[0]
+    e = validation_residuals(search.problem, [point_of(search.problem, search.none)])[0]
     before = search.problem.meter.samples
     assert search.unseen_chi2(search.none) == pytest.approx(float(e @ e))
     assert search.unseen_chi2(search.none) == pytest.approx(float(e @ e))

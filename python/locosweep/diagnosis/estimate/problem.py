@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from locosweep.files.robot import Robot
     from locosweep.files.runs import Run
 
+    Floats = NDArray[np.float64]
+
 LOST = 1e60
 """Reading of a model that cannot be replayed to the end: far from everything."""
 _ANYWHERE = 10.0
@@ -36,12 +38,12 @@ class Point:
     """A model to replay: effects, the parameters of all effects, and nuisances."""
 
     names: tuple[str, ...]
-    values: NDArray[np.float64]
-    factors: NDArray[np.float64]
+    values: Floats
+    factors: Floats
     """Factors on mass, Coulomb level and gain, and the clock offset in s."""
-    speeds: NDArray[np.float64]
+    speeds: Floats
     """Start speed of each run."""
-    start_offsets: NDArray[np.float64]
+    start_offsets: Floats
     """Shift of each run's start position, where the motion depends on it."""
 
 
@@ -49,23 +51,19 @@ class Point:
 class InitialStates:
     """State in which every run begins, and which runs begin in motion."""
 
-    position: NDArray[np.float64]
+    position: Floats
     """Position of the head at the first sample of each run, m."""
-    speed: NDArray[np.float64]
+    speed: Floats
     """Its speed there, m/s."""
     moving: tuple[int, ...] = ()
     """Runs that begin in motion."""
 
 
+@dataclass
 class ReplayMeter:
     """Count of the samples replayed so far, from which searches know their effort."""
 
-    def __init__(self) -> None:
-        self.samples = 0
-
-    def add(self, samples: int) -> None:
-        """Count samples that were replayed."""
-        self.samples += samples
+    samples: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,15 +137,16 @@ class Problem:
     @cached_property
     def job(self) -> _core.Replay:
         """The engine with the drives of the runs."""
-        return self._engine(self.runs)
-
-    def _engine(self, runs: Sequence[Run]) -> _core.Replay:
         slope = self.nominal["slope_deg"]
         data = [
             (run.since_start, run.drive, slope if run.slope_deg is None else run.slope_deg)
-            for run in runs
+            for run in self._driven
         ]
         return _core.Replay({**self.nominal}, data)
+
+    @property
+    def _driven(self) -> Sequence[Run]:
+        return self.runs
 
     @cached_property
     def starts(self) -> InitialStates:
@@ -158,7 +157,7 @@ class Problem:
         return InitialStates(measured[:, 0], measured[:, 1])
 
     @cached_property
-    def measured(self) -> dict[str, NDArray[np.float64]]:
+    def measured(self) -> dict[str, Floats]:
         """Readings of all runs, NaN where nothing was measured."""
         return {
             c: np.concatenate(
@@ -173,7 +172,7 @@ class Problem:
         return tuple(measured_motion(run, self.noise["x"]) for run in self.runs)
 
     @cached_property
-    def weights(self) -> dict[str, NDArray[np.float64]]:
+    def weights(self) -> dict[str, Floats]:
         """Inverse deviation of every sample, 0 where it does not count."""
         return {c: self._weights(c, y) for c, y in self.measured.items()}
 
@@ -189,49 +188,37 @@ class Problem:
         """Runs that take part in fits."""
         return [r for r in range(len(self.runs)) if r not in self.held]
 
-    def _weights(self, channel: str, y: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _weights(self, channel: str, y: Floats) -> Floats:
         noise = self.noise[channel]
         weight = np.where(np.isfinite(y), 1.0 / noise.sd, 0.0)
         if noise.stuck > 0.05 * noise.sd:
             # Samples at rest repeat one error of the quantiser: together they
-            # count for as many as their mean is worth.
+            # count for as many as have the variance of their mean.
             for a, b in zip(self.starts_at, self.starts_at[1:], strict=False):
                 number = stretches(y[a:b], noise.step * 1.01 + 4.0 * noise.gaussian)
                 counts = np.bincount(number)[number].astype(float)
-                worth = noise.sd**2 / (noise.sd**2 / counts + noise.stuck**2)
-                weight[a:b] *= np.sqrt(np.minimum(1.0, worth / counts))
+                effective = noise.sd**2 / (noise.sd**2 / counts + noise.stuck**2)
+                weight[a:b] *= np.sqrt(np.minimum(1.0, effective / counts))
         return weight
 
     @cached_property
-    def priors(self) -> dict[str, NDArray[np.float64]]:
+    def priors(self) -> dict[str, Floats]:
         """Deviation of the start offset of each run, by channel that has offsets."""
         return {c: self._offset_deviations(c) for c in OFFSETS if c in self.channels}
 
     @cached_property
-    def rest_levels(self) -> dict[str, NDArray[np.float64]]:
+    def start_levels(self) -> dict[str, Floats]:
         """Reading of each run before its drive first changes, by channel that has offsets."""
-        found = {}
-        for c in OFFSETS:
-            if c in self.channels:
-                levels = []
-                for run in self.runs:
-                    before, known = _at_start(run, c)
-                    first = float(known[0]) if known.size else 0.0
-                    levels.append(float(before.mean()) if before.size else first)
-                found[c] = np.array(levels)
-        return found
+        channels = [c for c in OFFSETS if c in self.channels]
+        return {c: np.array([_at_start(run, c)[0] for run in self.runs]) for c in channels}
 
-    def _offset_deviations(self, channel: str) -> NDArray[np.float64]:
+    def _offset_deviations(self, channel: str) -> Floats:
         noise = self.noise[channel]
         # That of one sample: a bristle may give way while the drive rests.
         own = float(np.hypot(noise.sd, noise.stuck))
-        deviations = []
-        for run in self.runs:
-            before, known = _at_start(run, channel)
-            # Where nothing was measured before the drive changes, it is anywhere.
-            span = float(np.ptp(known)) if known.size else 0.0
-            deviations.append(own if before.size else own + _ANYWHERE * span)
-        return np.array(deviations)
+        starts = [_at_start(run, channel) for run in self.runs]
+        # Where nothing was measured before the drive changes, it is anywhere.
+        return np.array([own if known else own + _ANYWHERE * span for _, known, span in starts])
 
     @property
     def count(self) -> int:
@@ -263,44 +250,54 @@ class Problem:
         return channel in self.priors and not (channel == "x" and self.position_matters)
 
     def parameter_index(self, name: str, parameter: str) -> int:
-        """Return the place of a parameter among those of all effects."""
+        """Return the index of a parameter among those of all effects."""
         record = effect(name)
         return record.first + [p.name for p in record.parameters].index(parameter)
 
     def replay(
-        self, points: Sequence[Point], runs: Sequence[int] | None = None
-    ) -> dict[str, NDArray[np.float64]]:
+        self,
+        points: Sequence[Point],
+        runs: Sequence[int] | None = None,
+        moved: Floats | None = None,
+    ) -> dict[str, Floats]:
         """Return what the sensors would read, per channel, a row a point.
 
-        With `runs`, only those runs are replayed, one after another.
+        With `runs`, only those runs are replayed, one after another; `moved` shifts position
+        and speed at the start of each run of the problem, shape (runs, 2).
         """
-        chosen = range(len(self.runs)) if runs is None else runs
-        self.meter.add(len(points) * int(self.lengths[list(chosen)].sum()))
-        columns = [
-            (r, 0, int(self.lengths[r]), list(point.names)) for point in points for r in chosen
-        ]
-        values = np.repeat([p.values for p in points], len(chosen), axis=0)
-        shares = np.repeat([p.factors for p in points], len(chosen), axis=0)
-        starts = np.array(
-            [
-                (self.starts.position[r] + p.start_offsets[r], p.speeds[r])
-                for p in points
-                for r in chosen
-            ]
-        )
+        chosen = np.arange(len(self.runs)) if runs is None else np.array(runs, dtype=int)
+        self.meter.samples += len(points) * int(self.lengths[chosen].sum())
+        spans = [self._span(r) for r in chosen.tolist()]
+        columns = [(*span, list(point.names)) for point in points for span in spans]
+        values = np.repeat([p.values for p in points], chosen.size, axis=0)
+        factors = np.repeat([p.factors for p in points], chosen.size, axis=0)
+        starts, added = zip(*(self._begin(point, chosen) for point in points), strict=True)
+        begin = np.concatenate(starts)
+        if moved is not None:
+            begin += np.tile(moved[chosen], (len(points), 1))
         if self.payload_factors or self.reversed_runs:
-            number = np.tile(np.array(list(chosen)), len(points))
+            number = np.tile(chosen, len(points))
             for r, factor in self.payload_factors.items():
-                shares[number == r, 0] *= factor
+                factors[number == r, 0] *= factor
             slope = self.parameter_index("slope_error", "d_alpha_deg")
             values[np.isin(number, list(self.reversed_runs)), slope] *= -1.0
-        read = self.job.run(columns, values, shares, starts, self.threads)
-        return self.readings(read, len(points))
+        read = self.job.run(columns, values, factors, begin, self.threads)
+        if np.any(added):
+            read[0] += np.repeat(np.array(added), self.lengths[chosen], axis=1).ravel()
+        return self._readings(read, len(points))
 
-    def readings(
-        self, read: Sequence[NDArray[np.float64]], rows: int
-    ) -> dict[str, NDArray[np.float64]]:
-        """Lay out what the engine gave, a row a point, with the power that follows from it."""
+    def _span(self, run: int) -> tuple[int, int, int]:
+        """Return what is replayed: the engine's run, first sample, one beyond the last."""
+        return run, 0, int(self.lengths[run])
+
+    def _begin(self, point: Point, chosen: NDArray[np.intp]) -> tuple[Floats, Floats]:
+        """Return the states in which runs begin, and what their sensor adds to the position."""
+        position = self.starts.position[chosen] + point.start_offsets[chosen]
+        begin = np.stack([position, point.speeds[chosen]], axis=1)
+        return begin, np.zeros(chosen.size)
+
+    def _readings(self, read: Sequence[Floats], rows: int) -> dict[str, Floats]:
+        """Arrange the engine's output, a row a point, and add the power that follows from it."""
         found = {c: one.reshape(rows, -1) for c, one in zip(REPLAYED, read, strict=True)}
         if self.motor and "power" in self.channels:
             force, speed = read[REPLAYED.index("force")], read[REPLAYED.index("v")]
@@ -312,9 +309,7 @@ class Problem:
             reading[wrong] = LOST
         return found
 
-    def residuals(
-        self, points: Sequence[Point], runs: Sequence[int] | None = None
-    ) -> NDArray[np.float64]:
+    def residuals(self, points: Sequence[Point], runs: Sequence[int] | None = None) -> Floats:
         """Return whitened residuals of the runs that are fitted, or of `runs`.
 
         A row a point: channel by channel, run by run, and last the start offsets in
@@ -328,123 +323,67 @@ class Problem:
         ]
         return np.concatenate(parts) if len(parts) != 1 else parts[0]
 
-    def _residuals(self, points: Sequence[Point], chosen: list[int]) -> NDArray[np.float64]:
-        found = self.replay(points, chosen)
-        picked = np.concatenate(
-            [np.arange(self.starts_at[r], self.starts_at[r + 1]) for r in chosen]
-        )
-        edges = np.concatenate([[0], np.cumsum(self.lengths[chosen])])[:-1]
-        rows: list[NDArray[np.float64]] = []
-        extra: list[NDArray[np.float64]] = []
-        for c in self.channels:
-            y, w = self.measured[c][picked], self.weights[c][picked] * self.seen[picked]
-            e = np.where(w > 0.0, y, 0.0) - found[c]
-            if self.has_offset(c):
-                if CHANNELS[c].from_rest:
-                    e -= np.repeat(self.rest_levels[c][chosen], self.lengths[chosen])
-                e *= w
-                prior = 1.0 / self.priors[c][chosen]
-                top = np.add.reduceat(e * w, edges, axis=1)
-                bottom = np.add.reduceat(w * w, edges) + prior**2
-                offset = top / bottom
-                e -= np.repeat(offset, self.lengths[chosen], axis=1) * w
-                extra.append(offset * prior)
-            else:
-                e *= w
-            rows.append(e)
-        return np.concatenate(rows + extra, axis=1)
+    def _residuals(self, points: Sequence[Point], chosen: list[int]) -> Floats:
+        return self._project(self._weighted_errors(points, chosen), chosen)
 
-    def whitened(
-        self, dx: NDArray[np.float64], dv: NDArray[np.float64], size: int
-    ) -> NDArray[np.float64]:
-        """Bring changes of x and v into the form of whitened residuals."""
-        picked = np.concatenate(
-            [np.arange(self.starts_at[r], self.starts_at[r + 1]) for r in self.fitted]
-        )
-        edges = np.concatenate([[0], np.cumsum(self.lengths[self.fitted])])[:-1]
-        rows, extra = [], []
+    def _weighted_errors(self, points: Sequence[Point], chosen: list[int]) -> dict[str, Floats]:
+        """Return measured minus simulated in units of the noise, by channel, a row a point."""
+        found = self.replay(points, chosen)
+        picked = self._picked(chosen)
+        rows = {}
         for c in self.channels:
-            w = self.weights[c][picked] * self.seen[picked]
-            change = {"x": dx, "v": dv}.get(c, np.zeros_like(dx)) * w
+            y, w = self.measured[c][picked], self._fit_weights(c, picked)
+            e = np.where(w > 0.0, y, 0.0) - found[c]
+            if CHANNELS[c].from_rest:
+                e -= np.repeat(self.start_levels[c][chosen], self.lengths[chosen])
+            rows[c] = e * w
+        return rows
+
+    def _picked(self, chosen: Sequence[int]) -> NDArray[np.intp]:
+        """Return the samples of some runs among those of all."""
+        spans = [np.arange(self.starts_at[r], self.starts_at[r + 1]) for r in chosen]
+        return np.concatenate(spans) if spans else np.zeros(0, dtype=np.intp)
+
+    def _fit_weights(self, channel: str, picked: NDArray[np.intp]) -> Floats:
+        weights: Floats = self.weights[channel][picked] * self.seen[picked]
+        return weights
+
+    def _project(self, rows: dict[str, Floats], chosen: Sequence[int]) -> Floats:
+        """Take the start offsets out of weighted rows, and append them in units of their prior."""
+        chosen, picked = list(chosen), self._picked(chosen)
+        edges = np.concatenate([[0], np.cumsum(self.lengths[chosen])])[:-1]
+        parts, extra = [], []
+        for c, e in rows.items():
             if self.has_offset(c):
-                prior = 1.0 / self.priors[c][self.fitted]
-                bottom = np.add.reduceat(w * w, edges) + prior**2
-                offset = np.add.reduceat(change * w, edges, axis=1) / bottom
-                change = change - np.repeat(offset, self.lengths[self.fitted], axis=1) * w
+                w, prior = self._fit_weights(c, picked), 1.0 / self.priors[c][chosen]
+                precision = np.add.reduceat(w * w, edges) + prior**2
+                offset = np.add.reduceat(e * w, edges, axis=1) / precision
+                e = e - np.repeat(offset, self.lengths[chosen], axis=1) * w
                 extra.append(offset * prior)
-            rows.append(change)
-        full = np.concatenate(rows + extra, axis=1)
+            parts.append(e)
+        return np.concatenate(parts + extra, axis=1)
+
+    def whitened(self, dx: Floats, dv: Floats, size: int) -> Floats:
+        """Bring changes of x and v into the form of whitened residuals."""
+        picked, changes = self._picked(self.fitted), {"x": dx, "v": dv}
+        rows = {c: changes.get(c, np.zeros_like(dx)) * self._fit_weights(c, picked)
+                for c in self.channels}  # fmt: skip
+        full = self._project(rows, self.fitted)
         return np.pad(full, ((0, 0), (0, size - full.shape[1])))
 
     def of_run(self, run: int, chosen: Sequence[int]) -> NDArray[np.intp]:
         """Return where the residuals of one run lie among those of several."""
         chosen = list(chosen)
-        place = chosen.index(run)
+        rank = chosen.index(run)
         lengths = self.lengths[chosen]
-        first, samples = int(lengths[:place].sum()), int(lengths.sum())
+        first, samples = int(lengths[:rank].sum()), int(lengths.sum())
         count = int(self.lengths[run])
         own = [np.arange(c * samples + first, c * samples + first + count)
                for c in range(len(self.channels))]  # fmt: skip
-        offsets = [c for c in self.channels if self.has_offset(c)]
         base = len(self.channels) * samples
-        own += [np.array([base + k * len(chosen) + place]) for k in range(len(offsets))]
+        offsets = sum(map(self.has_offset, self.channels))
+        own += [np.array([base + k * len(chosen) + rank]) for k in range(offsets)]
         return np.concatenate(own)
-
-    def unseen(self, points: Sequence[Point]) -> NDArray[np.float64]:
-        """Return whitened residuals of what fits do not see, in the form of `residuals`.
-
-        Start offsets of runs of their own are refitted; behind `train_fraction` they stay
-        those of the fit.
-        """
-        if self.train_fraction < 1.0:
-            found = self.replay(points, range(len(self.runs)))
-            edges = self.starts_at[:-1]
-            rows = []
-            for c in self.channels:
-                w = self.weights[c]
-                e = (np.where(w > 0.0, self.measured[c], 0.0) - found[c]) * w
-                if self.has_offset(c):
-                    if CHANNELS[c].from_rest:
-                        e -= np.repeat(self.rest_levels[c], self.lengths) * w
-                    wf = w * self.seen
-                    bottom = np.add.reduceat(wf * wf, edges) + self.priors[c] ** -2.0
-                    offset = np.add.reduceat(e * wf, edges, axis=1) / bottom
-                    e -= np.repeat(offset, self.lengths, axis=1) * w
-                rows.append(np.where(self.seen, 0.0, e))
-            return np.concatenate(rows, axis=1)
-        if not self.held:
-            return np.zeros((len(points), 0))
-        e = self.residuals(points, self.held)
-        kinds = []
-        if self.position_matters:
-            kinds.append(("start_offsets", self.priors["x"]))
-        if any(r in self.starts.moving for r in self.held):
-            free = np.isin(np.arange(len(self.runs)), self.starts.moving)
-            kinds.append(("speeds", np.where(free, 1e30, 1e-30)))
-        return self._started(points, e, kinds) if kinds else e
-
-    def _started(
-        self,
-        points: Sequence[Point],
-        e: NDArray[np.float64],
-        kinds: list[tuple[str, NDArray[np.float64]]],
-    ) -> NDArray[np.float64]:
-        """Fit how runs start, to first order, and take that out of their residuals."""
-        columns = []
-        for kind, spread in kinds:
-            step = np.where(spread < 1e20, 0.1 * spread, 1e-4 * self.speed_scale)
-            step = np.maximum(step, 1e-12)
-            moved = [replace(p, **{kind: getattr(p, kind) + step}) for p in points]
-            columns.append((self.residuals(moved, self.held) - e, step, spread))
-        for r in self.held:
-            own = self.of_run(r, self.held)
-            jacobian = np.stack([c[:, own] / step[r] for c, step, _ in columns], axis=1)
-            prior = np.diag([min(s[r] ** -2.0, 1e60) for _, _, s in columns])
-            normal = jacobian @ jacobian.transpose(0, 2, 1) + prior
-            gradient = jacobian @ e[:, own, None]
-            shift = np.linalg.solve(normal, gradient)
-            e[:, own] -= (jacobian.transpose(0, 2, 1) @ shift)[:, :, 0]
-        return e
 
     def degrees(self) -> int:
         """Count the residuals that fits see."""
@@ -452,9 +391,13 @@ class Problem:
         return int(sum(((w > 0.0) & seen).sum() for w in self.weights.values()))
 
 
-def _at_start(run: Run, channel: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the readings of a channel before the drive first changes, and all of them."""
+def _at_start(run: Run, channel: str) -> tuple[float, bool, float]:
+    """Return a channel's level before the drive first changes, if it is known, and its span."""
     y = run.channels.get(channel, np.full(run.t.size, np.nan))
     changes = np.flatnonzero(run.drive != run.drive[0])
     still = int(changes[0]) + 1 if changes.size and run.drive[0] == 0.0 else 1
-    return y[:still][np.isfinite(y[:still])], y[np.isfinite(y)]
+    before, known = y[:still][np.isfinite(y[:still])], y[np.isfinite(y)]
+    if not known.size:
+        return 0.0, False, 0.0
+    level = before.mean() if before.size else known[0]
+    return float(level), before.size > 0, float(np.ptp(known))

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep import _core
 from locosweep.diagnosis.estimate.problem import LOST, Problem
 from locosweep.files.channels import CHANNELS
 from locosweep.files.runs import Run
@@ -40,6 +39,8 @@ _MISFIT = 1.5
 """Squares that a cubic leaves over those of noise, up to which it is taken."""
 _STILL = 3.0
 """Deviations of a measured speed below which the head counts as at rest."""
+_SENSOR = (("sensor_scale", "e"), ("sensor_drift", "b"), ("sensor_delay", "T"))
+"""Effects that the measured state at a window's start has passed through."""
 
 
 @dataclass(frozen=True)
@@ -213,10 +214,9 @@ class WindowProblem(Problem):
         """The windows."""
         return [run for run in self.runs if isinstance(run, Window)]
 
-    @cached_property
-    def job(self) -> _core.Replay:
-        """The engine with the drives of the runs that the windows lie in."""
-        return self._engine(self.records)
+    @property
+    def _driven(self) -> Sequence[Run]:
+        return self.records
 
     @cached_property
     def weights(self) -> dict[str, Floats]:
@@ -240,13 +240,6 @@ class WindowProblem(Problem):
     @cached_property
     def _origin(self) -> Floats:
         return np.array([(window.since_start[0], window.base) for window in self.windows])
-
-    @cached_property
-    def _sensor(self) -> list[int]:
-        return [
-            self.parameter_index(*of)
-            for of in (("sensor_scale", "e"), ("sensor_drift", "b"), ("sensor_delay", "T"))
-        ]
 
     @property
     def starts_vary(self) -> bool:
@@ -286,7 +279,7 @@ class WindowProblem(Problem):
         return {c: np.array(rows[c]) * self.weights[c] for c in self.channels}
 
     @cached_property
-    def _worth(self) -> Floats:
+    def _shift_covariance(self) -> Floats:
         """Inverse of each window's normal matrix of shifts."""
         kinds = len(self._shift["x"])
         normal = np.tile(np.eye(kinds), (len(self.runs), 1, 1))
@@ -296,44 +289,18 @@ class WindowProblem(Problem):
                 normal[:, i, j] += np.add.reduceat(both, self.starts_at[:-1])
         return np.asarray(np.linalg.inv(normal), dtype=np.float64)
 
-    def replay(
-        self,
-        points: Sequence[Point],
-        runs: Sequence[int] | None = None,
-        moved: Floats | None = None,
-    ) -> dict[str, Floats]:
-        """Return what the sensors would read, per channel, a row a point.
+    def _span(self, run: int) -> tuple[int, int, int]:
+        return (self.windows[run].record, *self.windows[run].span)
 
-        With `runs`, only those windows; `moved` shifts position and speed of each.
-        """
-        chosen = np.arange(len(self.runs)) if runs is None else np.array(runs, dtype=int)
-        self.meter.add(len(points) * int(self.lengths[chosen].sum()))
-        windows = [(self.windows[r].record, *self.windows[r].span) for r in chosen]
-        columns = [(*window, list(point.names)) for point in points for window in windows]
-        values = np.repeat([p.values for p in points], chosen.size, axis=0)
-        shares = np.repeat([p.factors for p in points], chosen.size, axis=0)
-        starts, scaled = [], []
-        for point in points:
-            start, offset = self._starts(point, chosen)
-            if moved is not None:
-                start = start + moved[chosen]
-            starts.append(start)
-            scaled.append(offset)
-        read = self.job.run(columns, values, shares, np.concatenate(starts), self.threads)
-        read[0] += np.repeat(np.array(scaled), self.lengths[chosen], axis=1).ravel()
-        return self.readings(read, len(points))
-
-    def _starts(self, point: Point, chosen: NDArray[np.intp]) -> tuple[Floats, Floats]:
+    def _begin(self, point: Point, chosen: NDArray[np.intp]) -> tuple[Floats, Floats]:
         """Return the true states at the starts, and what a scale adds to its readings.
 
         What was measured there went through the sensor, whose scale counts from the
         start of the run, not of the window.
         """
         scale, drift, delay = (
-            float(point.values[k]) if name in point.names else 0.0
-            for k, name in zip(
-                self._sensor, ("sensor_scale", "sensor_drift", "sensor_delay"), strict=True
-            )
+            float(point.values[self.parameter_index(name, key)]) if name in point.names else 0.0
+            for name, key in _SENSOR
         )
         x, v, rate = self._state[chosen].T
         since, base = self._origin[chosen].T
@@ -341,24 +308,6 @@ class WindowProblem(Problem):
         true = base + (read - base) / (1.0 + scale)
         speed = np.where(v == 0.0, 0.0, (v + rate * delay - drift) / (1.0 + scale))
         return np.stack([true, speed], axis=1), scale * (true - base)
-
-    def _residuals(
-        self, points: Sequence[Point], chosen: list[int], most: float = np.inf
-    ) -> Floats:
-        found = self.replay(points, chosen)
-        picked = self._picked(chosen)
-        rows = {}
-        for c in self.channels:
-            y, w = self.measured[c][picked], self.weights[c][picked]
-            e = np.where(w > 0.0, y, 0.0) - found[c]
-            if CHANNELS[c].from_rest:
-                e -= np.repeat(self.rest_levels[c][chosen], self.lengths[chosen])
-            rows[c] = e * w
-        return self._project(rows, chosen, most)
-
-    def _picked(self, chosen: Sequence[int]) -> NDArray[np.intp]:
-        spans = [np.arange(self.starts_at[r], self.starts_at[r + 1]) for r in chosen]
-        return np.concatenate(spans) if spans else np.zeros(0, dtype=np.intp)
 
     def _project(
         self, rows: dict[str, Floats], chosen: Sequence[int], most: float = np.inf
@@ -374,10 +323,10 @@ class WindowProblem(Problem):
         along = np.array(
             [
                 np.add.reduceat(sum(rows[c] * shift[c][k] for c in self.channels), edges, axis=1)
-                for k in range(self._worth.shape[1])
+                for k in range(self._shift_covariance.shape[1])
             ]
         )
-        moves = np.einsum("rij,jpr->ipr", self._worth[chosen], along)
+        moves = np.einsum("rij,jpr->ipr", self._shift_covariance[chosen], along)
         moves = np.clip(moves, -most, most)
         parts = []
         for c in self.channels:
@@ -387,16 +336,6 @@ class WindowProblem(Problem):
             parts.append(e)
         return np.concatenate([*parts, *moves], axis=1)
 
-    def whitened(self, dx: Floats, dv: Floats, size: int) -> Floats:
-        """Bring changes of x and v into the form of whitened residuals."""
-        picked = self._picked(self.fitted)
-        changes = {"x": dx, "v": dv}
-        rows = {
-            c: changes.get(c, np.zeros_like(dx)) * self.weights[c][picked] for c in self.channels
-        }
-        full = self._project(rows, self.fitted)
-        return np.pad(full, ((0, 0), (0, size - full.shape[1])))
-
     def errors(self, points: Sequence[Point], chosen: Sequence[int]) -> dict[str, Floats]:
         """Return measured minus simulated in the channels' units.
 
@@ -404,7 +343,9 @@ class WindowProblem(Problem):
         nothing was measured or counts; a row a point, window by window.
         """
         chosen = list(chosen)
-        e = np.concatenate([self._residuals([point], chosen, 1.0) for point in points])
+        e = np.concatenate(
+            [self._project(self._weighted_errors([p], chosen), chosen, 1.0) for p in points]
+        )
         samples = int(self.lengths[chosen].sum())
         picked = self._picked(chosen)
         found = {}
@@ -420,6 +361,4 @@ class WindowProblem(Problem):
 
     def degrees(self) -> int:
         """Count the residuals that fits see, less what the starts take."""
-        own = np.isin(np.repeat(np.arange(len(self.runs)), self.lengths), self.fitted)
-        seen = sum(int(((w > 0.0) & own).sum()) for w in self.weights.values())
-        return int(max(seen - self._worth.shape[1] * len(self.fitted), 1))
+        return int(max(super().degrees() - self._shift_covariance.shape[1] * len(self.fitted), 1))

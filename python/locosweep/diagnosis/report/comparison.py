@@ -135,7 +135,7 @@ class _RunComparison(Comparison):
         measured = self._by_run(self.problem.measured[channel])
         levels = np.zeros(len(measured))
         if CHANNELS[channel].from_rest:
-            levels = self.problem.rest_levels[channel]
+            levels = self.problem.start_levels[channel]
         read = self.readings[model][channel]
         return [y - found - level for y, found, level in zip(measured, read, levels, strict=True)]
 

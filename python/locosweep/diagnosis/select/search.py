@@ -11,6 +11,7 @@ import numpy as np
 from locosweep.diagnosis.effects.catalogue import parameters_of
 from locosweep.diagnosis.estimate.least_squares import Fit, Model, Nuisances, chi2_of, point_of
 from locosweep.diagnosis.estimate.nominal import fit_nominal
+from locosweep.diagnosis.estimate.validation import validation_residuals
 from locosweep.diagnosis.select.thresholds import PENALTY
 from locosweep.diagnosis.select.whiteness import whiteness_test
 
@@ -81,7 +82,7 @@ class Search:
     def unseen_chi2(self, fit: Fit) -> float:
         """Chi2 of what fits have not seen; 0 where that does not judge."""
         if fit not in self._unseen:
-            e = self.problem.unseen([point_of(self.problem, fit)])[0]
+            e = validation_residuals(self.problem, [point_of(self.problem, fit)])[0]
             self._unseen[fit] = float(e @ e) if self.judges else 0.0
         return self._unseen[fit]
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from locosweep.diagnosis.effects.catalogue import VARIABLES
 from locosweep.diagnosis.estimate.least_squares import Fit, chi2_of, point_of
+from locosweep.diagnosis.estimate.validation import validation_residuals
 from locosweep.diagnosis.select.extension import extend, retried_singles, singles
 from locosweep.diagnosis.select.law_mismatch import (
     OUT_OF_LIBRARY,
@@ -230,7 +231,7 @@ def _misses(search: Search, fit: Fit) -> bool:
     problem = search.problem
     squares = []
     for one in (search.none, fit):
-        e = problem.unseen([point_of(problem, one)])[0]
+        e = validation_residuals(problem, [point_of(problem, one)])[0]
         squares.append(float(e @ e))
     before, after = squares
     if after > max(HELD_OUT_REST * before, HELD_OUT_NOISE * e.size):
