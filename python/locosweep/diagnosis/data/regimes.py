@@ -32,15 +32,7 @@ class MeasuredMotion:
 
 
 def measured_motion(run: Run, noise: Noise) -> MeasuredMotion:
-    """Smooth the measured position of a run as wide as its noise asks for.
-
-    Parameters
-    ----------
-    run : Run
-        A run with the channel x.
-    noise : Noise
-        Noise of x.
-    """
+    """Smooth the measured position of a run as wide as the noise of x asks for."""
     t, x = run.t, run.channels["x"]
     ok = np.isfinite(x)
     x = np.interp(t, t[ok], x[ok]) if ok.any() else np.zeros_like(t)

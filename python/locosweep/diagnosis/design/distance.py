@@ -44,27 +44,7 @@ _DAMPINGS = (0.1, 10.0)
 
 
 def project(rows: Floats, directions: Floats) -> Floats:
-    """Take orthonormal directions out of rows.
-
-    Parameters
-    ----------
-    rows : ndarray
-        Shape (n, samples).
-    directions : ndarray
-        Shape (k, samples), orthonormal.
-
-    Returns
-    -------
-    ndarray
-        Shape (n, samples).
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from locosweep.diagnosis.design.distance import project
-    >>> project(np.array([[3.0, 4.0]]), np.array([[1.0, 0.0]]))
-    array([[0., 4.]])
-    """
+    """Take orthonormal directions, shape (k, samples), out of rows, shape (n, samples)."""
     left: Floats = rows - (rows @ directions.T) @ directions
     return left
 
@@ -72,16 +52,8 @@ def project(rows: Floats, directions: Floats) -> Floats:
 class PlannedRuns:
     """Runs of a drive with the noise of their sensors: effects in, signals out.
 
-    Parameters
-    ----------
-    robot : Robot
-        The nominal model.
-    runs : sequence of Run
-        Drives, slopes and starts; measured channels are not looked at.
-    noise : mapping of str to float
-        Standard deviation of every channel that is measured (x, v, x_rear, force).
-    threads : int
-        Threads of the replay.
+    `noise` gives the standard deviation of every channel that is measured (x, v, x_rear,
+    force); measured values of the runs are not looked at.
     """
 
     def __init__(
@@ -206,22 +178,10 @@ def _sizes(rows: Floats) -> Floats:
 def strengths(
     plan: PlannedRuns, asked: Sequence[tuple[Family, float]], size: float
 ) -> list[Floats | None]:
-    """Find how strong each effect must be for a signal of `size` sigmas.
+    """Find how strong each effect, given with a sign, must be for a signal of `size` sigmas.
 
-    Parameters
-    ----------
-    plan : PlannedRuns
-        The runs.
-    asked : sequence of (Family, float)
-        Effects, each with the sign of its strength.
-    size : float
-        Length of the signal.
-
-    Returns
-    -------
-    list of ndarray or None
-        Coordinates of the family, strength first; None where no strength that the
-        rig allows gives that signal.
+    Returns the coordinates of its family, strength first; None where no strength that the rig
+    allows gives that signal.
     """
     first = [np.array([0.0, *(s.coordinate(v) for s, v in zip(f.shapes, _middle(f), strict=True))])
              for f, _ in asked]  # fmt: skip
@@ -278,10 +238,8 @@ def refit(
 
     Parameters
     ----------
-    plan : PlannedRuns
-        The runs.
-    family : Family
-        The effect that is fitted.
+    plan, family : PlannedRuns, Family
+        The runs, and the effect that is fitted.
     targets : ndarray
         Signals, shape (n, samples of all channels).
     reference : float

@@ -84,21 +84,12 @@ class _Planned:
 def next_experiment(
     search: Search, fits: Sequence[Fit], weights: Sequence[float]
 ) -> dict[str, Any]:
-    """Simulate a menu of runs and say which one tells `fits` apart.
+    """Simulate a menu of runs and say which one tells `fits` apart, the chosen one first.
 
     The distance of a run is the root of the least sum of squares, in deviations of the
     noise, that the nearest other explanation leaves of what one predicts for all runs so
     far and the new one together: its mean over what may be true. Its chance is the
-    probability that the true one is told from all others.
-
-    Parameters
-    ----------
-    search : Search
-        With the runs so far.
-    fits : sequence of Fit
-        Explanations, the chosen one first.
-    weights : sequence of float
-        How likely each of them is.
+    probability that the true one is told from all others; `weights` say how likely each is.
     """
     chosen, *rivals = fits
     separates = [sorted(set(chosen.model.names) ^ set(rival.model.names)) for rival in rivals]

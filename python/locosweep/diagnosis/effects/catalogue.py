@@ -57,11 +57,8 @@ class Free:
 def lacking(needs: Mapping[str, bool]) -> dict[str, str]:
     """Return the effects that have no meaning where a rig lacks what they need, and why.
 
-    Parameters
-    ----------
-    needs : mapping of str to bool
-        Whether the rig has an anchored body (`body`), a sensor of its position
-        (`rear_sensor`) and ground that can slope (`slope`); what is not said it has.
+    `needs` says whether the rig has an anchored body (`body`), a sensor of its position
+    (`rear_sensor`) and ground that can slope (`slope`); a rig has what it does not name.
     """
     out: dict[str, str] = {}
     for need, why in _WHY.items():
@@ -73,15 +70,7 @@ def lacking(needs: Mapping[str, bool]) -> dict[str, str]:
 
 
 def candidates(robot: Robot, channels: Collection[str]) -> tuple[list[str], dict[str, str]]:
-    """List the effects that have a meaning on a rig, and why the others have none.
-
-    Parameters
-    ----------
-    robot : Robot
-        The nominal model.
-    channels : collection of str
-        What is measured.
-    """
+    """List the effects that have a meaning on a rig, and why the others have none."""
     nominal = nominal_of(robot)
     out = lacking({
         "body": robot.other.get("bench.kind") is None and nominal["segments"] > 1.0,
@@ -153,12 +142,8 @@ def parameters_at(
 ) -> Values:
     """Return the parameters of an effect that formulas give, in their order.
 
-    Parameters
-    ----------
-    formulas : mapping of str to str
-        Formula of each parameter, in sizes, given numbers and other parameters.
-    sizes, given : mapping of str to float
-        Of the rig, and beside them; where both have a name, the given one counts.
+    Formulas know the `sizes` of the rig, the `given` numbers, which count where both have a
+    name, and the other parameters.
     """
     known = _Given(formulas, sizes, given)
     return {name: number(formula, known) for name, formula in formulas.items()}

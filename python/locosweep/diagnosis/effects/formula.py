@@ -84,26 +84,11 @@ def _parsed(text: str) -> Node:
 
 
 def numbers(text: str, sizes: Sizes) -> np.ndarray:
-    """Return what a formula gives, as an array.
+    """Return what a formula of the registry gives, as a one-dimensional array.
 
-    Parameters
-    ----------
-    text : str
-        In the vocabulary of the registry (`rust/core/physics/effects/row.rs`).
-    sizes : mapping of str to float or ndarray
-        What its names stand for, SI.
-
-    Returns
-    -------
-    ndarray
-        One-dimensional.
-
-    Raises
-    ------
-    KeyError
-        A name that is no size.
-    ValueError
-        What is not in the vocabulary.
+    The vocabulary stands in `rust/core/physics/effects/row.rs`; `sizes` gives the numbers that
+    its names stand for, SI. A name that is none of them is a KeyError, a formula beyond the
+    vocabulary a ValueError.
 
     Examples
     --------
@@ -115,7 +100,7 @@ def numbers(text: str, sizes: Sizes) -> np.ndarray:
 
 
 def number(text: str, sizes: Sizes) -> float:
-    """Return the single number that a formula gives; parameters as those of `numbers`.
+    """Return the single number that a formula gives.
 
     Examples
     --------

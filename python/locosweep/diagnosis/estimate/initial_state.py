@@ -45,13 +45,6 @@ def initial_states(problem: Problem, nuisances: Nuisances) -> InitialStates:
     model ask for a start speed, over all of it or there. Where the drive is on at the first
     sample, which a parabola cannot tell from a speed, the nominal model must ask both
     over all of it and there.
-
-    Parameters
-    ----------
-    problem : Problem
-        The runs; where they begin is read off their first samples.
-    nuisances : Nuisances
-        What the nominal model may shift beside the start speeds.
     """
     count = len(problem.runs)
     found = {r: _start_speed(problem, r) for r in range(count)}

@@ -187,17 +187,7 @@ def start_fits(
 
 
 def evaluate(problem: Problem, fits: Sequence[Fit], runs: Sequence[int] | None = None) -> list[Fit]:
-    """Return fits with chi2 and residual at their values.
-
-    Parameters
-    ----------
-    problem : Problem
-        The runs.
-    fits : sequence of Fit
-        What is evaluated.
-    runs : sequence of int, optional
-        Runs that count; those that are fitted if not given.
-    """
+    """Return fits with chi2 and residual at their values, of `runs` or of those that are fitted."""
     if not fits:
         return []
     found = problem.residuals([_point(problem, fit, fit.theta) for fit in fits], runs)
@@ -219,28 +209,10 @@ def fit_all(
     steps: int = 12,
     tolerance: float = 0.02,
 ) -> list[Fit]:
-    """Return fits improved until their chi2 falls by less than `tolerance`.
+    """Return fits improved until their chi2 falls by less than `tolerance`, or `steps` are made.
 
     Of those far behind the best one, fewer digits are asked for; and none where `limit`
-    is out of reach.
-
-    Parameters
-    ----------
-    problem : Problem
-        The runs.
-    fits : sequence of Fit
-        Where the improvement starts; those without a residual are evaluated first.
-    runs : sequence of int, optional
-        Runs that count; those that are fitted if not given.
-    steps : int
-        Steps of a fit, at most.
-    tolerance : float
-        Fall of chi2 below which a fit is done.
-
-    Returns
-    -------
-    list of Fit
-        In the order of `fits`.
+    is out of reach. `runs` count, or those that are fitted.
     """
     found = list(fits)
     bare = [i for i, fit in enumerate(found) if not fit.residual.size]

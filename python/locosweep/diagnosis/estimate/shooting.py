@@ -155,20 +155,10 @@ def cut(
     noise: Mapping[str, Noise],
     half: float,
 ) -> list[Window]:
-    """Cut windows out of runs and find the states at their starts.
+    """Cut windows (run, first sample, one beyond the last) and find the states at their starts.
 
-    Parameters
-    ----------
-    runs : sequence of Run
-        The runs.
-    windows : sequence of (int, int, int)
-        Run, first sample and one beyond the last of each.
-    lead : sequence of int
-        For each run, samples at either end of a window that do not count.
-    noise : mapping of str to Noise
-        Noise of x, and of v where it is measured.
-    half : float
-        Readings within this time of a start say what its state is, s.
+    `lead` gives for each run the samples at either end of a window that do not count; readings
+    within `half` seconds of a start say what its state is.
     """
     found = []
     around: dict[int, _Around] = {}

@@ -67,13 +67,7 @@ class Plan:
 
 
 def plan_of(whole: Problem) -> Plan | None:
-    """Say how runs are cut into windows; None where they are replayed as a whole.
-
-    Parameters
-    ----------
-    whole : Problem
-        The runs as they were measured.
-    """
+    """Say how runs are cut into windows; None where they are replayed as a whole."""
     runs = whole.runs
     growth = max(_growth(run, whole.nominal) for run in runs)
     longest = max(float(run.t[-1] - run.t[0]) for run in runs)
@@ -230,19 +224,7 @@ def adjoining_windows(
 def problem_of(whole: Problem, plan: Plan) -> tuple[WindowProblem, str]:
     """Choose the windows that take part in the search, and those that check it.
 
-    Parameters
-    ----------
-    whole : Problem
-        The runs as they were measured, with those that are kept from fits.
-    plan : Plan
-        How long windows are.
-
-    Returns
-    -------
-    WindowProblem
-        The chosen windows.
-    str
-        How runs were cut, and what is left out, in a sentence.
+    Returns them, and a sentence that says how runs were cut and what is left out.
     """
     interval = _interval(whole, plan)
     runs = [decimated(run, interval) for run in whole.runs]

@@ -36,17 +36,6 @@ FILES: dict[str, Callable[[Diagnosis], Figure | None]] = {
 
 
 def pictures(diagnosis: Diagnosis) -> dict[str, Figure]:
-    """Draw all pictures that there is data for.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        What to show.
-
-    Returns
-    -------
-    dict of str to Figure
-        By the name of the file.
-    """
+    """Draw all pictures that there is data for, by the name of their file."""
     drawn = {name: draw(diagnosis) for name, draw in FILES.items()}
     return {name: figure for name, figure in drawn.items() if figure is not None}

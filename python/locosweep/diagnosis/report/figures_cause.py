@@ -19,13 +19,7 @@ _WIDE = 1.96
 
 
 def candidates(diagnosis: Diagnosis) -> Figure | None:
-    """Show the leading candidates: probability and validation error reduction, with its interval.
-
-    Returns
-    -------
-    Figure or None
-        None without candidates.
-    """
+    """Show the probability and the validation error reduction of the leading candidates."""
     rows = diagnosis.candidates[:_MOST]
     if not rows:
         return None
@@ -75,13 +69,7 @@ def leading(diagnosis: Diagnosis) -> dict[str, Any] | None:
 
 
 def parameters(diagnosis: Diagnosis) -> Figure | None:
-    """Show each fitted parameter of the verdict with its 95 % interval.
-
-    Returns
-    -------
-    Figure or None
-        None where nothing was found.
-    """
+    """Show each fitted parameter of the verdict with its 95 % interval."""
     row = leading(diagnosis)
     fitted = [] if row is None else [
         (name, key, entry) for name, table in row["parameters"].items()
@@ -114,13 +102,7 @@ def parameters(diagnosis: Diagnosis) -> Figure | None:
 
 
 def horizons(diagnosis: Diagnosis) -> Figure | None:
-    """Show the error before and after for free runs of growing length.
-
-    Returns
-    -------
-    Figure or None
-        None where the error before is unknown at all horizons.
-    """
+    """Show the error before and after for free runs of growing length."""
     rows = [row for row in diagnosis.gap["horizons"] if row["before"]]
     if not rows:
         return None

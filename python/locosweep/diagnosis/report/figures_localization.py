@@ -38,19 +38,7 @@ _VARIABLES = {
 
 
 def window_strips(diagnosis: Diagnosis, ax: Axes) -> Axes:
-    """Draw the nominal model's residual over time, a strip a run, and its worst windows.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        With at least one trace.
-    ax : Axes
-        Where to draw; the figure gets a colour bar.
-
-    Returns
-    -------
-    Axes
-    """
+    """Draw the nominal model's residual over time, a strip a run, and its worst windows."""
     name = gap_channel(diagnosis)
     info = style.channel(name, diagnosis.nominal)
     traces = diagnosis.traces[:_MOST]
@@ -67,19 +55,7 @@ def window_strips(diagnosis: Diagnosis, ax: Axes) -> Axes:
 
 
 def origin_strips(diagnosis: Diagnosis, ax: Axes) -> Axes:
-    """Draw the kind of motion over time, a strip a run, and where the gap arises.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        With at least one trace.
-    ax : Axes
-        Where to draw.
-
-    Returns
-    -------
-    Axes
-    """
+    """Draw the kind of motion over time, a strip a run, and where the gap arises."""
     traces = diagnosis.traces[:_MOST]
     for place, trace in enumerate(traces):
         edges = _edges(trace.t)
@@ -92,12 +68,7 @@ def origin_strips(diagnosis: Diagnosis, ax: Axes) -> Axes:
 
 
 def where_in_time(diagnosis: Diagnosis) -> Figure:
-    """Show both: where the gap shows, and where it arises.
-
-    Returns
-    -------
-    Figure
-    """
+    """Show both: where the gap shows, and where it arises."""
     count = min(len(diagnosis.traces), _MOST)
     made = style.figure(9.0, 2.6 + 0.5 * count)
     top, bottom = made.subplots(2, 1, sharex=True, sharey=True)
@@ -163,12 +134,7 @@ def _runs_axis(ax: Axes, traces: Sequence[Trace], title: str) -> Axes:
 
 
 def shares(diagnosis: Diagnosis) -> Figure:
-    """Show which channels and kinds of motion hold the gap, and each run's error.
-
-    Returns
-    -------
-    Figure
-    """
+    """Show which channels and kinds of motion hold the gap, and each run's error."""
     where = diagnosis.where
     runs = where["runs"][:_MOST]
     made = style.figure(9.0, max(2.6, 1.2 + 0.3 * max(len(runs), 5)))
@@ -220,13 +186,7 @@ def _bars(ax: Axes, names: Sequence[str], values: Sequence[float | None], what: 
 
 
 def force_view(diagnosis: Diagnosis) -> Figure | None:
-    """Show the force that the nominal model lacks over each variable it may depend on.
-
-    Returns
-    -------
-    Figure or None
-        None where the diagnosis has no such table.
-    """
+    """Show the force that the nominal model lacks over each variable it may depend on."""
     tables = {name: table for name, table in diagnosis.details.get("force_view", {}).items()
               if len(table[0])}  # fmt: skip
     if not tables:

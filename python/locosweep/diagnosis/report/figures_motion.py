@@ -28,23 +28,7 @@ _BAND = 2.0
 
 
 def channel_over_time(diagnosis: Diagnosis, trace: Trace, name: str, ax: Axes) -> Axes:
-    """Draw one channel of a run, measured, nominal and augmented.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        Whose models these are.
-    trace : Trace
-        The run.
-    name : str
-        x, v, force, x_rear or power.
-    ax : Axes
-        Where to draw.
-
-    Returns
-    -------
-    Axes
-    """
+    """Draw one channel of a run, measured, nominal and augmented."""
     sources = [
         (trace.measured.get(name), "measured", style.MEASURED),
         (trace.nominal.get(name), "nominal model", style.NOMINAL),
@@ -67,22 +51,8 @@ def residual_over_time(
 ) -> Axes:
     """Draw measured minus simulated, with the band that noise alone would fill.
 
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        Whose models these are.
-    trace : Trace
-        The run.
-    ax : Axes
-        Where to draw.
-    after : bool
-        The augmented model's residual; else the nominal one's.
-    name : str, optional
-        Channel; default that of the gap.
-
-    Returns
-    -------
-    Axes
+    The model is the augmented one with `after`, else the nominal one; the channel is that of
+    the gap if `name` gives none.
     """
     name = name or gap_channel(diagnosis, trace)
     info = style.channel(name, diagnosis.nominal)
@@ -120,17 +90,7 @@ def gap_channel(diagnosis: Diagnosis, trace: Trace | None = None) -> str:
 
 
 def runs_large(diagnosis: Diagnosis) -> Figure:
-    """Show one or two runs large: the worst kept from the fit, and the worst fitted.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        With at least one trace.
-
-    Returns
-    -------
-    Figure
-    """
+    """Show one or two runs large: the worst kept from the fit, and the worst fitted."""
     chosen = _worst(diagnosis)
     channels = [name for name in ("x", "v", "force", "x_rear")
                 if name in ("x", "v") or any(name in t.measured for t in chosen)]  # fmt: skip
@@ -171,17 +131,7 @@ def _worst(diagnosis: Diagnosis) -> list[Trace]:
 
 
 def runs_small(diagnosis: Diagnosis) -> Figure:
-    """Show the gap's channel of every run in small, with its error before and after.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        With at least one trace; the first 24 runs are shown.
-
-    Returns
-    -------
-    Figure
-    """
+    """Show the gap's channel of the first 24 runs in small, with its error before and after."""
     traces: Sequence[Trace] = diagnosis.traces[:_SMALL]
     columns = min(4, len(traces))
     rows = -(-len(traces) // columns)

@@ -38,14 +38,7 @@ def shares(parts: dict[str, float]) -> dict[str, float]:
 def where_of(comparison: Comparison, channel: str, *, explained: bool) -> dict[str, Any]:
     """Return the report's `where`, but for its site.
 
-    Parameters
-    ----------
-    comparison : Comparison
-        The nominal model and the one that the verdict names.
-    channel : str
-        That of the gap.
-    explained : bool
-        Whether the second model accounts for the gap.
+    `explained` says whether the second model accounts for the gap in `channel`.
     """
     problem = comparison.problem
     squares = comparison.gap_squares(channel, explained=explained)

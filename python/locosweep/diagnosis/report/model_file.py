@@ -23,14 +23,7 @@ if TYPE_CHECKING:
 def calibrated(robot: Robot, point: Point, effects: dict[str, dict[str, float]]) -> Robot:
     """Return the model that a fit describes, its uncertain nominal values as fitted.
 
-    Parameters
-    ----------
-    robot : Robot
-        The nominal model.
-    point : Point
-        The fit: factors on mass, Coulomb level and gain, and the clock offset.
-    effects : dict of str to dict of str to float
-        Parameters of its effects, beside the nominal Coulomb level.
+    `effects` are given beside the nominal Coulomb level.
     """
     mass, level, gain, clock = (float(share) for share in point.factors)
     if (mass, level, gain, clock) == (1.0, 1.0, 1.0, 0.0):
@@ -59,15 +52,8 @@ def calibrated(robot: Robot, point: Point, effects: dict[str, dict[str, float]])
 def write_augmented(augmented: Robot, path: Path, nominal_text: str | None = None) -> None:
     """Write a model that `load_robot` reads back as `augmented`, value for value.
 
-    Parameters
-    ----------
-    augmented : Robot
-        The nominal model with its effects.
-    path : Path
-        The file.
-    nominal_text : str, optional
-        Text of the nominal file: kept, comments and all, but for values that differ in
-        `augmented`; the effects are added at its end.
+    The text of the nominal file is kept, comments and all, but for values that differ in
+    `augmented`; the effects are added at its end.
     """
     # Effects in another spelling of TOML cannot be added to: then the text is written anew.
     for start in ((nominal_text or "").removeprefix("\ufeff"), ""):

@@ -31,20 +31,10 @@ HEADLINES = {
 
 
 def page(diagnosis: Diagnosis, shown: Mapping[str, bytes]) -> str:
-    """Return report.html.
+    """Return report.html with pictures (PNG) by file name; those that are missing are left out.
 
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        What to tell.
-    shown : mapping of str to bytes
-        Pictures (PNG) by file name; those that are missing are left out.
-
-    Returns
-    -------
-    str
-        A page without scripts and without links to other files. Text that comes
-        from the runs and from their file is escaped.
+    The page has no scripts and no links to other files. Text that comes from the runs and
+    from their file is escaped.
     """
     template = _environment().get_template("page.html.jinja")
     pictures = {

@@ -46,27 +46,12 @@ def descend(
     *,
     at_noise: bool = False,
 ) -> Found:
-    """Fit from starts, those that may come near the best to their end.
+    """Fit from starts, and follow those that may come near the best to their end.
 
-    Parameters
-    ----------
-    search : Search
-        What is searched.
-    known : Collection
-        What was found before: it says what fits have to come to.
-    starts : sequence of Fit
-        Where fits start.
-    runs : list of int
-        Runs that the first steps are made on.
-    jumps : int
-        Fits that are tried from further places, at most.
-    at_noise : bool
-        Whether the model that the starts extend leaves but noise: then nothing ties.
-
-    Returns
-    -------
-    dict
-        The best fit of each set among the starts, or the known one where that is better.
+    The first steps are made on `runs`; `jumps` limits the fits that are tried from further
+    starts. With `at_noise`, the model that the starts extend leaves but noise: then nothing
+    ties. Returns the best fit of each set among the starts, or the known one where that is
+    better.
     """
     problem, steps = search.problem, search.steps
     fits = list(starts)

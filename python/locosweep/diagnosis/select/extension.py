@@ -84,25 +84,8 @@ def extend(
 ) -> Found:
     """Fit `base` with each of `partners` beside it; only the `keep` best after a scan.
 
-    Parameters
-    ----------
-    search : Search
-        What is searched.
-    known : Collection
-        What was found before.
-    base : Fit or None
-        The set that is extended; nothing but the nominal model if not given.
-    partners : sequence of str
-        Effects of which one is added.
-    keep : int
-        How many of them are fitted.
-    beat : bool
-        Whether only those are that promise to come near the best set of as many effects.
-
-    Returns
-    -------
-    dict
-        The best fit of each set that was fitted.
+    Without a base, effects are fitted alone. With `beat`, only those are fitted that promise to
+    come near the best set of as many effects. Returns the best fit of each set.
     """
     problem = search.problem
     held = base.model.names if base else ()

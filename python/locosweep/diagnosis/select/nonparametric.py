@@ -90,14 +90,8 @@ class NonparametricCorrection:
         """Return the log Bayes factor of a correction in some variables, on the scale of chi2.
 
         The correction is a Gaussian process around 0 whose deviation is the likeliest one, so
-        a term costs as much as the data can tell of it.
-
-        Parameters
-        ----------
-        variables : sequence of str
-            Regressors of the correction.
-        noise : float
-            Variance of the residuals that noise alone would have.
+        a term costs as much as the data can tell of it; `noise` is the variance of the residuals
+        that noise alone would have.
         """
         return self._likeliest_deviation(*self._covariance_root(variables, noise), noise)[1]
 

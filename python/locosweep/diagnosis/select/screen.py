@@ -56,23 +56,8 @@ def scan_beside(
 ) -> tuple[list[Screened], float]:
     """Evaluate many starts on some runs, and what each promises beside a fit.
 
-    Parameters
-    ----------
-    problem : Problem
-        The runs.
-    fits : iterable of Fit
-        Starts of models that extend that of `beside`.
-    runs : sequence of int
-        Runs that count.
-    beside : Fit
-        To its residual the change that a start makes is added.
-
-    Returns
-    -------
-    list of Screened
-        In the order of `fits`.
-    float
-        Chi2 of `beside` on these runs.
+    A start extends the model of `beside`: the change that it makes is added to that fit's
+    residual. Returns them in the order of `fits`, and chi2 of `beside` on these runs.
     """
     (known,) = evaluate(problem, [beside.unfitted()], runs)
     free = np.nan_to_num(jacobian_of(problem, known, runs))
@@ -156,23 +141,9 @@ def cancelling_pairs(
 ) -> list[tuple[int, int, tuple[float, float]]]:
     """Pick starts of two effects whose changes of the residual, scaled, cancel most of it.
 
-    Parameters
-    ----------
-    alone : sequence of Fit
-        Starts of single effects.
-    changes : ndarray
-        What each changes of the residual, a row each.
-    residual : ndarray
-        What is to be cancelled.
-    free : ndarray
-        Derivatives of the residual that may be refitted beside, a row each.
-    count : int
-        Pairs of effects, at most.
-
-    Returns
-    -------
-    list of tuple
-        Places of the two starts and their factors; best first, one for each pair of effects.
+    `changes` has a row for each start `alone`; `free` has the derivatives of the residual that
+    may be refitted beside. Returns the indices of the two starts and their factors; best first,
+    one for each of at most `count` pairs of effects.
     """
     if len(free):
         basis = np.linalg.qr(free.T)[0]

@@ -56,26 +56,17 @@ def forward(
 
     Parameters
     ----------
-    search : Search
-        What is searched.
-    known : Collection
-        What was found before.
+    search, known : Search, Collection
+        What is searched, and what was found before.
     level : sequence of Fit
-        Sets of as many effects as `found`, best first.
-    found : Fit
-        The best of them.
+        Sets of as many effects as `found`, the best of them; best first.
     rest : bool
-        Whether it leaves more than noise. Then effects of a pair are put in place of each
-        other too; with more there are too many.
+        Whether `found` leaves more than noise. Then effects of a pair are exchanged too; with
+        more there are too many.
     wide : bool
         Whether many sets of the level are extended where the best few do not do.
     windows : sequence of WindowSearch
         Searches in windows that are extended as well.
-
-    Returns
-    -------
-    dict
-        The best fit of each set that was fitted.
     """
     problem = search.problem
     seeds = _seeds(level, _SEEDS if rest else 1)

@@ -114,15 +114,7 @@ class _Grown:
 
 
 def choose(search: Search, most: int) -> Choice:
-    """Search for the smallest set of effects that leaves only noise.
-
-    Parameters
-    ----------
-    search : Search
-        What is known of one set of runs.
-    most : int
-        Effects at once, at most.
-    """
+    """Search for the smallest set of at most `most` effects that leaves only noise."""
     problem, none = search.problem, search.none
     search.progress("single effects")
     known, singles, windows = _single_effects(search)

@@ -90,14 +90,7 @@ def whiteness_test(
 ) -> WhitenessTest:
     """Test whitened residuals of a fit for what white noise would not leave.
 
-    Parameters
-    ----------
-    problem : Problem
-        The runs.
-    residual : ndarray
-        Residuals of one fit, as `Problem.residuals` lays them out.
-    runs : sequence of int, optional
-        Runs that they belong to; those that are fitted if not given.
+    They belong to `runs`, or to those that are fitted, in the form of `Problem.residuals`.
     """
     parts: dict[str, list[NDArray[np.float64]]] = {}
     for c, _, values in residuals_by_run(problem, residual, runs):
