@@ -12,7 +12,7 @@ from locosweep.diagnosis.estimate.window_plan import Plan
 from locosweep.diagnosis.report import sentences
 from locosweep.diagnosis.report.improvement import gap_of
 from locosweep.diagnosis.report.localization import where_of
-from locosweep.diagnosis.report.windowed import _sums, compare_windows, report_windows
+from locosweep.diagnosis.report.windowed import _sums, report_windows
 
 MASS = 0.05
 LOUD = replace(ROBOT, other={"sensor.position_noise": 1e-4})
@@ -25,8 +25,7 @@ def comparison_of(runs, robot=ROBOT, **changes):
     nominal = whole.plain()
     true = replace(nominal, names=("payload_mass",), values=nominal.values.copy())
     true.values[whole.parameter_index("payload_mass", "dm")] = MASS
-    windows = report_windows(whole, Plan(0.4, "asked for", whole.noise))
-    return compare_windows(windows, nominal, true)
+    return report_windows(whole, Plan(0.4, "asked for", whole.noise)).compare(nominal, true)
 
 
 def of_nominal(comparison):
@@ -65,15 +64,16 @@ class TestGap:
 
     def test_one_run_is_judged_by_its_last_part(self):
         found = comparison_of(measured({}, driven(1, 4.0)), train_fraction=0.7).windows
-        begins = [found.windows.windows[i].span[1] for i in found.validation]
+        begins = [found.problem.windows[i].span[1] for i in found.validation]
         assert min(begins) > 0.7 * 400
-        assert len(begins) < 0.5 * len(found.windows.windows)
+        assert len(begins) < 0.5 * len(found.problem.windows)
 
     def test_the_worst_tenth_of_windows_does_not_decide(self):
         runs = measured({"payload_mass": {"dm": MASS}}, driven(3, 4.0))
         runs[1].channels["x"][200:230] += 0.05
         found = comparison_of(runs, held=(1,))
-        assert found.reduction_without_worst("x") > gap_of(found, 0)["shrink"] + 0.2
+        without = found.windows.reduction_without_worst(found.before, found.after, "x")
+        assert without > gap_of(found, 0)["shrink"] + 0.2
 
 
 class TestWhere:
@@ -97,25 +97,25 @@ class TestOddWindows:
     def test_a_run_that_hardly_moves(self):
         runs = driven(3, 4.0)
         runs[2] = replace(runs[2], drive=0.1 * runs[2].drive)
-        (said,) = sentences.odd_windows(of_nominal(comparison_of(measured({}, runs))), "x")
+        (said,) = sentences.odd_windows(of_nominal(comparison_of(measured({}, runs))), "x", 20)
         assert said.startswith("run 2: the head hardly ever moves")
 
     def test_a_run_that_no_effect_helps(self, heavier, monkeypatch):
         rows = [{"run": label, "before": 1e-3, "after": 1e-4} for label in "012"]
         monkeypatch.setattr(sentences, "by_run", lambda *_: rows)
-        assert sentences.odd_windows(heavier, "x") == []
+        assert sentences.odd_windows(heavier, "x", 20) == []
         rows[1]["after"] = 9.6e-4
-        (said,) = sentences.odd_windows(heavier, "x")
+        (said,) = sentences.odd_windows(heavier, "x", 20)
         assert said.startswith("run 1: no effect makes its error smaller than 0.00096 m, 9.6 times")
         # Helped by more than a twentieth, however large it stays.
         rows[1]["after"] = 9.4e-4
-        assert sentences.odd_windows(heavier, "x") == []
+        assert sentences.odd_windows(heavier, "x", 20) == []
 
     def test_a_window_that_holds_most_of_what_is_left(self):
         runs = measured({}, driven(3, 4.0), noise=1e-4)
-        assert sentences.odd_windows(of_nominal(comparison_of(runs, LOUD)), "x") == []
+        assert sentences.odd_windows(of_nominal(comparison_of(runs, LOUD)), "x", 20) == []
         runs[1].channels["x"][203:217] += 0.01
-        said = sentences.odd_windows(of_nominal(comparison_of(runs, LOUD)), "x")[-1]
+        said = sentences.odd_windows(of_nominal(comparison_of(runs, LOUD)), "x", 20)[-1]
         assert said.startswith(("run 1, 2 to 2.2 s holds", "run 1, 2.2 to 2.4 s holds"))
 
 

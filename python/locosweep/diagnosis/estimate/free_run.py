@@ -8,17 +8,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from locosweep.diagnosis.estimate.problem import Point, Problem
 
+    Floats = NDArray[np.float64]
 
-def _restarted(
-    problem: Problem, point: Point, cuts: list[tuple[int, int, int]]
-) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
-    """Replay windows (run, first, one beyond last) from their measured state.
 
-    Returns for each its times and the residual of the position in m.
+def free_errors(
+    problem: Problem, point: Point, cuts: Sequence[tuple[int, int, int]]
+) -> list[Floats]:
+    """Return measured minus simulated positions in m, each cut replayed from its measured state.
+
+    A cut is a run, its first sample and one beyond the last.
     """
     if not cuts:
         return []
@@ -29,31 +33,22 @@ def _restarted(
         limit = 4.0 * motion.deviation + 0.01 * float(np.abs(motion.v).max(initial=0.0))
         still = abs(motion.v[a]) < limit
         starts.append((motion.x[a], 0.0 if still else motion.v[a]))
-    columns = [(r, a, b, list(point.names)) for r, a, b in cuts]
-    count = len(cuts)
     read = problem.job.run(
-        columns,
-        np.tile(point.values, (count, 1)),
-        np.tile(point.factors, (count, 1)),
+        [(r, a, b, list(point.names)) for r, a, b in cuts],
+        np.tile(point.values, (len(cuts), 1)),
+        np.tile(point.factors, (len(cuts), 1)),
         np.array(starts),
         problem.threads,
     )[0]
-    found, at = [], 0
-    for r, a, b in cuts:
-        x = problem.runs[r].channels["x"][a:b]
-        found.append((problem.runs[r].t[a:b], x - read[at : at + b - a]))
-        at += b - a
-    return found
+    edges = np.cumsum([b - a for _, a, b in cuts])[:-1]
+    return [
+        problem.runs[r].channels["x"][a:b] - x
+        for (r, a, b), x in zip(cuts, np.split(read, edges), strict=True)
+    ]
 
 
-def free_errors(
-    problem: Problem, point: Point, cuts: list[tuple[int, int, int]]
-) -> list[NDArray[np.float64]]:
-    """Return measured minus simulated positions in windows, each from its measured state."""
-    return [e for _, e in _restarted(problem, point, cuts)]
-
-
-def _cuts(problem: Problem, count: int) -> list[tuple[int, int, int]]:
+def equal_cuts(problem: Problem, count: int) -> list[tuple[int, int, int]]:
+    """Cut every run into `count` parts; those of less than 5 samples are left out."""
     cuts: list[tuple[int, int, int]] = []
     for r in range(len(problem.runs)):
         edges = np.linspace(0, int(problem.lengths[r]), count + 1).astype(int)

@@ -19,11 +19,7 @@ from locosweep.diagnosis.report.identifiability import not_visible
 from locosweep.diagnosis.report.improvement import gap_of, reduction
 from locosweep.diagnosis.report.model_file import calibrated
 from locosweep.diagnosis.report.result import Diagnosis, Trace
-from locosweep.diagnosis.report.windowed import (
-    WindowComparison,
-    compare_windows,
-    report_windows,
-)
+from locosweep.diagnosis.report.windowed import report_windows
 from locosweep.diagnosis.select.stepwise import without
 from locosweep.files.robot import Robot
 from locosweep.simulation.replay import effect
@@ -35,6 +31,7 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.problem import Point, Problem
     from locosweep.diagnosis.estimate.window_plan import Plan
     from locosweep.diagnosis.report.comparison import Comparison
+    from locosweep.diagnosis.report.windowed import ReportWindows
     from locosweep.diagnosis.select.nearest import Nearest
     from locosweep.diagnosis.select.search import Search
     from locosweep.diagnosis.select.verdict import Choice
@@ -101,7 +98,9 @@ class Findings:
 
 def assemble(found: Findings, source: Source) -> Diagnosis:
     """Return the report of what was found, with both models and the curves of the runs."""
-    choice, problem, compare = found.choice, found.search.problem, _compare(found)
+    choice, problem = found.choice, found.search.problem
+    windows = report_windows(found.whole, found.plan) if found.plan else None
+    compare = windows.compare if windows else partial(compare_whole_runs, found.whole)
     comparison = compare(found.nominal, found.augmented)
     gap = gap_of(comparison, source.seed)
     explained = found.named and not choice.law_mismatch
@@ -131,14 +130,15 @@ def assemble(found: Findings, source: Source) -> Diagnosis:
     if choice.unlisted:
         verdict["unlisted"] = {"variable": choice.unlisted, "effects": list(choice.fit.model.names)}
     if gap["shrink"] is None and comparison.validates and not comparison.same:
-        report["warnings"].append(sentences.no_gap(comparison.parts))
-    if isinstance(comparison, WindowComparison):
+        report["warnings"].append(sentences.no_gap("windows" if windows else "runs"))
+    if windows:
         near, nearer = found.nearest, comparison
         if near:
-            nearer = replace(comparison, after=point_of(problem, near.fit))
-        report["warnings"] += sentences.odd_windows(nearer, gap["channel"])
+            nearer = compare(found.nominal, point_of(problem, near.fit))
+        count = len(windows.problem.runs)
+        report["warnings"] += sentences.odd_windows(nearer, gap["channel"], count)
         if choice.status == "unexplained":
-            verdict["nearest"] = near and _nearest(near, nearer, gap["channel"])
+            verdict["nearest"] = near and _nearest(near, windows, nearer, gap["channel"])
     if choice.shape:
         gap["left"] = [{"variable": v, "share": s} for v, s in choice.shape[:5]]
     verdict["summary"] = sentences.summary(report)
@@ -155,19 +155,15 @@ def assemble(found: Findings, source: Source) -> Diagnosis:
     return Diagnosis(report, _traces(comparison), source.robot, augmented, details)
 
 
-def _compare(found: Findings) -> Callable[[Point, Point], Comparison]:
-    """Return what compares two models: on whole runs, or in windows where runs are cut."""
-    if found.plan is None:
-        return partial(compare_whole_runs, found.whole)
-    return partial(compare_windows, report_windows(found.whole, found.plan))
-
-
-def _nearest(near: Nearest, comparison: WindowComparison, channel: str) -> dict[str, Any]:
+def _nearest(
+    near: Nearest, windows: ReportWindows, comparison: Comparison, channel: str
+) -> dict[str, Any]:
     """Return the effects that come nearest to the gap, and how near they come."""
+    before, after = comparison.before, comparison.after
     return {
         "effects": list(near.fit.model.names),
         "as_near": [list(fit.model.names) for fit in near.fits[1:]],
-        "shrink_without_worst": comparison.reduction_without_worst(channel),
+        "shrink_without_worst": windows.reduction_without_worst(before, after, channel),
         "runs": localization.by_run(comparison, channel),
     }
 

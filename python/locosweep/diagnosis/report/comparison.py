@@ -5,13 +5,12 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.diagnosis.report import localization
 from locosweep.diagnosis.report.improvement import draws_of_runs
-from locosweep.diagnosis.report.localization import rms
+from locosweep.diagnosis.report.localization import rms, smooth_square
 from locosweep.files.channels import CHANNELS
 
 if TYPE_CHECKING:
@@ -41,14 +40,9 @@ class Comparison(ABC):
     """The runs as they were measured."""
     before: Point
     after: Point
-
-    parts: ClassVar[str] = "runs"
-    """Name of what is replayed."""
-
-    @property
-    def horizon(self) -> str:
-        """Length of a free run, as words that follow "simulation"."""
-        return ""
+    noise: Mapping[str, Noise]
+    seconds: float | None = None
+    """Length of the windows, s; None where runs are replayed from end to end."""
 
     @property
     def same(self) -> bool:
@@ -63,11 +57,6 @@ class Comparison(ABC):
     def unit(self, channel: str) -> str:
         """Return the unit of a channel on this rig."""
         return CHANNELS[channel].unit_on(rotary="gravity_torque" in self.problem.nominal)
-
-    @property
-    @abstractmethod
-    def noise(self) -> Mapping[str, Noise]:
-        """Noise of each channel."""
 
     @property
     @abstractmethod
@@ -93,13 +82,13 @@ class Comparison(ABC):
     def draws(self, channel: str, generator: np.random.Generator) -> list[Floats]:
         """Draw sums of squared errors, before and after, of data like those kept from the fit."""
 
-    @abstractmethod
     def gap_squares(self, channel: str, *, explained: bool) -> list[Floats]:
-        """Return the square of the gap at every sample, 0 where nothing was measured."""
+        """Return the square of the gap at every sample, 0 where nothing was measured.
 
-    @abstractmethod
-    def origin(self, windows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-        """Return the windows where the gap arises; `windows` are those where it shows."""
+        `explained` says whether the second model accounts for the gap.
+        """
+        del explained
+        return [np.nan_to_num(s) for s in self.squares[0][channel]]
 
 
 def compare_whole_runs(problem: Problem, before: Point, after: Point) -> Comparison:
@@ -113,14 +102,10 @@ def compare_whole_runs(problem: Problem, before: Point, after: Point) -> Compari
         before = started(problem, before)
     else:
         before = replace(before, speeds=after.speeds, start_offsets=after.start_offsets)
-    return _RunComparison(problem, before, after)
+    return _RunComparison(problem, before, after, problem.noise)
 
 
 class _RunComparison(Comparison):
-    @property
-    def noise(self) -> Mapping[str, Noise]:
-        return self.problem.noise
-
     @cached_property
     def readings(self) -> tuple[ByRun, ByRun]:
         read = self.problem.replay([self.before, self.after])
@@ -198,18 +183,13 @@ class _RunComparison(Comparison):
     def gap_squares(self, channel: str, *, explained: bool) -> list[Floats]:
         """Return what an explanation adds to the model; else the smoothed residual, squared."""
         if not explained:
-            errors = self._errors(0, channel)
-            return [localization.smooth_square(e, self.noise[channel].sd) for e in errors]
+            return [smooth_square(e, self.noise[channel].sd) for e in self._errors(0, channel)]
         before, after = self.readings
         measured = self._by_run(self.problem.measured[channel])
         return [
             np.where(np.isfinite(y), b - a, 0.0) ** 2
             for y, a, b in zip(measured, before[channel], after[channel], strict=True)
         ]
-
-    def origin(self, windows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-        del windows
-        return localization.origin(self.problem, self.before)
 
 
 def started(problem: Problem, point: Point) -> Point:

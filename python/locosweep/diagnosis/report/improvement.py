@@ -38,6 +38,8 @@ def gap_of(comparison: Comparison, seed: int) -> dict[str, Any]:
     problem = comparison.problem
     prominence = comparison.prominence
     channel = max(prominence, key=lambda c: prominence[c], default="x")
+    span = comparison.seconds
+    horizon = f" over {span:.3g} s from the measured state" if span else ""
     data = "last part of the run"
     if problem.train_fraction == 1.0:
         data = "held-out runs" if problem.held else "fitted runs"
@@ -47,7 +49,7 @@ def gap_of(comparison: Comparison, seed: int) -> dict[str, Any]:
     return {
         "channel": channel,
         "unit": comparison.unit(channel),
-        "metric": f"rmse, free-running simulation{comparison.horizon}, {data}",
+        "metric": f"rmse, free-running simulation{horizon}, {data}",
         **reduction(comparison, channel, seed),
         "horizons": horizons(problem, *points, judged, _HORIZONS) if channel == "x" else [],
         "held_out": [labels[r] for r in problem.held],

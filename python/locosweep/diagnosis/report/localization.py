@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from locosweep.diagnosis.data.regimes import REGIMES, regimes_of
-from locosweep.diagnosis.estimate.free_run import _cuts, _restarted
+from locosweep.diagnosis.estimate.free_run import equal_cuts, free_errors
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -48,7 +48,10 @@ def where_of(comparison: Comparison, channel: str, *, explained: bool) -> dict[s
         "channels": _by_channel(comparison),
         "runs": by_run(comparison, channel),
         "windows": largest,
-        "origin": comparison.origin(largest),
+        # Windows start anew: where a gap shows is where it arises.
+        "origin": [dict(row) for row in largest]
+        if comparison.seconds
+        else origin(problem, comparison.before),
         "regimes": regime_shares(squares, regimes),
     }
 
@@ -122,9 +125,9 @@ def windows(problem: Problem, squares: list[Floats]) -> list[dict[str, Any]]:
 def origin(problem: Problem, point: Point) -> list[dict[str, Any]]:
     """Return the windows in which the gap arises: the model restarted at each one's start."""
     squares = [np.zeros(int(n)) for n in problem.lengths]
-    cuts = _cuts(problem, WINDOWS)
-    for (r, a, b), (t, e) in zip(cuts, _restarted(problem, point, cuts), strict=True):
-        ok = np.isfinite(e)
+    cuts = equal_cuts(problem, WINDOWS)
+    for (r, a, b), e in zip(cuts, free_errors(problem, point, cuts), strict=True):
+        t, ok = problem.runs[r].t[a:b], np.isfinite(e)
         if ok.sum() < 4:
             continue
         base = np.vander(t[ok] - t[0], 2)
@@ -150,7 +153,7 @@ def horizons(
             continue
         both = []
         for point in (before, after):
-            e = np.concatenate([e for _, e in _restarted(problem, point, cuts)])
+            e = np.concatenate(free_errors(problem, point, cuts))
             both.append(float(np.sqrt(np.nanmean(e**2))))
         rows.append({"seconds": horizon, "before": both[0], "after": both[1]})
     return rows
@@ -184,17 +187,16 @@ def force_view(problem: Problem, point: Point, mass: float) -> dict[str, Any]:
     count give centres, means and half widths of their 95 % intervals.
     """
     count = int(np.clip(problem.count / (len(problem.runs) * 25), 10, 60))
-    cuts = _cuts(problem, count)
+    cuts = equal_cuts(problem, count)
     swept = [_swept(motion) for motion in problem.motions]
     rows = []
-    for (r, a, b), (t, e) in zip(cuts, _restarted(problem, point, cuts), strict=True):
-        x, v = problem.motions[r].x, problem.motions[r].v
-        ok = np.isfinite(e)
+    for (r, a, b), e in zip(cuts, free_errors(problem, point, cuts), strict=True):
+        run, x, v = problem.runs[r], problem.motions[r].x, problem.motions[r].v
+        t, ok = run.t[a:b], np.isfinite(e)
         if ok.sum() < 8 or np.abs(v[a:b]).min() < 3.0 * problem.motions[r].deviation:
             continue
         base = np.vander(t[ok] - t[0], 3)
         bend = np.linalg.lstsq(base, e[ok], rcond=None)[0][0]
-        run = problem.runs[r]
         rows.append(
             (
                 2.0 * mass * bend,

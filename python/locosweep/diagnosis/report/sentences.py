@@ -9,7 +9,7 @@ import numpy as np
 from locosweep.diagnosis.report.localization import by_run, windows
 
 if TYPE_CHECKING:
-    from locosweep.diagnosis.report.windowed import WindowComparison
+    from locosweep.diagnosis.report.comparison import Comparison
 
 _FEW = 0.05
 """Part of a run's error whose fall is no fall."""
@@ -82,8 +82,8 @@ def no_gap(parts: str) -> str:
     )
 
 
-def odd_windows(comparison: WindowComparison, channel: str) -> list[str]:
-    """Say which runs hardly move, which no effect helps, and which window holds most."""
+def odd_windows(comparison: Comparison, channel: str, count: int) -> list[str]:
+    """Say which runs hardly move or are not helped, and which of `count` windows holds most."""
     problem = comparison.problem
     noise = problem.noise["x"]
     said, still = [], []
@@ -108,7 +108,7 @@ def odd_windows(comparison: WindowComparison, channel: str) -> list[str]:
             )
     left = [np.nan_to_num(squares) for squares in comparison.squares[1][channel]]
     for row in windows(problem, left)[:1]:
-        if row["share"] > _MOST and len(comparison.windows.windows.runs) >= _MANY:
+        if row["share"] > _MOST and count >= _MANY:
             said.append(
                 f"run {row['run']}, {row['t0']:.3g} to {row['t1']:.3g} s holds {row['share']:.0%} "
                 "of the squared error that is left: a push from outside, or a reading that jumped?"

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from locosweep.diagnosis.data.noise import Noise
     from locosweep.diagnosis.estimate.problem import Point, Problem
     from locosweep.diagnosis.estimate.shooting import WindowProblem
     from locosweep.diagnosis.estimate.window_plan import Plan
@@ -37,15 +36,20 @@ class ReportWindows:
 
     whole: Problem
     """The runs as they were measured."""
-    windows: WindowProblem
+    problem: WindowProblem
     seconds: float
     validation: list[int]
+
+    def compare(self, before: Point, after: Point) -> Comparison:
+        """Compare two models on these windows."""
+        noise = self.problem.noise
+        return _WindowComparison(self.whole, before, after, noise, self.seconds, windows=self)
 
     def by_run(self, values: Floats) -> list[Floats]:
         """Lay windows' values over the samples of the runs; the parts that count win."""
         found = [np.full(int(n), np.nan) for n in self.whole.lengths]
-        parts = np.split(values, self.windows.starts_at[1:-1])
-        windows = list(zip(self.windows.windows, parts, strict=True))
+        parts = np.split(values, self.problem.starts_at[1:-1])
+        windows = list(zip(self.problem.windows, parts, strict=True))
         for window, own in windows:
             covered = found[window.record][slice(*window.span)]
             covered[:] = np.where(np.isnan(covered), own, covered)
@@ -53,6 +57,22 @@ class ReportWindows:
             counted = slice(*window.counted)
             found[window.record][slice(*window.span)][counted] = own[counted]
         return found
+
+    def sums(self, before: Point, after: Point) -> dict[str, Floats]:
+        """Sum and number of squares in each window that validates, shape (2, windows, 2)."""
+        errors = self.problem.errors([before, after], self.validation)
+        return {c: _sums(e**2, self.problem.lengths[self.validation]) for c, e in errors.items()}
+
+    def reduction_without_worst(self, before: Point, after: Point, channel: str) -> float | None:
+        """Return the error reduction in windows kept from fits, but for the worst tenth.
+
+        A push from outside in one window would outweigh all that a model does in others.
+        """
+        sums = self.sums(before, after)[channel]
+        means = sums[:, :, 0] / np.maximum(sums[:, :, 1], 1.0)
+        order = np.argsort(means.max(axis=0), kind="stable")
+        old, new = means[:, order[: int(np.ceil((1.0 - _WORST) * order.size))]].sum(axis=1)
+        return float(1.0 - np.sqrt(new / old)) if old > 0.0 else None
 
 
 def report_windows(whole: Problem, plan: Plan) -> ReportWindows:
@@ -71,38 +91,17 @@ def report_windows(whole: Problem, plan: Plan) -> ReportWindows:
     return ReportWindows(whole, problem, plan.seconds, chosen.tolist())
 
 
-def compare_windows(windows: ReportWindows, before: Point, after: Point) -> WindowComparison:
-    """Compare two models on runs that are replayed in windows."""
-    return WindowComparison(windows.whole, before, after, windows)
-
-
 @dataclass(frozen=True, eq=False)
-class WindowComparison(Comparison):
-    """Two models on the same windows of runs."""
-
-    windows: ReportWindows
-
-    parts: ClassVar[str] = "windows"
-
-    @property
-    def horizon(self) -> str:
-        """Length of a window, and where it starts."""
-        return f" over {self.windows.seconds:.3g} s from the measured state"
-
-    @property
-    def noise(self) -> Mapping[str, Noise]:
-        """Noise of each channel, as the plan of the windows takes it."""
-        return self.windows.windows.noise
+class _WindowComparison(Comparison):
+    windows: ReportWindows = field(kw_only=True)
 
     @cached_property
     def readings(self) -> tuple[ByRun, ByRun]:
-        """What the sensors would read; the replay starts anew with every window."""
-        return self._laid(self.windows.windows.replay([self.before, self.after]))
+        return self._laid(self.windows.problem.replay([self.before, self.after]))
 
     @cached_property
     def squares(self) -> tuple[ByRun, ByRun]:
-        """Squared errors of either model."""
-        problem = self.windows.windows
+        problem = self.windows.problem
         errors = problem.errors([self.before, self.after], range(len(problem.runs)))
         return self._laid({c: e**2 for c, e in errors.items()})
 
@@ -114,14 +113,10 @@ class WindowComparison(Comparison):
 
     @cached_property
     def _sums(self) -> dict[str, Floats]:
-        """Sum and number of squares in each window that validates, shape (2, windows, 2)."""
-        problem, chosen = self.windows.windows, self.windows.validation
-        errors = problem.errors([self.before, self.after], chosen)
-        return {c: _sums(e**2, problem.lengths[chosen]) for c, e in errors.items()}
+        return self.windows.sums(self.before, self.after)
 
     @cached_property
     def validation_rms(self) -> dict[str, tuple[float, float]]:
-        """Error of either model in the windows that validate."""
         found = {}
         for c, sums in self._sums.items():
             count = float(sums[0, :, 1].sum())
@@ -130,34 +125,12 @@ class WindowComparison(Comparison):
                 found[c] = float(before), float(after)
         return found
 
-    @cached_property
+    @property
     def prominence(self) -> dict[str, float]:
-        """Error before in the windows that validate, in units of its noise."""
         return {c: before / self.noise[c].sd for c, (before, _) in self.validation_rms.items()}
 
     def draws(self, channel: str, generator: np.random.Generator) -> list[Floats]:
-        """Draw sums of squared errors of as many windows like these."""
         return draws_of_windows(self._sums[channel][:, :, 0], generator)
-
-    def gap_squares(self, channel: str, *, explained: bool) -> list[Floats]:
-        """Return squared errors of the first model: in windows they do not pile up."""
-        del explained
-        return [np.nan_to_num(s) for s in self.squares[0][channel]]
-
-    def origin(self, windows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-        """Return the same windows: each starts anew, so a gap shows where it arises."""
-        return [dict(row) for row in windows]
-
-    def reduction_without_worst(self, channel: str) -> float | None:
-        """Return the error reduction in windows kept from fits, but for the worst tenth.
-
-        A push from outside in one window would outweigh all that a model does in others.
-        """
-        sums = self._sums[channel]
-        means = sums[:, :, 0] / np.maximum(sums[:, :, 1], 1.0)
-        order = np.argsort(means.max(axis=0), kind="stable")
-        old, new = means[:, order[: int(np.ceil((1.0 - _WORST) * order.size))]].sum(axis=1)
-        return float(1.0 - np.sqrt(new / old)) if old > 0.0 else None
 
 
 def _sums(squares: Floats, lengths: NDArray[np.intp]) -> Floats:
