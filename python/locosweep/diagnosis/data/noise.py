@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
     from locosweep.files.runs import Run
 
+    Floats = NDArray[np.float64]
+
 _THIRD = np.sqrt(20.0)
 """Standard deviation of third differences of white noise of deviation 1."""
 
@@ -70,7 +72,7 @@ def noise_of(channel: str, runs: Sequence[Run], sensor: Mapping[str, float]) -> 
     return Noise(max(sd, 1e-12), float(stated), float(step), stated=True)
 
 
-def _seen(readings: list[NDArray[np.float64]]) -> tuple[float, float]:
+def _seen(readings: list[Floats]) -> tuple[float, float]:
     """Return the deviation of white noise, from third differences, and the smallest step."""
     thirds, grains = [], []
     for values in readings:
@@ -90,7 +92,7 @@ def _seen(readings: list[NDArray[np.float64]]) -> tuple[float, float]:
     return deviation, min(grains, default=0.0)
 
 
-def stretches(values: NDArray[np.float64], width: float) -> NDArray[np.intp]:
+def stretches(values: Floats, width: float) -> NDArray[np.intp]:
     """Count stretches within which a reading stays in a band of `width`, sample by sample."""
     number = np.zeros(values.size, dtype=np.intp)
     low = high = values[0] if values.size else 0.0

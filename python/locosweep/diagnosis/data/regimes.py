@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.data.noise import Noise
     from locosweep.files.runs import Run
 
+    Floats = NDArray[np.float64]
+
 REGIMES = ("at_rest", "breakaway", "sliding_forward", "sliding_backward", "reversal")
 """Kinds of motion that a sample belongs to."""
 
@@ -26,8 +28,8 @@ _AFTER = 5
 class MeasuredMotion:
     """Smoothed motion of a run at its samples, and the deviation of its speed."""
 
-    x: NDArray[np.float64]
-    v: NDArray[np.float64]
+    x: Floats
+    v: Floats
     deviation: float
 
 

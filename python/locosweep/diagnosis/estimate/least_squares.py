@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.effects.catalogue import Free
     from locosweep.diagnosis.estimate.problem import Problem
 
+    Floats = NDArray[np.float64]
+
 _TRIALS = (0.05, 1.0, 30.0)
 """Factors on the damping that each step tries side by side."""
 _DOUBT = 3.0
@@ -28,7 +30,7 @@ distance from which on it does."""
 
 @dataclass(frozen=True)
 class Nuisances:
-    """What every model, the nominal one included, may shift.
+    """Values that every model, the nominal one included, may shift.
 
     `moving` lists runs whose start speed is free; `spread` gives the standard
     deviations of mass, Coulomb level, gain (relative) and clock (s), 0 where exact.
@@ -37,13 +39,13 @@ class Nuisances:
     moving: tuple[int, ...] = ()
     spread: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     speed: float = 1.0
-    """What counts as a large start speed, m/s."""
+    """A large start speed, m/s."""
     start_offsets: tuple[tuple[int, float], ...] = ()
     """Runs whose start position is shifted, with its deviation."""
 
     @property
     def uncertain(self) -> tuple[int, ...]:
-        """Places of the values that are uncertain."""
+        """Indices of the values that are uncertain."""
         return tuple(i for i, s in enumerate(self.spread) if s > 0.0)
 
 
@@ -57,34 +59,29 @@ class Model:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A model with values: parameters first, then shares, then start speeds.
+    """A model with values: parameters first, then uncertain nominal ones, then start speeds.
 
     A value: evaluating or improving it gives another one.
     """
 
     model: Model
     nuisances: Nuisances
-    theta: NDArray[np.float64]
+    theta: Floats
     chi2: float = np.inf
-    covariance: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
-    residual: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    covariance: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    residual: Floats = field(default_factory=lambda: np.zeros(0))
     damping: float = 1e-2
     limit: float = np.inf
     """Chi2 above which the fit is of no interest, once derivatives promise no better."""
 
     @property
-    def parameters(self) -> NDArray[np.float64]:
+    def parameters(self) -> Floats:
         """Values of the effects' parameters, in their units."""
-        k = len(self.model.free)
-        return np.array(
-            [
-                np.exp(u) if f.log else u
-                for u, f in zip(self.theta[:k], self.model.free, strict=True)
-            ]
-        )
+        pairs = zip(self.theta, self.model.free, strict=False)
+        return np.array([np.exp(u) if f.log else u for u, f in pairs])
 
     @property
-    def stds(self) -> NDArray[np.float64]:
+    def stds(self) -> Floats:
         """Standard deviations of the parameters, in their units."""
         k = len(self.model.free)
         spread = np.sqrt(np.maximum(np.diag(self.covariance)[:k], 0.0))
@@ -92,11 +89,11 @@ class Fit:
         return np.where(logs, spread * self.parameters, spread) if k else spread
 
     @property
-    def nuisance(self) -> NDArray[np.float64]:
-        """What follows the parameters in theta: shares, start speeds and positions."""
+    def nuisance(self) -> Floats:
+        """Entries of theta behind the parameters: uncertain nominal values, speeds, positions."""
         return self.theta[len(self.model.free) :]
 
-    def unfitted(self, theta: NDArray[np.float64] | None = None) -> Fit:
+    def unfitted(self, theta: Floats | None = None) -> Fit:
         """Return a fit of the same model that is still to be evaluated."""
         return Fit(self.model, self.nuisances, self.theta if theta is None else theta)
 
@@ -112,30 +109,23 @@ class Fit:
         return found
 
 
-def _bounds(fit: Fit) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def _bounds(fit: Fit) -> tuple[Floats, Floats, Floats]:
     """Low, high and size of every entry of theta."""
-    low, high, size = [], [], []
-    for f in fit.model.free:
-        low.append(np.log(f.low) if f.log else f.low)
-        high.append(np.log(f.high) if f.log else f.high)
-        size.append(f.size)
-    for i in fit.nuisances.uncertain:
-        s = fit.nuisances.spread[i]
-        low.append(-8 * s)
-        high.append(8 * s)
-        size.append(s)
-    for _ in fit.nuisances.moving:
-        low.append(-np.inf)
-        high.append(np.inf)
-        size.append(fit.nuisances.speed)
-    for _, s in fit.nuisances.start_offsets:
-        low.append(-8 * s)
-        high.append(8 * s)
-        size.append(s)
-    return np.array(low), np.array(high), np.array(size)
+    nuisances = fit.nuisances
+    rows = [
+        (np.log(f.low), np.log(f.high), f.size) if f.log else (f.low, f.high, f.size)
+        for f in fit.model.free
+    ]
+    rows += [(-8 * s, 8 * s, s) for s in (nuisances.spread[i] for i in nuisances.uncertain)]
+    rows += [(-np.inf, np.inf, nuisances.speed)] * len(nuisances.moving)
+    rows += [(-8 * s, 8 * s, s) for _, s in nuisances.start_offsets]
+    low, high, size = np.array(rows, dtype=float).reshape(-1, 3).T
+    return low, high, size
 
 
-def _point(problem: Problem, fit: Fit, theta: NDArray[np.float64]) -> Point:
+def point_of(problem: Problem, fit: Fit, theta: Floats | None = None) -> Point:
+    """Return the model that a fit describes, at its own values if no others are given."""
+    theta = fit.theta if theta is None else theta
     base = problem.plain()
     k = len(fit.model.free)
     for f, u in zip(fit.model.free, theta[:k], strict=True):
@@ -151,13 +141,8 @@ def _point(problem: Problem, fit: Fit, theta: NDArray[np.float64]) -> Point:
     return replace(base, names=fit.model.names)
 
 
-def point_of(problem: Problem, fit: Fit) -> Point:
-    """Return the model that a fit describes."""
-    return _point(problem, fit, fit.theta)
-
-
-def _prior(fit: Fit, theta: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Residuals of the uncertain shares and start positions."""
+def _prior(fit: Fit, theta: Floats) -> Floats:
+    """Residuals of the uncertain nominal values and start positions."""
     k = len(fit.model.free)
     spread = np.array([fit.nuisances.spread[i] for i in fit.nuisances.uncertain])
     around = np.array([s for _, s in fit.nuisances.start_offsets])
@@ -168,8 +153,8 @@ def _prior(fit: Fit, theta: NDArray[np.float64]) -> NDArray[np.float64]:
 def start_fits(
     nuisances: Nuisances,
     model: Model,
-    rows: NDArray[np.float64],
-    nuisance: NDArray[np.float64] | None = None,
+    rows: Floats,
+    nuisance: Floats | None = None,
 ) -> list[Fit]:
     """Return unfitted fits of a model, one a row of parameter values.
 
@@ -190,11 +175,11 @@ def evaluate(problem: Problem, fits: Sequence[Fit], runs: Sequence[int] | None =
     """Return fits with chi2 and residual at their values, of `runs` or of those that are fitted."""
     if not fits:
         return []
-    found = problem.residuals([_point(problem, fit, fit.theta) for fit in fits], runs)
+    found = problem.residuals([point_of(problem, fit) for fit in fits], runs)
     return [_at(fit, fit.theta, e) for fit, e in zip(fits, found, strict=True)]
 
 
-def _at(fit: Fit, theta: NDArray[np.float64], e: NDArray[np.float64]) -> Fit:
+def _at(fit: Fit, theta: Floats, e: Floats) -> Fit:
     """Return a fit at some values, of which the residuals are known."""
     full = np.concatenate([e, _prior(fit, theta)])
     chi2 = float(full @ full)
@@ -224,7 +209,7 @@ def fit_all(
             break
         least = min(fit.chi2 for fit in found)
         jacobians = _jacobians(problem, [found[i] for i in todo], runs)
-        trials: list[tuple[int, float, NDArray[np.float64]]] = []
+        trials: list[tuple[int, float, Floats]] = []
         for i, jacobian in zip(todo, jacobians, strict=True):
             found[i], proposals, promise = _proposals(found[i], jacobian)
             if not found[i].chi2 - _DOUBT * promise > found[i].limit:
@@ -232,7 +217,7 @@ def fit_all(
         todo = list(dict.fromkeys(i for i, _, _ in trials))
         if not todo:
             break
-        points = [_point(problem, found[i], theta) for i, _, theta in trials]
+        points = [point_of(problem, found[i], theta) for i, _, theta in trials]
         best: dict[int, Fit] = {}
         for (i, damping, theta), e in zip(trials, problem.residuals(points, runs), strict=True):
             tried = replace(_at(found[i], theta, e), damping=max(damping, 1e-9))
@@ -253,7 +238,7 @@ def fit_all(
     return found
 
 
-def _steps(fit: Fit, size: NDArray[np.float64]) -> NDArray[np.float64]:
+def _steps(fit: Fit, size: Floats) -> Floats:
     """Finite differences: a fraction of a standard deviation where that is known."""
     known = np.diag(fit.covariance) if fit.covariance.size else np.full(size.size, np.nan)
     spread = np.sqrt(np.where(known > 0.0, known, np.nan))
@@ -267,11 +252,9 @@ def _local(fit: Fit) -> list[int | None]:
     return [*everywhere, *fit.nuisances.moving, *(r for r, _ in fit.nuisances.start_offsets)]
 
 
-def _jacobians(
-    problem: Problem, fits: Sequence[Fit], runs: Sequence[int] | None
-) -> list[NDArray[np.float64]]:
+def _jacobians(problem: Problem, fits: Sequence[Fit], runs: Sequence[int] | None) -> list[Floats]:
     """Differentiate the residuals, a row a parameter, by one-sided differences."""
-    groups: dict[int | None, list[tuple[int, int, float, NDArray[np.float64]]]] = {}
+    groups: dict[int | None, list[tuple[int, int, float, Floats]]] = {}
     for i, fit in enumerate(fits):
         _, high, size = _bounds(fit)
         step = _steps(fit, size)
@@ -283,7 +266,7 @@ def _jacobians(
     rows = [np.zeros((fit.theta.size, fit.residual.size)) for fit in fits]
     chosen = problem.fitted if runs is None else list(runs)
     for run, entries in groups.items():
-        points = [_point(problem, fits[i], theta) for i, _, _, theta in entries]
+        points = [point_of(problem, fits[i], theta) for i, _, _, theta in entries]
         if run is not None and run not in chosen:
             continue
         found = problem.residuals(points, runs if run is None else [run])
@@ -297,16 +280,12 @@ def _jacobians(
     return rows
 
 
-def jacobian_of(
-    problem: Problem, fit: Fit, runs: Sequence[int] | None = None
-) -> NDArray[np.float64]:
+def jacobian_of(problem: Problem, fit: Fit, runs: Sequence[int] | None = None) -> Floats:
     """Return the derivatives of a fit's residuals, a row a parameter."""
     return _jacobians(problem, [fit], runs)[0]
 
 
-def _proposals(
-    fit: Fit, jacobian: NDArray[np.float64]
-) -> tuple[Fit, list[tuple[float, NDArray[np.float64]]], float]:
+def _proposals(fit: Fit, jacobian: Floats) -> tuple[Fit, list[tuple[float, Floats]], float]:
     """Return the fit with its covariance, and steps to try: each with its damping.
 
     Last, by how much chi2 would fall were the residuals straight.
@@ -336,7 +315,7 @@ def _proposals(
     return fit, found, promise if np.isfinite(promise) else np.inf
 
 
-def _inverse(normal: NDArray[np.float64], floor: NDArray[np.float64]) -> NDArray[np.float64]:
+def _inverse(normal: Floats, floor: Floats) -> Floats:
     scale = 1.0 / np.sqrt(np.maximum(np.diag(normal), floor))
     unit = normal * scale[:, None] * scale[None, :] + np.eye(scale.size) * 1e-12
     try:

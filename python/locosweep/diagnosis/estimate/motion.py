@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.estimate.problem import Problem
 
+    Floats = NDArray[np.float64]
+
 _KNOTS = 9
 _LAGS = 8
 _LONGEST = 0.08
@@ -26,14 +28,14 @@ _LONGEST = 0.08
 class Motion:
     """A fitted motion at the samples of the fitted runs."""
 
-    t: NDArray[np.float64]
-    x: NDArray[np.float64]
-    v: NDArray[np.float64]
-    force: NDArray[np.float64]
-    drive: NDArray[np.float64]
+    t: Floats
+    x: Floats
+    v: Floats
+    force: Floats
+    drive: Floats
     run: NDArray[np.intp]
-    swept: NDArray[np.float64]
-    turned: NDArray[np.float64]
+    swept: Floats
+    turned: Floats
     mass: float
     damping: float
 
@@ -76,9 +78,7 @@ def motion_of(problem: Problem, fit: Fit) -> Motion:
     )
 
 
-def _hats(
-    values: NDArray[np.float64], where: NDArray[np.bool_], knots: int = _KNOTS
-) -> NDArray[np.float64]:
+def _hats(values: Floats, where: NDArray[np.bool_], knots: int = _KNOTS) -> Floats:
     """Piecewise linear functions on knots at quantiles of where the values count."""
     if where.sum() < 3 * knots:
         return np.zeros((0, values.size))
@@ -88,52 +88,48 @@ def _hats(
     return np.array([np.interp(values, edges, row) for row in np.eye(edges.size)])
 
 
-def terms_of(variable: str, m: Motion) -> tuple[list[NDArray[np.float64]], bool]:
+def terms_of(variable: str, m: Motion) -> tuple[list[Floats], bool]:
     """Basis functions along a motion, and whether they are forces (or readings).
 
     In groups: the terms of one are values of one smooth law, knot by knot.
     """
-    moving = m.v != 0.0
+    moving, every = m.v != 0.0, np.ones(m.v.size, dtype=bool)
+    forward, backward = m.v > 0.0, m.v < 0.0
     sign = np.sign(m.v)
-    every = np.ones(m.v.size, dtype=bool)
-    if variable == "speed":
-        forward = _hats(m.v, m.v > 0.0) * (m.v > 0.0)
-        backward = _hats(m.v, m.v < 0.0) * (m.v < 0.0)
-        return [forward, backward], True
-    if variable == "place":
-        return [_hats(m.x, moving, 25) * sign], True
-    if variable == "terrain":
-        return [_hats(m.x, moving)], True
-    if variable == "load":
-        return [_hats(np.abs(m.force), moving) * sign], True
-    if variable == "time":
-        return [_hats(m.t, moving) * sign], True
-    if variable == "swept":
-        return [_hats(m.swept, m.v > 0.0) * (m.v > 0.0)], True
-    if variable == "turned":
-        return [
-            _hats(m.turned, m.v > 0.0) * (m.v > 0.0),
-            _hats(m.turned, m.v < 0.0) * (m.v < 0.0),
-        ], True
-    if variable == "drive":
-        return [_hats(m.drive, moving, 13)], True
-    if variable == "sag":
-        return [_hats(m.t, moving) * m.drive], True
-    if variable == "acceleration":
-        rate = np.gradient(m.v, m.t + m.run * (m.t.max() + 1.0))
-        return [_hats(rate, moving), sign[None, :]], True
-    if variable == "history":
-        return _history(m), True
-    if variable == "reading":
-        return [_hats(m.x, every)], False
-    if variable == "clock":
-        return [_hats(m.t, every)], False
-    if variable == "late":
-        return [_hats(m.v, every)], False
+    match variable:
+        case "speed":
+            return [_hats(m.v, forward) * forward, _hats(m.v, backward) * backward], True
+        case "place":
+            return [_hats(m.x, moving, 25) * sign], True
+        case "terrain":
+            return [_hats(m.x, moving)], True
+        case "load":
+            return [_hats(np.abs(m.force), moving) * sign], True
+        case "time":
+            return [_hats(m.t, moving) * sign], True
+        case "swept":
+            return [_hats(m.swept, forward) * forward], True
+        case "turned":
+            return [_hats(m.turned, forward) * forward, _hats(m.turned, backward) * backward], True
+        case "drive":
+            return [_hats(m.drive, moving, 13)], True
+        case "sag":
+            return [_hats(m.t, moving) * m.drive], True
+        case "acceleration":
+            rate = np.gradient(m.v, m.t + m.run * (m.t.max() + 1.0))
+            return [_hats(rate, moving), sign[None, :]], True
+        case "history":
+            return _history(m), True
+        case "reading":
+            return [_hats(m.x, every)], False
+        case "clock":
+            return [_hats(m.t, every)], False
+        case "late":
+            return [_hats(m.v, every)], False
     return [], True
 
 
-def _history(m: Motion) -> list[NDArray[np.float64]]:
+def _history(m: Motion) -> list[Floats]:
     """Drives of a while ago less that of now, one law where it rises and one where it falls.
 
     From half a sample on: a drive is held, so one that acts a part of a sample late is a
@@ -153,30 +149,24 @@ def _history(m: Motion) -> list[NDArray[np.float64]]:
     return [changes * rises, changes * ~rises]
 
 
-def response(forces: NDArray[np.float64], m: Motion) -> tuple[NDArray[np.float64], ...]:
+def response(forces: Floats, m: Motion) -> tuple[Floats, Floats]:
     """First-order change of position and speed under small forces, a row a force."""
-    dx, dv = np.zeros_like(forces), np.zeros_like(forces)
     slides = m.v != 0.0
     step = np.diff(m.t, append=m.t[-1:])
     last = np.diff(m.run, append=m.run[-1:] + 1) != 0
-    decay = np.exp(-m.damping * step / m.mass)
-    push = step / m.mass
-    x = np.zeros(len(forces))
-    v = np.zeros(len(forces))
+    decay, push = np.exp(-m.damping * step / m.mass), step / m.mass
     columns = np.ascontiguousarray(forces.T)
-    out_x, out_v = np.zeros_like(columns), np.zeros_like(columns)
-    for i in range(m.t.size - 1):
-        out_x[i], out_v[i] = x, v
+    dx, dv = np.zeros_like(columns), np.zeros_like(columns)
+    nothing = np.zeros(len(forces))
+    x = v = nothing
+    for i in range(m.t.size):
+        dx[i], dv[i] = x, v
         if last[i]:
-            x = np.zeros(len(forces))
-            v = np.zeros(len(forces))
-            continue
-        if slides[i] or slides[i + 1]:
+            x = v = nothing
+        elif slides[i] or slides[i + 1]:
             after = v * decay[i] + columns[i] * push[i]
             x = x + 0.5 * (v + after) * step[i]
-            v = after if slides[i + 1] else np.zeros(len(forces))
+            v = after if slides[i + 1] else nothing
         else:
-            v = np.zeros(len(forces))
-    out_x[-1], out_v[-1] = x, v
-    dx, dv = out_x.T, out_v.T
-    return dx, dv
+            v = nothing
+    return dx.T, dv.T

@@ -139,13 +139,7 @@ def jump(search: Search, fits: Sequence[Fit]) -> list[Fit]:
         for i, trial in zip(places, fit_all(search.problem, starts, steps=search.steps),
                             strict=True):  # fmt: skip
             if trial.chi2 < found[i].chi2:
-                found[i] = replace(
-                    found[i],
-                    theta=trial.theta,
-                    residual=trial.residual,
-                    chi2=trial.chi2,
-                    covariance=trial.covariance,
-                )
+                found[i] = replace(trial, damping=found[i].damping, limit=found[i].limit)
     return found
 
 

@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.least_squares import Model
     from locosweep.diagnosis.select.search import Search
 
+    Floats = NDArray[np.float64]
+
 _STARTS = 3
 """Starts of a single effect that are followed."""
 _STARTS_BESIDE = 2
@@ -136,11 +138,11 @@ def _starts_beside(search: Search, name: str, base: Fit | None, beside: Fit) -> 
     return starts
 
 
-def _thinned(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+def _thinned(rows: Floats) -> Floats:
     return rows[:: -(-len(rows) // _ROWS)]
 
 
-def _ripples(search: Search, beside: Fit) -> NDArray[np.float64]:
+def _ripples(search: Search, beside: Fit) -> Floats:
     """Periods, amplitudes and phases of friction along the track, best first.
 
     A small ripple acts in proportion: for every period two of them, a quarter

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.problem import Problem
     from locosweep.diagnosis.select.search import Collection, Search
 
+    Floats = NDArray[np.float64]
+
 _CARRIED = 6
 """Fits whose own variables are tried on what they leave."""
 _MOST_CARRIED = 10
@@ -127,9 +129,7 @@ def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool
     return STRANGE_RUNS * strange < len(left) and beyond < PREDICTION_LIMIT
 
 
-def _together(
-    problem: Problem, parts: Sequence[NDArray[np.float64]], runs: Sequence[int]
-) -> NDArray[np.float64]:
+def _together(problem: Problem, parts: Sequence[Floats], runs: Sequence[int]) -> Floats:
     """Join residuals of single runs: channel by channel, run by run."""
     rows = []
     for c in range(len(problem.channels)):

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.estimate.problem import Problem
 
+    Floats = NDArray[np.float64]
+
 _SMOOTH = 2.0
 """Length scale of the process in knots: laws bend, they do not jump."""
 _FREE = 1e-8
@@ -38,13 +40,13 @@ class NonparametricCorrection:
         motion = motion_of(problem, fit)
         self.residual = fit.residual
         self._samples = [problem.of_run(r, problem.fitted) for r in problem.fitted]
-        forces: list[tuple[str, NDArray[np.float64]]] = []
-        readings: list[tuple[str, NDArray[np.float64]]] = []
+        forces: list[tuple[str, Floats]] = []
+        readings: list[tuple[str, Floats]] = []
         for variable in ALL:
             groups, is_force = terms_of(variable, motion)
             kind = forces if is_force else readings
             kind += [(variable, terms) for terms in groups if len(terms)]
-        rows: list[NDArray[np.float64]] = []
+        rows: list[Floats] = []
         if forces:
             dx, dv = response(np.vstack([t for _, t in forces]), motion)
             rows.append(problem.whitened(dx, dv, fit.residual.size))
@@ -74,7 +76,7 @@ class NonparametricCorrection:
         """Variables that have terms along this motion."""
         return [v for v in ALL if (self.names == v).any()]
 
-    def solve(self, variables: Sequence[str]) -> tuple[float, int, NDArray[np.float64]]:
+    def solve(self, variables: Sequence[str]) -> tuple[float, int, Floats]:
         """Fall of chi2 under terms of some variables, their number, and their sizes."""
         rows = np.flatnonzero(np.isin(self.names, ["fit", *variables]))
         if not rows.size:
@@ -97,7 +99,7 @@ class NonparametricCorrection:
 
     def _covariance_root(
         self, variables: Sequence[str], noise: float
-    ) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    ) -> tuple[NDArray[np.intp], Floats]:
         """Return the rows of some variables' terms and a root of their sizes' covariance."""
         rows = np.flatnonzero(np.isin(self.names, list(variables)))
         root = np.zeros((rows.size, rows.size))
@@ -111,7 +113,7 @@ class NonparametricCorrection:
         return rows, root
 
     def _likeliest_deviation(
-        self, rows: NDArray[np.intp], root: NDArray[np.float64], noise: float
+        self, rows: NDArray[np.intp], root: Floats, noise: float
     ) -> tuple[float, float]:
         """Return the factor on deviations that is likeliest, and its log Bayes factor."""
         if not rows.size:
@@ -148,7 +150,7 @@ class NonparametricCorrection:
         moment = np.concatenate(moments) - beside @ (fitted.T @ self.residual)
         return _likeliest(gram / noise, moment / noise)[1]
 
-    def corrected_residual(self, variables: Sequence[str]) -> NDArray[np.float64]:
+    def corrected_residual(self, variables: Sequence[str]) -> Floats:
         """Return the residual less the fitted correction in some variables."""
         sizes = self.solve(variables)[2]
         return self.residual - sizes @ self.basis if sizes.size else self.residual
@@ -173,9 +175,7 @@ class NonparametricCorrection:
             for place in self._samples
         )
 
-    def prediction_errors(
-        self, variables: Sequence[str], noise: float
-    ) -> list[NDArray[np.float64]]:
+    def prediction_errors(self, variables: Sequence[str], noise: float) -> list[Floats]:
         """Return the leave-one-run-out standardised prediction error of each run.
 
         Along what the other runs do not tell, it is divided by how uncertain they leave it: a
@@ -201,8 +201,8 @@ class NonparametricCorrection:
     def _negative_log_density(
         self,
         place: NDArray[np.intp],
-        basis: NDArray[np.float64],
-        price: NDArray[np.float64],
+        basis: Floats,
+        price: Floats,
         noise: float,
     ) -> float:
         """Return minus twice the log density of one run's residual, given the others."""
@@ -240,7 +240,7 @@ class NonparametricCorrection:
         return sorted(rows, key=lambda row: -row[1])
 
 
-def _likeliest(gram: NDArray[np.float64], moments: NDArray[np.float64]) -> tuple[float, float]:
+def _likeliest(gram: Floats, moments: Floats) -> tuple[float, float]:
     """Return the factor on terms' deviations that is likeliest, and its log Bayes factor.
 
     The latter is on the scale of chi2; terms' sizes have deviation 1 times the factor.

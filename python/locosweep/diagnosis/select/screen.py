@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.estimate.problem import Problem
 
+    Floats = NDArray[np.float64]
+
 _SCALED = 4.0
 """How many times larger than its start an effect is taken to act in proportion."""
 _INFORMATIVE = 2
@@ -134,9 +136,9 @@ def distinct(starts: Sequence[Screened], count: int) -> list[Screened]:
 
 def cancelling_pairs(
     alone: Sequence[Fit],
-    changes: NDArray[np.float64],
-    residual: NDArray[np.float64],
-    free: NDArray[np.float64],
+    changes: Floats,
+    residual: Floats,
+    free: Floats,
     count: int,
 ) -> list[tuple[int, int, tuple[float, float]]]:
     """Pick starts of two effects whose changes of the residual, scaled, cancel most of it.

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.estimate.problem import Problem
 
+    Floats = NDArray[np.float64]
+
 BLOCKS = (4, 16, 64, 256)
 """Samples of a block; its mean is tested."""
 
@@ -48,8 +50,8 @@ class WhitenessTest:
 
 
 def residuals_by_run(
-    problem: Problem, residual: NDArray[np.float64], runs: Sequence[int] | None = None
-) -> Iterator[tuple[str, int, NDArray[np.float64]]]:
+    problem: Problem, residual: Floats, runs: Sequence[int] | None = None
+) -> Iterator[tuple[str, int, Floats]]:
     """Yield channel, run and its whitened residuals, samples without weight left out."""
     chosen = problem.fitted if runs is None else list(runs)
     at = 0
@@ -64,7 +66,7 @@ def residuals_by_run(
             at += n
 
 
-def white_variance(values: NDArray[np.float64]) -> float:
+def white_variance(values: Floats) -> float:
     """Return the variance of what differs from sample to sample.
 
     Of squares, not of ranks: what a coarse quantiser leaves has few values.
@@ -75,7 +77,7 @@ def white_variance(values: NDArray[np.float64]) -> float:
     return float(third @ third) / third.size / 20.0
 
 
-def noise_level(problem: Problem, residual: NDArray[np.float64]) -> float:
+def noise_level(problem: Problem, residual: Floats) -> float:
     """Return the variance of the white part of residuals, 1 where the stated noise is right."""
     parts = [values for _, _, values in residuals_by_run(problem, residual) if values.size >= 32]
     if not parts:
@@ -86,13 +88,13 @@ def noise_level(problem: Problem, residual: NDArray[np.float64]) -> float:
 
 
 def whiteness_test(
-    problem: Problem, residual: NDArray[np.float64], runs: Sequence[int] | None = None
+    problem: Problem, residual: Floats, runs: Sequence[int] | None = None
 ) -> WhitenessTest:
     """Test whitened residuals of a fit for what white noise would not leave.
 
     They belong to `runs`, or to those that are fitted, in the form of `Problem.residuals`.
     """
-    parts: dict[str, list[NDArray[np.float64]]] = {}
+    parts: dict[str, list[Floats]] = {}
     for c, _, values in residuals_by_run(problem, residual, runs):
         parts.setdefault(c, []).append(values)
     worst = WhitenessTest("x", 1, -np.inf, 0.0)
@@ -120,13 +122,13 @@ def whiteness_test(
     return worst
 
 
-def _sums(values: NDArray[np.float64], n: int) -> NDArray[np.float64]:
+def _sums(values: Floats, n: int) -> Floats:
     used = values[: values.size // n * n].reshape(-1, n)
-    sums: NDArray[np.float64] = used.sum(axis=1) / np.sqrt(n)
+    sums: Floats = used.sum(axis=1) / np.sqrt(n)
     return sums
 
 
-def stray_readings(problem: Problem, residual: NDArray[np.float64]) -> list[str]:
+def stray_readings(problem: Problem, residual: Floats) -> list[str]:
     """Tell of single readings far off what fits the others: no mean over samples shows them."""
     said, at = [], 0
     for c in problem.channels:
