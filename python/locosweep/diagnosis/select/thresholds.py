@@ -65,6 +65,22 @@ PREDICTION_LIMIT = 4.0
 BENDING_SHARE = 0.02
 """Share of a gap below which an effect through another one's variable is no cause of its own."""
 
+TOSS_UP = 0.5
+"""Probability of a verdict that stands right at its threshold: either side is as likely."""
+GAIN_SCALE = 4.0
+"""Penalised chi2 by which the doubt about a gain falls beside `LEAST_GAIN`: e-fold over twice
+as much. Not derived: no calibration of this number is on record."""
+LEAST_SURE, MOST_SURE = 0.01, 0.98
+"""Range of a verdict's probability: the rest is for causes that no candidate stands for."""
+NEVER_SURE = 0.02
+"""Doubt that remains of `none`, however little any effect would gain."""
+UNEXPLAINED_DOUBT, UNEXPLAINED_REST = 0.4, 0.05
+"""Doubt about `unexplained` at `WHITENESS_LIMIT`, and what remains of it far beyond."""
+UNEXPLAINED_SCALE = 4.0
+"""Deviations of the whiteness test by which that doubt falls e-fold; not derived either."""
+UNEXPLAINED_SURE = 0.95
+"""Largest probability of `unexplained`."""
+
 NEAREST_SURE = 2.0
 """Deviations by which more effects have to be better, over the windows' own scatter."""
 NEAREST_TIED = 2.0

@@ -22,15 +22,25 @@ from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.score import gains, remaining, total
 from locosweep.diagnosis.select.stepwise import backward, forward, is_stalled, without
 from locosweep.diagnosis.select.thresholds import (
+    GAIN_SCALE,
     HELD_OUT_EXCESS,
     HELD_OUT_NOISE,
     HELD_OUT_REST,
     LEAST_GAIN,
+    LEAST_SURE,
     MOST_ALIKE,
+    MOST_SURE,
+    NEVER_SURE,
     OTHER_LAW_PROBABILITY,
     SEVERAL_CAUSES_GAIN,
     TEMPER,
     TIE,
+    TOSS_UP,
+    UNEXPLAINED_DOUBT,
+    UNEXPLAINED_REST,
+    UNEXPLAINED_SCALE,
+    UNEXPLAINED_SURE,
+    WHITENESS_LIMIT,
     WIDER_LAW_GAIN,
 )
 from locosweep.diagnosis.select.whiteness import noise_level, residuals_by_run, whiteness_test
@@ -43,20 +53,22 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.select.whiteness import WhitenessTest
     from locosweep.diagnosis.select.window_search import WindowSearch
 
+_LARGEST_EXPONENT = 50.0
+"""Exponent beyond which a probability is 0 to all digits that matter; exp stays finite."""
+
 
 @dataclass(frozen=True)
 class Choice:
-    """What the fits say.
+    """Verdict of the search: the chosen fit and what ties with it.
 
-    `fit` is the chosen one; `classes` holds for each of its effects all that tie
-    with it; `sets` other complete explanations of the same size.
+    `classes` holds for each of its effects all that tie with it; `sets` other complete
+    explanations of the same size.
     """
 
     status: str
     fit: Fit
     known: Collection
     """The best fit of each set of effects that was tried."""
-
     whiteness: WhitenessTest
     classes: list[list[str]] = field(default_factory=list)
     sets: list[list[str]] = field(default_factory=list)
@@ -65,13 +77,11 @@ class Choice:
     ranked: list[tuple[Fit, float]] = field(default_factory=list)
     shape: list[tuple[str, float]] = field(default_factory=list)
     near: float = 0.0
-    """What the best further effect would gain: not enough, or not where it is fitted."""
-
+    """Gain of the best further effect: not enough, or not where it is fitted."""
     unlisted: str = ""
     """A variable that no listed effect acts through, and that does as well as several of them."""
-
     missed: bool = False
-    """Whether the fit leaves of the runs kept from it what the others do not show."""
+    """True if the fit leaves of the runs kept from it more than the others show."""
 
     @property
     def refuted(self) -> bool:
@@ -108,7 +118,7 @@ class _Grown:
     """Sets of as many effects as the last step tried; best first."""
     found: Fit
     near: float = 0.0
-    """What the best further effect would gain: not enough."""
+    """Gain of the best further effect: not enough."""
     mismatch_score: float | None = None
     """Score of `found` with other laws of its effects, where only these do."""
 
@@ -146,9 +156,9 @@ def choose(search: Search, most: int) -> Choice:
     search.progress("rivals")
     rivals, known = _rivals(search, known, found)
     classes, sets = _classes(search, known, found, rivals, mismatch)
-    near, bent = grown.near, without_bending_effect(search, known, found, classes)
-    if bent:
-        found, mismatch, near = bent, True, 0.0
+    near, simpler = grown.near, without_bending_effect(search, known, found, classes)
+    if simpler:
+        found, mismatch, near = simpler, True, 0.0
         whiteness = whiteness_test(problem, found.residual)
         rivals, known = _rivals(search, known, found)
         classes, sets = _classes(search, known, found, rivals, mismatch)
@@ -157,7 +167,7 @@ def choose(search: Search, most: int) -> Choice:
         choice = Choice("unexplained", found, known, whiteness, shape=remaining(problem, found))
         return _with_ranks(search, choice, tried)
     status = "explained" if all(len(c) == 1 for c in classes) and not sets else "ambiguous"
-    missed = (not mismatch or bent is not None) and _misses(search, found)
+    missed = (not mismatch or simpler is not None) and _misses(search, found)
     choice = Choice(
         status, found, known, whiteness, classes, sets, mismatch, near=near, missed=missed
     )
@@ -190,12 +200,12 @@ def _grown(
     near = 0.0
     for count in range(2, most + 2):
         rest = remaining(problem, found)
-        # Other laws of several effects at once could be bent to anything.
-        carried = best_with_other_law(search, level) if rest and count == 2 else None
-        deeper: list[Fit] = []
+        # Other laws of several effects at once could fit anything.
+        mismatched = best_with_other_law(search, level) if rest and count == 2 else None
+        larger: list[Fit] = []
         if count <= most and not (count > 2 and is_stalled(problem, before, found)):
             search.progress(f"{count} effects at once")
-            wide = bool(rest) and count == 2 and not carried
+            wide = bool(rest) and count == 2 and not mismatched
             added = forward(
                 search, known, level, found,
                 rest=bool(rest), wide=wide, windows=windows if wide else (),
@@ -203,21 +213,23 @@ def _grown(
             known = known.adding(added)
             ordered = sorted(added.values(), key=lambda fit: total(search, fit))
             near = total(search, found) - total(search, ordered[0]) if ordered else 0.0
-            deeper = [fit for fit in ordered if gains(search, found, fit)]
-        if carried and not (deeper and search.score(deeper[0]) < carried[0] - SEVERAL_CAUSES_GAIN):
-            # What further effects would gain is what the law does not fit.
-            return _Grown(known, level, carried[1], mismatch_score=carried[0])
-        if not deeper:
+            larger = [fit for fit in ordered if gains(search, found, fit)]
+        if mismatched:
+            score, fit = mismatched
+            if not larger or search.score(larger[0]) >= score - SEVERAL_CAUSES_GAIN:
+                # The gain of further effects is the misfit of the law.
+                return _Grown(known, level, fit, mismatch_score=score)
+        if not larger:
             break
-        before, level, near = found, deeper, 0.0
-        found, known = backward(search, known, deeper[0])
+        before, level, near = found, larger, 0.0
+        found, known = backward(search, known, larger[0])
         if len(found.model.names) < count and not remaining(problem, found):
             break
     return _Grown(known, level, found, near)
 
 
 def _misses(search: Search, fit: Fit) -> bool:
-    """Whether a fit leaves much of a gap, and more than noise, where it has not seen it."""
+    """Return whether a fit leaves much of a gap, and more than noise, in the validation data."""
     if not search.judges:
         return False
     problem = search.problem
@@ -236,10 +248,7 @@ def _misses(search: Search, fit: Fit) -> bool:
 
 
 def _rivals(search: Search, known: Collection, found: Fit) -> tuple[list[Fit], Collection]:
-    """Refit with every other effect in place of each one of the set.
-
-    Returns these fits, best first, and what is known with them.
-    """
+    """Refit with every other effect for each one of the set; return these, and what is known."""
     rivals: Found = {}
     for name in found.model.names:
         if len(found.model.names) > 1:
@@ -250,7 +259,7 @@ def _rivals(search: Search, known: Collection, found: Fit) -> tuple[list[Fit], C
             rivals |= swaps
         else:
             rivals |= {frozenset({n}): known.fits[frozenset({n})] for n in search.names}
-    # What was fitted on the way to the set counts as well.
+    # Fits that were made during the search count as well.
     names = frozenset(found.model.names)
     for key, fit in known.fits.items():
         if len(key) == len(names) and len(key & names) == len(names) - 1:
@@ -260,10 +269,9 @@ def _rivals(search: Search, known: Collection, found: Fit) -> tuple[list[Fit], C
 
 
 def is_limit(fit: Fit, name: str) -> bool:
-    """Whether an effect's shape has gone to an end of its range.
+    """Return whether an effect's shape is at an end of its range: then it is another one's limit.
 
-    Then it is another effect's limit, not a rival of its own. An effect of one parameter has
-    no shape: at the end of its range it is next to nothing, or as much as it can be.
+    An effect of one parameter has no shape.
     """
     if sum(f.effect == name for f in fit.model.free) < 2:
         return False
@@ -297,7 +305,7 @@ def _classes(
         gone = [n for n in names if n not in rival.model.names]
         if len(new) != 1 or len(gone) != 1 or is_limit(rival, new[0]):
             continue
-        place = names.index(gone[0])
+        rank = names.index(gone[0])
         mine = sum(f.effect == gone[0] for f in found.model.free)
         theirs = sum(f.effect == new[0] for f in rival.model.free)
         narrower = theirs > mine and found.chi2 - rival.chi2 < WIDER_LAW_GAIN * (theirs - mine)
@@ -306,8 +314,8 @@ def _classes(
         other = VARIABLES.get(new[0]) not in {VARIABLES.get(n) for n in names}
         if mismatch and other and score_with_other_law(search, rival) is None:
             continue
-        if new[0] not in classes[place]:
-            classes[place].append(new[0])
+        if new[0] not in classes[rank]:
+            classes[rank].append(new[0])
     for key, fit in known.fits.items():
         if len(key) != len(names) or key == frozenset(names):
             continue
@@ -319,11 +327,7 @@ def _classes(
 
 
 def _contains(rival: Fit, name: str, few: int) -> bool:
-    """Whether the rival has freedom that the data do not use.
-
-    A wider law that ties is the narrower one's limit when its parameters can all be
-    seen; where part of it cannot be seen at all it is a rival.
-    """
+    """Return whether the rival contains the effect as a limit: its parameters are identifiable."""
     rows = [i for i, f in enumerate(rival.model.free) if f.effect == name]
     spread = np.sqrt(np.diag(rival.covariance)) if rival.covariance.size else np.zeros(0)
     if not spread.size:
@@ -346,14 +350,16 @@ def _with_ranks(search: Search, choice: Choice, fits: Sequence[Fit]) -> Choice:
 
 
 def _probability(search: Search, choice: Choice) -> float:
+    """Return the probability that a verdict is right, from how far it is from its thresholds."""
     none = total(search, search.none)
     if choice.status == "none":
         best = min((total(search, f) for f, _ in choice.ranked if f.model.names), default=none)
-        missed = 0.5 * np.exp(-0.5 * max(LEAST_GAIN - (none - best), 0.0) / 4.0)
-        return float(np.clip(1.0 - missed - 0.02, 0.5, 0.98))
+        missed = TOSS_UP * np.exp(-0.5 * max(LEAST_GAIN - (none - best), 0.0) / GAIN_SCALE)
+        return float(np.clip(1.0 - missed - NEVER_SURE, TOSS_UP, MOST_SURE))
     if choice.status == "unexplained":
         sure = choice.whiteness.deviations
-        return float(np.clip(1.0 - 0.4 * np.exp(-(sure - 5.0) / 4.0) - 0.05, 0.5, 0.95))
+        doubt = UNEXPLAINED_DOUBT * np.exp(-(sure - WHITENESS_LIMIT) / UNEXPLAINED_SCALE)
+        return float(np.clip(1.0 - doubt - UNEXPLAINED_REST, TOSS_UP, UNEXPLAINED_SURE))
     if choice.law_mismatch:
         # Scores weigh formulas that do not fit: they say nothing about the cause.
         return OTHER_LAW_PROBABILITY
@@ -371,7 +377,7 @@ def _probability(search: Search, choice: Choice) -> float:
         if fits_class or names in sets or names >= set(choice.fit.model.names):
             inside += weight
     gain = none - total(search, choice.fit)
-    found = 1.0 - 0.5 * np.exp(-0.5 * max(gain - LEAST_GAIN, 0.0) / 4.0)
+    found = 1.0 - TOSS_UP * np.exp(-0.5 * max(gain - LEAST_GAIN, 0.0) / GAIN_SCALE)
     # A further effect that nearly gains what is asked for may well be there.
-    found /= 1.0 + np.exp(min((choice.near - LEAST_GAIN) / 4.0, 50.0))
-    return float(np.clip(0.98 * inside * found, 0.01, 0.98))
+    found /= 1.0 + np.exp(min((choice.near - LEAST_GAIN) / GAIN_SCALE, _LARGEST_EXPONENT))
+    return float(np.clip(MOST_SURE * inside * found, LEAST_SURE, MOST_SURE))
