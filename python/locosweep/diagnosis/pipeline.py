@@ -1,4 +1,4 @@
-"""The diagnosis: runs and a nominal model in, where, which and how much out."""
+"""The diagnosis: data checks, effects, estimate, selection, report, design."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def diagnose(
     threads : int, optional
         As in `sweep`. The report does not depend on it.
     progress : callable, optional
-        Is told what is being done.
+        Called with the step that begins.
 
     Returns
     -------
@@ -140,17 +140,17 @@ class _Data:
     whole: Problem
     """The runs as they were measured, with those kept from fits."""
     problem: Problem
-    """What fits see of them: themselves, or windows of them."""
+    """The runs, or windows of them, that fits see."""
     scale: Scale
     plan: Plan | None
-    """How long windows are, if runs are cut."""
+    """Plan of the windows, if runs are cut."""
     held_by_user: bool
     warnings: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class _Task:
-    """Candidate effects, how many at once, and who is told what is being done."""
+    """Candidate effects, how many at once, and the callback of progress."""
 
     names: tuple[str, ...]
     max_effects: int
@@ -215,8 +215,7 @@ def _select(data: _Data, task: _Task) -> _Selected:
 def _fitted_to_all(data: _Data, task: _Task, first: _Selected) -> _Selected:
     """Choose again with no run kept from fits.
 
-    What few runs leave open to an uncertain model, the others may refute; and what
-    shows in one run alone, that run has to show.
+    Validation runs may refute what few runs leave open, or show a gap that only they have.
     """
     problem = replace(data.whole, held=(), meter=ReplayMeter())
     search = _search_of(problem, data.scale, task, judges=True)
@@ -239,8 +238,8 @@ def _fitted_to_all(data: _Data, task: _Task, first: _Selected) -> _Selected:
 
 def _search_of(problem: Problem, scale: Scale, task: _Task, *, judges: bool) -> Search:
     """Return a search with the nuisances of its runs."""
-    places = tuple(enumerate(problem.priors["x"].tolist())) if problem.position_matters else ()
-    nuisances = Nuisances((), _spread(problem.robot), scale.speed, places)
+    offsets = tuple(enumerate(problem.priors["x"].tolist())) if problem.position_matters else ()
+    nuisances = Nuisances((), _spread(problem.robot), scale.speed, offsets)
     if problem.starts_vary:
         problem = replace(problem, initial=initial_states(problem, nuisances))
         free = tuple(r for r in problem.starts.moving if r not in problem.held)

@@ -1,1 +1,1 @@
-"""What a diagnosis reads off the runs before any model is fitted."""
+"""Data checks, noise, regimes and the validation split, before any model is fitted."""

@@ -22,10 +22,7 @@ _FEW = 4
 
 
 def usable(runs: Sequence[Run]) -> tuple[list[Run], list[str]]:
-    """Return the runs whose position was measured, and a warning for each other one.
-
-    DataFileError where none was.
-    """
+    """Return the runs whose position was measured, and a warning for each other one."""
     known = [int(np.isfinite(run.channels["x"]).sum()) for run in runs]
     if max(known, default=0) < _VALUES:
         raise DataFileError(f"runs: column x has fewer than {_VALUES} values in every run")

@@ -24,24 +24,16 @@ _THIRD = np.sqrt(20.0)
 
 @dataclass(frozen=True)
 class Noise:
-    """Noise of one channel.
-
-    Attributes
-    ----------
-    sd : float
-        Standard deviation of a sample, quantisation included.
-    gaussian : float
-        Part of `sd` that differs from sample to sample at rest.
-    step : float
-        Quantisation step; 0 where none shows.
-    stated : bool
-        Whether the nominal file states it.
-    """
+    """Noise of one channel, in its unit."""
 
     sd: float
+    """Standard deviation of a sample, quantisation included."""
     gaussian: float
+    """Part of `sd` that differs from sample to sample at rest."""
     step: float
+    """Quantisation step; 0 where none shows."""
     stated: bool
+    """True if the nominal file states it."""
 
     @property
     def stuck(self) -> float:

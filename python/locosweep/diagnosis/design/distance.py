@@ -147,12 +147,12 @@ class PlannedRuns:
         """Directions in which a run's start offset and start velocity move its readings."""
         edges = np.concatenate([[0], np.cumsum(self.lengths)])
         found = []
-        for place, name in enumerate(self.noise):
+        for channel, name in enumerate(self.noise):
             if name not in OFFSETS:
                 continue
             for a, b in pairwise(edges):
                 row = np.zeros(self._origin.shape[1])
-                row[place * self.samples + a : place * self.samples + b] = (b - a) ** -0.5
+                row[channel * self.samples + a : channel * self.samples + b] = (b - a) ** -0.5
                 found.append(row)
         offsets = np.array(found).reshape(-1, self._origin.shape[1])
         nothing = np.zeros(_core.effect_parameter_count())
@@ -197,9 +197,9 @@ def strengths(
         found = _in_parts(plan, models).reshape(len(asked), grid)
         above = found >= size
         gone |= ~above.any(axis=1)
-        place = np.where(above.any(axis=1), above.argmax(axis=1), 1)
+        rung = np.where(above.any(axis=1), above.argmax(axis=1), 1)
         rows = np.arange(len(asked))
-        low, high = ladders[rows, np.maximum(place - 1, 0)], ladders[rows, place]
+        low, high = ladders[rows, np.maximum(rung - 1, 0)], ladders[rows, rung]
     return [
         None if none else np.array([sign * u, *theta[1:]])
         for none, (_, sign), theta, u in zip(gone, asked, first, high, strict=True)
@@ -295,9 +295,9 @@ def _begin(
     left += stretch**2 * lengths
     states = []
     for target in range(len(targets)):
-        for place in np.argsort(left[target], kind="stable")[:starts]:
-            theta = thetas[place].copy()
-            theta[0] *= stretch[target, place]
+        for start in np.argsort(left[target], kind="stable")[:starts]:
+            theta = thetas[start].copy()
+            theta[0] *= stretch[target, start]
             if abs(theta[0]) >= family.least:
                 states.append(_State(target, theta, np.empty(0), np.inf))
     if states:
@@ -316,17 +316,17 @@ def _advance(
     for i in range(0, len(todo), limit):
         some = todo[i : i + limit]
         # Inwards where a bound is near, or the difference would be none.
-        ways = [np.where(s.theta + step <= family.high, step, -step) for s in some]
+        moves = [np.where(s.theta + step <= family.high, step, -step) for s in some]
         models = [
-            (family.name, family.parameters(s.theta + np.where(np.arange(step.size) == k, way, 0)))
-            for s, way in zip(some, ways, strict=True)
+            (family.name, family.parameters(s.theta + np.where(np.arange(step.size) == k, move, 0)))
+            for s, move in zip(some, moves, strict=True)
             for k in range(step.size)
         ]
         moved = plan.signals(models).reshape(len(some), step.size, -1)
         trials = []
-        for state, way, rows in zip(some, ways, moved, strict=True):
+        for state, move, rows in zip(some, moves, moved, strict=True):
             now = state.left + targets[state.target]
-            slope = np.nan_to_num((rows - now) / way[:, None], posinf=0.0, neginf=0.0)
+            slope = np.nan_to_num((rows - now) / move[:, None], posinf=0.0, neginf=0.0)
             normal, gradient = slope @ slope.T, slope @ state.left
             floor = 1e-12 * max(float(np.trace(normal)), 1e-300)
             for factor in _DAMPINGS:

@@ -42,7 +42,7 @@ APART = 3.0
 
 @dataclass(frozen=True)
 class Distinction:
-    """What an experiment could tell.
+    """Effects that an experiment could detect and tell apart.
 
     Attributes
     ----------
@@ -83,8 +83,8 @@ class Distinction:
         import polars as pl
 
         rows = []
-        for place, name in enumerate(self.names):
-            others = np.where(np.arange(len(self.names)) == place, np.inf, self.distances[place])
+        for k, name in enumerate(self.names):
+            others = np.where(np.arange(len(self.names)) == k, np.inf, self.distances[k])
             nearest = int(others.argmin()) if len(self.names) > 1 else None
             rows.append({
                 "effect": name,
@@ -213,9 +213,9 @@ def distinguish(
     strong = strengths(plan, signed, size)
     names, seen_from = [], {}
     for name, family in families.items():
-        own = [place for place, (other, _) in enumerate(signed) if other is family]
-        found = [family.parameters(theta) for place in own if (theta := seen[place]) is not None]
-        if found and any(strong[place] is not None for place in own):
+        own = [i for i, (other, _) in enumerate(signed) if other is family]
+        found = [family.parameters(theta) for i in own if (theta := seen[i]) is not None]
+        if found and any(strong[i] is not None for i in own):
             seen_from[name] = found
             names.append(name)
         else:
@@ -236,7 +236,7 @@ def _distances(
 ) -> Floats:
     signals = plan.signals([(name, families[name].parameters(theta)) for name, theta in truths])
     lengths = np.sqrt(np.einsum("ij,ij->i", signals, signals))
-    places = {name: i for i, name in enumerate(names)}
+    rows = {name: i for i, name in enumerate(names)}
     found = np.full((len(names), len(names)), np.inf)
     begun = time.perf_counter()
     for k, rival in enumerate(names):
@@ -244,7 +244,7 @@ def _distances(
         others = [i for i, (name, _) in enumerate(truths) if name != rival]
         left, _ = refit(plan, families[rival], signals[others], reference)
         for i, distance in zip(others, left, strict=True):
-            row = places[truths[i][0]]
+            row = rows[truths[i][0]]
             # Effects whose weakest form is stronger than asked for: by proportion.
             found[row, k] = min(found[row, k], distance * size / lengths[i])
         found[k, k] = 0.0

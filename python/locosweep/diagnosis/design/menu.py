@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 PAYLOAD, _INCLINE = 1.3, 5.0
 FORCE_NOISE = 0.01
-"""Of a force sensor that is added, in the drive's largest force."""
+"""Noise of a force sensor that is added, in the drive's largest force."""
 
 
 def _reversed(run: Run, _: float) -> Run:

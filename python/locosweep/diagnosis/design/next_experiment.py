@@ -1,7 +1,7 @@
 """The next experiment: the further run that would tell apart the explanations that are left.
 
-Each explanation takes its turn as the truth, as which of them is true is not known: the
-runs so far and the new one are simulated with it, and every other one is refitted to them.
+Each explanation is taken for the truth in turn: the runs so far and the new one are simulated
+with it, and every other one is refitted to them.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ _EQUAL = 0.5
 _REPEATS = 4
 """Most repeats of a run that are proposed: the squares of what they tell add up."""
 _HOPE = 0.05
-"""What so many repeats have to add to the chance of an answer."""
+"""Chance of an answer that so many repeats have to add."""
 _FAR = 1e6
 """Distance beyond which farther is no better."""
 _LOST = 1e50
@@ -61,8 +61,8 @@ class _Planned:
 
     problem: Problem
     """With blank readings, NaN where a run so far has none."""
-    place: int
-    """Of the new run; as many as there are runs where there is none."""
+    new_run: int
+    """Index of the new run; the number of runs where there is none."""
 
     def seen_by(self, truth: Fit) -> Problem:
         """Return the problem whose readings are those of a model, without noise."""
@@ -77,7 +77,7 @@ class _Planned:
                 for c, values in run.channels.items()
             }
             made.append(replace(run, channels=channels))
-        # Where the head already moves before the drive changes, its readings begin elsewhere.
+        # A head that moves before the drive changes has readings that begin elsewhere.
         return replace(blank, runs=made, initial=blank.starts)
 
 
@@ -136,7 +136,7 @@ def _promise(distances: Floats, weights: Floats) -> tuple[float, float]:
 
 
 def _has_meaning(search: Search, name: str) -> bool:
-    """Whether a run of the menu is another one on this rig."""
+    """Return whether a run of the menu is another one on this rig."""
     if name == "force sensor":
         return "force" not in search.problem.channels
     return name not in ("turn round", "incline") or not search.problem.position_matters
@@ -154,14 +154,14 @@ def _planned(
         noise["force"] = Noise(deviation, deviation, 0.0, stated=False)
         channels.append("force")
     runs = [_blank(run, problem.channels) for run in problem.runs]
-    place = len(runs)
+    new_run = len(runs)
     if change is not None:
         spans = [
             float(np.nanmax(r.channels["x"]) - np.nanmin(r.channels["x"])) for r in problem.runs
         ]
         pattern = problem.runs[int(np.argmax(spans))]
         run = change(pattern, problem.nominal["slope_deg"])
-        # From where its pattern started.
+        # It starts at the position of its pattern.
         made = {c: np.full(run.t.size, pattern.start[0] if c == "x" else 0.0) for c in channels}
         runs.append(Run("next", run.t, run.drive, made, run.slope_deg))
     blank = Problem(
@@ -169,10 +169,10 @@ def _planned(
         runs,
         problem.threads,
         known=noise,
-        payload_factors={place: PAYLOAD} if name == "payload" else {},
-        reversed_runs=frozenset({place}) if name == "turn round" else frozenset(),
+        payload_factors={new_run: PAYLOAD} if name == "payload" else {},
+        reversed_runs=frozenset({new_run}) if name == "turn round" else frozenset(),
     )
-    return _Planned(blank, place)
+    return _Planned(blank, new_run)
 
 
 def _bare(fit: Fit) -> Fit:
@@ -202,7 +202,7 @@ def _linearised(planned: _Planned, fits: Sequence[Fit]) -> Floats:
                 continue
             left = other.residual - truth.residual
             table[i, j] = float(np.linalg.norm(left - basis.T @ (basis @ left)))
-    # What cannot be compared with anything promises nothing.
+    # An explanation that cannot be compared with any other promises nothing.
     table[~np.isfinite(table).any(axis=1)] = 0.0
     return table
 
@@ -225,8 +225,8 @@ def _refitted(
         new = [n for n in rival.model.names if n not in fits[truth].model.names]
         if len(rival.model.names) == 1 and new:
             more = start_fits(start.nuisances, rival.model, starts_of(new[0], search.scale))
-            # What the runs so far say is in the rival's own start.
-            more = evaluate(problem, more, [planned.place])
+            # The rival's own start has what the runs so far say.
+            more = evaluate(problem, more, [planned.new_run])
             trials += [f.without_residual() for f in sorted(more, key=lambda f: f.chi2)[:2]]
     trials = fit_all(problem, trials, steps=8)
     return float(np.sqrt(max(min(trial.chi2 for trial in trials), 0.0)))

@@ -1,4 +1,4 @@
-"""The effects of the registry on a rig: who has a meaning, starts, ranges, magnitudes.
+"""The effects of the registry on a rig: those that have a meaning, starts, ranges, magnitudes.
 
 Everything that is particular to an effect stands in its row of the core's registry
 (`rust/core/physics/effects/rows.rs`); nothing here knows one by name.
@@ -47,7 +47,7 @@ class Free:
     unit: str
     log: bool
     size: float
-    """What counts as a large change, in the parameter's unit (of its logarithm if `log`)."""
+    """A large change, in the parameter's unit (of its logarithm if `log`)."""
     low: float
     high: float
     off: float

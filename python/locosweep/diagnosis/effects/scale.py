@@ -27,7 +27,7 @@ class Scale:
     level: float
     """Coulomb level at the nominal slope."""
     least_level: float
-    """What the Coulomb level may be where the nominal file leaves it uncertain."""
+    """Least Coulomb level that the uncertainty of the nominal file allows."""
     force: float
     """A large drive force."""
     speed: float
@@ -39,7 +39,7 @@ class Scale:
     """Weight of the anchored body on the ground."""
     viscous: float
     has_force_level: bool
-    """Whether the nominal file gives its Coulomb level as a force."""
+    """True if the nominal file gives its Coulomb level as a force."""
     rotary: bool
     replayed: float
     """Length of a free replay, s: that of a run, or of a window of one."""

@@ -24,7 +24,7 @@ _DEVIATIONS = 3.0
 _LEAST_SAMPLES = 5
 """Samples that a start speed is read off, at least."""
 _GAIN = 16.0
-"""What a start speed has to gain in chi2 on its run."""
+"""Gain in chi2 on its run that a start speed needs."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class _StartSpeed:
     """Number of these samples."""
     speed: float
     driven: bool
-    """Whether the drive is on at the first sample, which may look like a speed."""
+    """True if the drive is on at the first sample, which may look like a speed."""
 
 
 def initial_states(problem: Problem, nuisances: Nuisances) -> InitialStates:
@@ -54,7 +54,7 @@ def initial_states(problem: Problem, nuisances: Nuisances) -> InitialStates:
         return InitialStates(resting, np.zeros(count))
     position, read = resting.copy(), np.zeros(count)
     for r, start in asked.items():
-        # Where it rests later is not where it began.
+        # Its later resting position is not its first one.
         x = problem.runs[r].channels["x"]
         position[r], read[r] = x[np.isfinite(x)][0], start.speed
     moved = replace(problem, initial=InitialStates(position, read))
@@ -97,7 +97,7 @@ def _start_speed(problem: Problem, r: int) -> _StartSpeed | None:
     few = _first_samples(run)
     pushed = np.flatnonzero(np.diff(run.drive)) + 1
     if run.drive[0] == 0.0 and pushed.size and pushed[0] >= _LEAST_SAMPLES:
-        # What the drive does next is no start speed.
+        # The next push of the drive is no start speed.
         few, pushed = min(few, int(pushed[0]) + 1), pushed[:0]
     elif pushed.size > 1:
         few = min(few, max(int(pushed[1]) + 1, 2 * _LEAST_SAMPLES))

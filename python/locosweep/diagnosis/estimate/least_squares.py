@@ -22,10 +22,9 @@ if TYPE_CHECKING:
 _TRIALS = (0.05, 1.0, 30.0)
 """Factors on the damping that each step tries side by side."""
 _DOUBT = 3.0
-"""How many times better than derivatives promise a fit may still become."""
+"""Factor on the fall of chi2 that derivatives promise, up to which a fit may still fall."""
 _COARSE, _NEAR = 0.01, 200.0
-"""What a step has to gain, of a fit's distance from the best one beside it, beyond the
-distance from which on it does."""
+"""Least gain of a step over a fit's distance in chi2 from the best one, beyond `_NEAR`."""
 
 
 @dataclass(frozen=True)
@@ -59,10 +58,7 @@ class Model:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A model with values: parameters first, then uncertain nominal ones, then start speeds.
-
-    A value: evaluating or improving it gives another one.
-    """
+    """A model with values: parameters first, then uncertain nominal ones, then start speeds."""
 
     model: Model
     nuisances: Nuisances
@@ -156,10 +152,7 @@ def start_fits(
     rows: Floats,
     nuisance: Floats | None = None,
 ) -> list[Fit]:
-    """Return unfitted fits of a model, one a row of parameter values.
-
-    `nuisance` gives the values of what the model may shift beside, 0 without it.
-    """
+    """Return unfitted fits, one a row of parameter values; nuisance values are 0 if not given."""
     if nuisance is None:
         count = len(nuisances.uncertain) + len(nuisances.moving) + len(nuisances.start_offsets)
         nuisance = np.zeros(count)
@@ -286,10 +279,7 @@ def jacobian_of(problem: Problem, fit: Fit, runs: Sequence[int] | None = None) -
 
 
 def _proposals(fit: Fit, jacobian: Floats) -> tuple[Fit, list[tuple[float, Floats]], float]:
-    """Return the fit with its covariance, and steps to try: each with its damping.
-
-    Last, by how much chi2 would fall were the residuals straight.
-    """
+    """Return the fit with its covariance, steps with dampings, and the expected fall of chi2."""
     low, high, size = _bounds(fit)
     jacobian = np.nan_to_num(jacobian, nan=0.0, posinf=0.0, neginf=0.0)
     normal = jacobian @ jacobian.T

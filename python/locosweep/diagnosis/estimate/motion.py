@@ -1,4 +1,4 @@
-"""What any law of a variable does along a motion."""
+"""Basis functions of any law in one variable along a motion, and their responses."""
 
 from __future__ import annotations
 
@@ -89,10 +89,7 @@ def _hats(values: Floats, where: NDArray[np.bool_], knots: int = _KNOTS) -> Floa
 
 
 def terms_of(variable: str, m: Motion) -> tuple[list[Floats], bool]:
-    """Basis functions along a motion, and whether they are forces (or readings).
-
-    In groups: the terms of one are values of one smooth law, knot by knot.
-    """
+    """Basis functions along a motion in groups of one smooth law, and whether they are forces."""
     moving, every = m.v != 0.0, np.ones(m.v.size, dtype=bool)
     forward, backward = m.v > 0.0, m.v < 0.0
     sign = np.sign(m.v)

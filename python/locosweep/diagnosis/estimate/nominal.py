@@ -40,10 +40,7 @@ def fit_nominal(problem: Problem, nuisances: Nuisances) -> Fit:
 
 
 def gaps_of(problem: Problem, nuisances: Nuisances) -> list[float]:
-    """Return the squared whitened error of the nominal model per sample, run by run.
-
-    Its uncertain values are fitted to all runs: what they explain is no gap.
-    """
+    """Return the squared whitened error a sample of the nominal model, fitted to all, by run."""
     every = list(range(len(problem.runs)))
     if nuisances.uncertain:
         e = fit_nominal(problem, replace(nuisances, start_offsets=())).residual

@@ -70,7 +70,6 @@ class ReplayMeter:
 class Problem:
     """Runs, noise and weights; residuals of models in units of their noise.
 
-    A value: what is derived from its fields is computed when first asked for and stays.
     The start offset of each run (of `x`, and of `x_rear`) is projected out with the
     uncertainty of the samples before the drive first changes.
     """
@@ -89,11 +88,11 @@ class Problem:
     reversed_runs: frozenset[int] = frozenset()
     """Runs of a robot that was turned round: an error of the slope has the other sign."""
     initial: InitialStates | None = None
-    """Where runs begin, if not as they were measured."""
+    """States in which runs begin, if not as they were measured."""
     speed_scale: float = 1.0
     """A large speed of this rig, m/s."""
     meter: ReplayMeter = field(default_factory=ReplayMeter, repr=False)
-    """Where replays are counted; it takes part in no result."""
+    """Counter of replays; it takes part in no result."""
 
     @cached_property
     def nominal(self) -> dict[str, float]:
@@ -217,7 +216,7 @@ class Problem:
         # That of one sample: a bristle may give way while the drive rests.
         own = float(np.hypot(noise.sd, noise.stuck))
         starts = [_at_start(run, channel) for run in self.runs]
-        # Where nothing was measured before the drive changes, it is anywhere.
+        # A start that was not measured before the drive changes is anywhere.
         return np.array([own if known else own + _ANYWHERE * span for _, known, span in starts])
 
     @property
@@ -237,16 +236,16 @@ class Problem:
 
     @property
     def position_matters(self) -> bool:
-        """Whether the motion itself depends on where a run starts: that of a pendulum."""
+        """True if the motion depends on the start position: that of a pendulum."""
         return "gravity_torque" in self.nominal
 
     @property
     def starts_vary(self) -> bool:
-        """Whether runs may begin in motion, so that start speeds are found first."""
+        """True if runs may begin in motion, so that start speeds are found first."""
         return True
 
     def has_offset(self, channel: str) -> bool:
-        """Whether a channel has a start offset that is projected out."""
+        """Return whether a channel has a start offset that is projected out."""
         return channel in self.priors and not (channel == "x" and self.position_matters)
 
     def parameter_index(self, name: str, parameter: str) -> int:

@@ -1,8 +1,7 @@
 """Multiple shooting: windows of runs, each replayed freely from the state measured at its start.
 
 Errors of a model grow along a free run, and where the plant is unstable they soon
-exceed the motion itself. Over a short window they stay in proportion to their cause
-(multiple shooting).
+exceed the motion itself. Over a short window they stay in proportion to their cause.
 """
 
 from __future__ import annotations
@@ -34,7 +33,7 @@ the samples around it is no exact motion, and the window's own samples settle it
 _AROUND = 9
 """Samples that say what the state at a start is, at least."""
 _KNOWN = 6
-"""How many of them have to be there."""
+"""Fewest of them that have to be there."""
 _MISFIT = 1.5
 """Squares that a cubic leaves over those of noise, up to which it is taken."""
 _STILL = 3.0
@@ -143,7 +142,7 @@ def _near(run_t: Floats, when: float, half: float) -> tuple[int, int]:
 
 
 def knows_start(run: Run, first: int, half: float) -> bool:
-    """Whether enough is measured within `half` seconds of a sample to start there."""
+    """Return whether enough is measured within `half` seconds of a sample to start there."""
     a, b = _near(run.t, float(run.t[first]), half)
     return int(np.isfinite(run.channels["x"][a:b]).sum()) >= _KNOWN
 
@@ -243,10 +242,7 @@ class WindowProblem(Problem):
 
     @cached_property
     def _shift(self) -> dict[str, Floats]:
-        """Whitened change of each channel under a start's shift: a row a kind of shift.
-
-        Nominal readings are differentiated by position and speed of each start.
-        """
+        """Whitened change of each channel under a start's shift: a row a kind of shift."""
         plain = self.plain()
         spread = np.array([window.spread for window in self.windows])
         base = self.replay([plain])
@@ -285,8 +281,7 @@ class WindowProblem(Problem):
     def _begin(self, point: Point, chosen: NDArray[np.intp]) -> tuple[Floats, Floats]:
         """Return the true states at the starts, and what a scale adds to its readings.
 
-        What was measured there went through the sensor, whose scale counts from the
-        start of the run, not of the window.
+        The measured states went through the sensor, whose scale counts from the start of the run.
         """
         scale, drift, delay = (
             float(point.values[self.parameter_index(name, key)]) if name in point.names else 0.0
@@ -302,10 +297,7 @@ class WindowProblem(Problem):
     def _project(
         self, rows: dict[str, Floats], chosen: Sequence[int], most: float = np.inf
     ) -> Floats:
-        """Take out of whitened rows what a shift of each start would make of them.
-
-        `most` bounds the shifts, in units of their deviations.
-        """
+        """Take the effect of a start's shift, at most `most` deviations, out of whitened rows."""
         chosen = list(chosen)
         picked = self._picked(chosen)
         edges = np.concatenate([[0], np.cumsum(self.lengths[chosen])])[:-1]
@@ -327,10 +319,9 @@ class WindowProblem(Problem):
         return np.concatenate([*parts, *moves], axis=1)
 
     def errors(self, points: Sequence[Point], chosen: Sequence[int]) -> dict[str, Floats]:
-        """Return measured minus simulated in the channels' units.
+        """Return measured minus simulated in the channels' units, a row a point, window by window.
 
-        Starts are shifted within what the sensors leave open, and no further. NaN where
-        nothing was measured or counts; a row a point, window by window.
+        Starts are shifted within the sensors' noise. NaN where nothing was measured or counts.
         """
         chosen = list(chosen)
         e = np.concatenate(

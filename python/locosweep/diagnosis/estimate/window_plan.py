@@ -117,11 +117,7 @@ def _growth(run: Run, nominal: dict[str, float]) -> float:
 
 
 def _as_seen(whole: Problem, channel: str) -> Noise:
-    """Return the noise as stated, or as large as the readings show it.
-
-    A rig that is measured for long is a real one, and its file rarely states all that
-    its sensors add.
-    """
+    """Return the noise as stated, or as large as readings show it: files often understate it."""
     stated = whole.noise[channel]
     thirds = [np.diff(y[np.isfinite(y)], 3) for run in whole.runs
               if (y := run.channels.get(channel)) is not None]  # fmt: skip
@@ -222,10 +218,7 @@ def adjoining_windows(
 
 
 def problem_of(whole: Problem, plan: Plan) -> tuple[WindowProblem, str]:
-    """Choose the windows that take part in the search, and those that check it.
-
-    Returns them, and a sentence that says how runs were cut and what is left out.
-    """
+    """Choose the windows of the search and of its check; say in a sentence how runs were cut."""
     interval = _interval(whole, plan)
     runs = [decimated(run, interval) for run in whole.runs]
     leads = _leads(runs, plan.seconds)
@@ -256,8 +249,8 @@ def problem_of(whole: Problem, plan: Plan) -> tuple[WindowProblem, str]:
     if max(dense) > 1:
         said += f"; one sample in {max(dense)} of the densest run"
     windows = [*chosen, *checked]
-    places = tuple(range(len(chosen), len(windows)))
-    return _problem(whole, runs, windows, leads, plan, places), said
+    held_windows = tuple(range(len(chosen), len(windows)))
+    return _problem(whole, runs, windows, leads, plan, held_windows), said
 
 
 def _problem(
@@ -291,11 +284,7 @@ def scale_in_windows(scale: Scale, robot: Robot, problem: WindowProblem) -> Scal
 
 
 def for_planning(whole: Problem) -> Problem:
-    """Return a problem whose runs are the first windows of whole runs.
-
-    A planned run starts at rest and is replayed as a whole: so are those that it is
-    compared with.
-    """
+    """Return the first windows of whole runs, which start at rest as a planned run does."""
     runs = []
     for run in whole.runs:
         ok = np.isfinite(run.channels["x"])

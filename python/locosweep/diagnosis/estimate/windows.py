@@ -77,10 +77,10 @@ def chosen_windows(
     left = most
     chosen = []
     order = sorted(windows, key=lambda r: sum(b - a for _, a, b in windows[r]))
-    for place, r in enumerate(order):
+    for k, r in enumerate(order):
         mine = windows[r]
         size = float(np.mean([b - a for _, a, b in mine]))
-        count = max(1, int(left / (len(order) - place) / size))
+        count = max(1, int(left / (len(order) - k) / size))
         picked = _varied(runs[r], mine, count, noise)
         left -= sum(b - a for _, a, b in picked)
         chosen += picked

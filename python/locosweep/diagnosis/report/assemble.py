@@ -42,7 +42,7 @@ _CANDIDATES = 8
 
 @dataclass(frozen=True)
 class Source:
-    """Where the runs and the nominal model come from."""
+    """Origin of the runs and of the nominal model."""
 
     robot: Robot
     given: Any
@@ -60,14 +60,14 @@ class Source:
 
 @dataclass(frozen=True)
 class Findings:
-    """What the steps before the report have found."""
+    """Results of the steps before the report."""
 
     search: Search
     choice: Choice
     whole: Problem
     """The runs as they were measured."""
     plan: Plan | None
-    """How they were cut into windows, if they were."""
+    """Plan of the windows that they were cut into, if they were."""
     nearest: Nearest | None
     """The set that comes nearest, where none of a gap in windows is confirmed."""
     next_experiment: dict[str, Any]
@@ -77,7 +77,7 @@ class Findings:
 
     @property
     def named(self) -> bool:
-        """Whether the verdict names effects."""
+        """True if the verdict names effects."""
         return self.choice.status in ("explained", "ambiguous")
 
     @property

@@ -46,12 +46,12 @@ class Comparison(ABC):
 
     @property
     def same(self) -> bool:
-        """Whether both models have the same effects."""
+        """True if both models have the same effects."""
         return self.before.names == self.after.names
 
     @property
     def validates(self) -> bool:
-        """Whether a part of the runs was kept from the fit."""
+        """True if a part of the runs was kept from the fit."""
         return self.problem.train_fraction < 1.0 or bool(self.problem.held)
 
     def unit(self, channel: str) -> str:
@@ -61,7 +61,7 @@ class Comparison(ABC):
     @property
     @abstractmethod
     def readings(self) -> tuple[ByRun, ByRun]:
-        """What the sensors would read under either model."""
+        """Sensor readings that either model predicts."""
 
     @property
     @abstractmethod
@@ -94,8 +94,7 @@ class Comparison(ABC):
 def compare_whole_runs(problem: Problem, before: Point, after: Point) -> Comparison:
     """Compare two models on runs that are replayed from end to end.
 
-    Both start where the second one says that the head did: a start fitted to the first
-    would hide part of the gap.
+    Both start as the second one does: a start fitted to the first would hide part of the gap.
     """
     after = started(problem, after)
     if before.names == after.names:
@@ -163,10 +162,7 @@ class _RunComparison(Comparison):
 
     @cached_property
     def prominence(self) -> dict[str, float]:
-        """What the second model takes away; of the same model, the error itself.
-
-        All runs say it: those kept from the fit may hold little of the gap.
-        """
+        """Error that the second model takes away, over all runs: few may hold little of the gap."""
         found = {}
         for c in self.problem.channels:
             before, after = (rms(squares[c]) for squares in self.squares)

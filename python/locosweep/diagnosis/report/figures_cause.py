@@ -27,20 +27,20 @@ def candidates(diagnosis: Diagnosis) -> Figure | None:
     made = style.figure(9.0, 1.1 + 0.36 * len(rows))
     left, right = made.subplots(1, 2, sharey=True)
     names = [" +\n".join(map(style.words, row["effects"])) or "nothing" for row in rows]
-    for place, row in enumerate(rows):
+    for y, row in enumerate(rows):
         chosen = row is named
-        left.barh(place, row["probability"], height=0.62, edgecolor="black", linewidth=0.6,
+        left.barh(y, row["probability"], height=0.62, edgecolor="black", linewidth=0.6,
                   color=style.AUGMENTED["color"] if chosen else "0.75")  # fmt: skip
         sure = row["probability"]
-        left.annotate(f"{sure:.2f}" if sure >= 0.005 else "< 0.01", (sure, place), xytext=(3, 0),
+        left.annotate(f"{sure:.2f}" if sure >= 0.005 else "< 0.01", (sure, y), xytext=(3, 0),
                       textcoords="offset points", va="center", fontsize=8)  # fmt: skip
         if row["shrink"] is None:
-            right.annotate("unknown", (0.0, place), va="center", fontsize=8)
+            right.annotate("unknown", (0.0, y), va="center", fontsize=8)
             continue
         low, high = _interval(diagnosis, row)
         if low is not None and high is not None:
-            right.plot([low, high], [place, place], color="0.4", linewidth=2.2)
-        right.plot(row["shrink"], place, "o", color="black", markersize=5)
+            right.plot([low, high], [y, y], color="0.4", linewidth=2.2)
+        right.plot(row["shrink"], y, "o", color="black", markersize=5)
     left.set_yticks(range(len(rows)), names, fontsize=8)
     left.set_ylim(len(rows) - 0.4, -0.6)
     left.set(xlim=(0, 1.15), xlabel="probability, if it is one of these [1]", ylabel="cause")
@@ -93,8 +93,8 @@ def parameters(diagnosis: Diagnosis) -> Figure | None:
         ax.set_ylabel(style.words(name).replace(" ", "\n"), rotation=0, ha="right", va="center",
                       fontsize=8)  # fmt: skip
         spread = f" ± {half:.2g}" if half else ", interval unknown"
-        told = f"{value:.5g}{spread} {style.unit_text(entry['unit'])}".removesuffix(" 1")
-        ax.set_title(told, fontsize=8, loc="right", pad=2)
+        text = f"{value:.5g}{spread} {style.unit_text(entry['unit'])}".removesuffix(" 1")
+        ax.set_title(text, fontsize=8, loc="right", pad=2)
         ax.tick_params(labelsize=8)
         for side in ("left", "right", "top"):
             ax.spines[side].set_visible(False)

@@ -45,8 +45,8 @@ def window_strips(diagnosis: Diagnosis, ax: Axes) -> Axes:
     rows = [_binned(trace, name) for trace in traces]
     factor, unit = info.scale(style.reach([sizes for _, sizes in rows]))
     norm = Normalize(0.0, factor * style.reach([sizes for _, sizes in rows]) or 1.0)
-    for place, (edges, sizes) in enumerate(rows):
-        image = ax.pcolormesh(edges, [place - 0.4, place + 0.4], factor * sizes[None], norm=norm,
+    for y, (edges, sizes) in enumerate(rows):
+        image = ax.pcolormesh(edges, [y - 0.4, y + 0.4], factor * sizes[None], norm=norm,
                               cmap=_STRIPS)  # fmt: skip
     bar = ax.get_figure(root=True).colorbar(image, ax=ax, pad=0.01, aspect=10)  # type: ignore[union-attr]
     bar.set_label(f"$|\\Delta {info.symbol}|$ [{unit}]")
@@ -57,11 +57,11 @@ def window_strips(diagnosis: Diagnosis, ax: Axes) -> Axes:
 def origin_strips(diagnosis: Diagnosis, ax: Axes) -> Axes:
     """Draw the kind of motion over time, a strip a run, and where the gap arises."""
     traces = diagnosis.traces[:_MOST]
-    for place, trace in enumerate(traces):
+    for y, trace in enumerate(traces):
         edges = _edges(trace.t)
         change = np.flatnonzero(np.diff(trace.regime)) + 1
         for first, last in zip([0, *change], [*change, trace.t.size], strict=True):
-            ax.broken_barh([(edges[first], edges[last] - edges[first])], (place - 0.4, 0.8),
+            ax.broken_barh([(edges[first], edges[last] - edges[first])], (y - 0.4, 0.8),
                            facecolor=_REGIME_COLOURS[int(trace.regime[first])])  # fmt: skip
     _boxes(ax, traces, diagnosis.where["origin"])
     return _runs_axis(ax, traces, "where it arises: residual after a restart at the window's start")
@@ -85,12 +85,12 @@ def _binned(trace: Trace, name: str) -> tuple[Any, Any]:
     """Edges of time bins and the root mean square of the residual in each."""
     left = residual(trace, trace.nominal, name)
     count = min(_BINS, trace.t.size)
-    place = np.minimum(np.arange(trace.t.size) * count // trace.t.size, count - 1)
+    bins = np.minimum(np.arange(trace.t.size) * count // trace.t.size, count - 1)
     known = np.isfinite(left)
-    total = np.bincount(place[known], left[known] ** 2, count)
-    number = np.bincount(place[known], minlength=count)
+    total = np.bincount(bins[known], left[known] ** 2, count)
+    number = np.bincount(bins[known], minlength=count)
     sizes = np.sqrt(np.divide(total, number, out=np.full(count, np.nan), where=number > 0))
-    first = np.searchsorted(place, np.arange(count))
+    first = np.searchsorted(bins, np.arange(count))
     edges = _edges(trace.t)
     return np.append(edges[first], edges[-1]), sizes
 
@@ -100,14 +100,14 @@ def _edges(t: Any) -> Any:
 
 
 def _boxes(ax: Axes, traces: Sequence[Trace], windows: Sequence[dict[str, Any]]) -> None:
-    places = {trace.label: place for place, trace in enumerate(traces)}
+    heights = {trace.label: y for y, trace in enumerate(traces)}
     for run, t0, t1, share in _joined(windows):
-        if run not in places:
+        if run not in heights:
             continue
-        place = places[run]
-        ax.add_patch(Rectangle((t0, place - 0.4), t1 - t0, 0.8, fill=False, edgecolor="black",
+        y = heights[run]
+        ax.add_patch(Rectangle((t0, y - 0.4), t1 - t0, 0.8, fill=False, edgecolor="black",
                                linewidth=1.4, zorder=4, path_effects=[_RIM]))  # fmt: skip
-        text = ax.annotate(f"{share:.0%}", ((t0 + t1) / 2, place), ha="center",
+        text = ax.annotate(f"{share:.0%}", ((t0 + t1) / 2, y), ha="center",
                            va="center", fontsize=7.5, zorder=5)  # fmt: skip
         text.set_bbox({"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 0.8})
 
@@ -125,7 +125,7 @@ def _joined(windows: Sequence[dict[str, Any]]) -> list[tuple[str, float, float, 
 
 
 def _runs_axis(ax: Axes, traces: Sequence[Trace], title: str) -> Axes:
-    names = [style.label(t.label) + (" (kept)" if t.held_out else "") for t in traces]
+    names = [style.run_label(t.label, kept=t.held_out) for t in traces]
     ax.set_yticks(range(len(traces)), names, fontsize=8)
     ax.set_ylim(len(traces) - 0.5, -0.5)
     ax.set(xlabel="time $t$ [s]", ylabel="run")
@@ -146,16 +146,16 @@ def shares(diagnosis: Diagnosis) -> Figure:
     info = style.channel(gap_channel(diagnosis), diagnosis.nominal)
     known = [float(row[key]) for row in runs for key in ("before", "after") if row[key]]
     factor, unit = info.scale(max(known, default=0.0))
-    for place, row in enumerate(runs):
+    for y, row in enumerate(runs):
         pair = [(row[key], marker, line["color"]) for key, marker, line in
                 (("before", "o", style.NOMINAL), ("after", "D", style.AUGMENTED))]  # fmt: skip
         if not diagnosis.effects:
             pair.pop()
         ends = [factor * value for value, _, _ in pair if value]
-        right.plot(ends, [place] * len(ends), color="0.6", linewidth=1.0, zorder=1)
+        right.plot(ends, [y] * len(ends), color="0.6", linewidth=1.0, zorder=1)
         for value, marker, colour in pair:
             if value:
-                right.plot(factor * value, place, marker, color=str(colour), markersize=6)
+                right.plot(factor * value, y, marker, color=str(colour), markersize=6)
     floor = diagnosis.gap.get("noise_floor")
     if floor:
         right.axvline(factor * floor, color="0.3", linestyle=":", linewidth=1.2)
@@ -164,8 +164,8 @@ def shares(diagnosis: Diagnosis) -> Figure:
     if known:
         right.set_xscale("log")
     kept = set(diagnosis.gap["held_out"])
-    right.set_yticks(range(len(runs)), [style.label(row["run"]) + (" (kept)" if row["run"] in kept
-                     else "") for row in runs], fontsize=8)  # fmt: skip
+    names = [style.run_label(row["run"], kept=row["run"] in kept) for row in runs]
+    right.set_yticks(range(len(runs)), names, fontsize=8)
     right.set_ylim(len(runs) - 0.4, -0.6)
     after = ", ◆ after" if diagnosis.effects else ""
     right.set(xlabel=f"rmse of ${info.symbol}$ [{unit}], ● before{after}", ylabel="run")
@@ -174,10 +174,10 @@ def shares(diagnosis: Diagnosis) -> Figure:
 
 
 def _bars(ax: Axes, names: Sequence[str], values: Sequence[float | None], what: str) -> None:
-    for place, value in enumerate(values):
-        ax.barh(place, value or 0.0, color=style.AUGMENTED["color"], height=0.6)
+    for y, value in enumerate(values):
+        ax.barh(y, value or 0.0, color=style.AUGMENTED["color"], height=0.6)
         text = "unknown" if value is None else f"{value:.0%}"
-        ax.annotate(text, (value or 0.0, place), xytext=(3, 0), textcoords="offset points",
+        ax.annotate(text, (value or 0.0, y), xytext=(3, 0), textcoords="offset points",
                     va="center", fontsize=8)  # fmt: skip
     ax.set_yticks(range(len(names)), [style.words(name) for name in names], fontsize=8)
     ax.set_ylim(max(len(names), 5) - 0.4, -0.6)

@@ -146,9 +146,9 @@ def runs_small(diagnosis: Diagnosis) -> Figure:
         ax.tick_params(labelsize=7)
         ax.xaxis.set_major_locator(MaxNLocator(4))
         ax.yaxis.set_major_locator(MaxNLocator(4))
-        kept = " (kept)" if trace.held_out else ""
-        title = f"run {style.label(trace.label)}{kept}"
-        ax.set_title(f"{title}\n{_told(diagnosis, errors.get(trace.label), name)}", fontsize=8)
+        change = _change_of_error(diagnosis, errors.get(trace.label), name)
+        title = f"run {style.run_label(trace.label, kept=trace.held_out)}"
+        ax.set_title(f"{title}\n{change}", fontsize=8)
     for ax in grid[len(traces) :]:
         ax.set_visible(False)
     made.legend(*grid[0].get_legend_handles_labels(), loc="outside upper center", ncols=3,
@@ -156,7 +156,7 @@ def runs_small(diagnosis: Diagnosis) -> Figure:
     return made
 
 
-def _told(diagnosis: Diagnosis, row: dict[str, float | None] | None, name: str) -> str:
+def _change_of_error(diagnosis: Diagnosis, row: dict[str, float | None] | None, name: str) -> str:
     """Say a run's error before and after, in one unit."""
     before = None if row is None else row["before"]
     after = None if row is None else row["after"]

@@ -91,6 +91,11 @@ def label(text: str) -> str:
     return shown.replace("$", r"\$")
 
 
+def run_label(text: str, *, kept: bool) -> str:
+    """Return a run's label, with a mark if the run was kept from the fit."""
+    return label(text) + (" (kept)" if kept else "")
+
+
 def figure(width: float, height: float) -> Figure:
     """Return an empty figure that belongs to no window."""
     made = Figure(figsize=(width, height), layout="constrained")

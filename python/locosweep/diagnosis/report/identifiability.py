@@ -24,17 +24,17 @@ def not_visible(
 ) -> list[dict[str, str]]:
     """Return the effects that these runs cannot identify, each with the reason."""
     rows = [{"effect": name, "why": why} for name, why in left_out.items()]
-    ways = _ways(search.problem)
+    directions = _directions(search.problem)
     for name in search.names:
         fit = known.single(name)
-        why = _why(fit, *ways) if fit is not None else None
+        why = _why(fit, *directions) if fit is not None else None
         if why:
             rows.append({"effect": name, "why": why})
     return rows
 
 
-def _ways(problem: Problem) -> tuple[bool, bool]:
-    """Whether the head moves forward and backward in the fitted runs."""
+def _directions(problem: Problem) -> tuple[bool, bool]:
+    """Return whether the head moves forward, and whether backward, in the fitted runs."""
     found = [problem.motions[r] for r in problem.fitted]
     limits = [3.0 * m.deviation + 0.01 * float(np.abs(m.v).max(initial=0.0)) for m in found]
     forward = any((m.v > limit).any() for m, limit in zip(found, limits, strict=True))

@@ -58,10 +58,7 @@ def gap_of(comparison: Comparison, seed: int) -> dict[str, Any]:
 
 
 def reduction(comparison: Comparison, channel: str, seed: int) -> dict[str, Any]:
-    """Return the validation error before and after, and how far it falls.
-
-    The fall is None where no data were kept from the fit, or where these show no gap.
-    """
+    """Return the validation error before and after, and its fall where validation data show it."""
     floor = float(comparison.noise[channel].sd)
     found: dict[str, Any] = {"before": None, "after": None, "noise_floor": floor}
     found |= {"shrink": None, "shrink_ci": None, "explained": None}
@@ -80,10 +77,7 @@ def reduction(comparison: Comparison, channel: str, seed: int) -> dict[str, Any]
 
 
 def interval_of(drawn: Sequence[Floats], shrink: float) -> list[float]:
-    """90 % interval of the reduction.
-
-    It spans what every kind of draws gives: sums of squared errors, shape (draws, 2).
-    """
+    """90 % interval of the reduction over all draws of squared errors, each of shape (draws, 2)."""
     ends = [
         np.quantile(1.0 - np.sqrt(sums[:, 1] / np.maximum(sums[:, 0], 1e-300)), [0.05, 0.95])
         for sums in drawn
@@ -95,10 +89,7 @@ def interval_of(drawn: Sequence[Floats], shrink: float) -> list[float]:
 def draws_of_runs(
     before: Sequence[Floats], after: Sequence[Floats], kept: int, generator: np.random.Generator
 ) -> list[Floats]:
-    """Draw `kept` runs from all of them as they are, and runs like them.
-
-    The next run lies beyond a few known ones more often than in one of ten cases.
-    """
+    """Draw `kept` runs as they are and runs like them: few known ones span too little."""
     blocks = _BLOCKS if len(before) < _FEW else 1
     table = np.array([
         (np.nansum(a[c]), np.nansum(b[c]))

@@ -1,4 +1,4 @@
-"""Where the gap lies: channels, runs, windows, kinds of motion, and in which variable."""
+"""Location of the gap: channels, runs, windows, kinds of motion, variables."""
 
 from __future__ import annotations
 
@@ -36,10 +36,7 @@ def shares(parts: dict[str, float]) -> dict[str, float]:
 
 
 def where_of(comparison: Comparison, channel: str, *, explained: bool) -> dict[str, Any]:
-    """Return the report's `where`, but for its site.
-
-    `explained` says whether the second model accounts for the gap in `channel`.
-    """
+    """Return the report's `where` but for its site; `explained` if the second model explains it."""
     problem = comparison.problem
     squares = comparison.gap_squares(channel, explained=explained)
     largest = windows(problem, squares)

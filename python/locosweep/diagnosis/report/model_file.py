@@ -21,10 +21,7 @@ if TYPE_CHECKING:
 
 
 def calibrated(robot: Robot, point: Point, effects: dict[str, dict[str, float]]) -> Robot:
-    """Return the model that a fit describes, its uncertain nominal values as fitted.
-
-    `effects` are given beside the nominal Coulomb level.
-    """
+    """Return the model of a fit with its effects, given beside the nominal Coulomb level."""
     mass, level, gain, clock = (float(share) for share in point.factors)
     if (mass, level, gain, clock) == (1.0, 1.0, 1.0, 0.0):
         return replace(robot, effects=effects)
@@ -73,8 +70,8 @@ def _filled(text: str, robot: Robot) -> str:
         for p in _core.parameters()
         if p.file_key and p.name in robot.parameters
     ]
-    for place, word in robot.other.items():
-        table, _, key = place.partition(".")
+    for dotted, word in robot.other.items():
+        table, _, key = dotted.partition(".")
         given.append((table, key, word))
     for table, key, value in given:
         content = document.setdefault(table, {})

@@ -77,7 +77,7 @@ def _environment() -> jinja2.Environment:
     )
     made.filters |= {"number": _number, "percent": _percent, "words": words, "meaning": _meaning,
                      "plain": _plain, "names": _names, "sure": _sure}  # fmt: skip
-    # What comes from a file may hold characters that are not seen but turn text round.
+    # Text from a file may hold characters that are not seen but turn text round.
     made.finalize = lambda value: _plain(value) if type(value) is str else value
     return made
 
@@ -147,14 +147,14 @@ def _interval(diagnosis: Diagnosis) -> str:
 def _sized(diagnosis: Diagnosis) -> Callable[..., str]:
     """Return what writes an error of a channel in a unit that reads well."""
 
-    def told(value: float | None, name: str | None = None) -> str:
+    def written(value: float | None, name: str | None = None) -> str:
         if value is None or not np.isfinite(value):
             return "unknown"
         of = channel(name or gap_channel(diagnosis), diagnosis.nominal)
         factor, unit = of.scale(abs(value))
         return f"{_number(factor * value)} {unit}"
 
-    return told
+    return written
 
 
 def _settings(diagnosis: Diagnosis) -> dict[str, str]:
@@ -179,7 +179,7 @@ def _model(diagnosis: Diagnosis) -> list[tuple[str, str, str]]:
         key = records[name].file_key
         rows.append((".".join(key) if key else name, _number(value, 6),
                      unit_text(records[name].unit)))  # fmt: skip
-    for place, given in diagnosis.nominal.other.items():
+    for dotted, given in diagnosis.nominal.other.items():
         text = given if isinstance(given, str) else _number(given, 6)
-        rows.append((place, text, unit_text(others[place].unit) if place in others else ""))
+        rows.append((dotted, text, unit_text(others[dotted].unit) if dotted in others else ""))
     return rows

@@ -36,7 +36,7 @@ class Trace:
         What the sensors would read under the nominal model, and with the effects
         that were found (equal where none was).
     regime : ndarray of int
-        Place in `REGIMES` of every sample.
+        Index in `REGIMES` of every sample.
     held_out : bool
         Whether the run was kept from the fit.
     """
@@ -54,7 +54,7 @@ class Trace:
 
 @dataclass(frozen=True, repr=False)
 class Diagnosis:
-    """Where the gap lies, which effect causes it, how far the validation error falls.
+    """Localization of the gap, its cause, and the reduction of the validation error.
 
     Everything in the report is an attribute too: `status`, `effects`,
     `probability`, `equivalent`, `alternatives`, `law_mismatch`, `summary`, `gap`,
@@ -108,7 +108,7 @@ class Diagnosis:
 
     @property
     def law_mismatch(self) -> bool:
-        """Whether the cause acts by another law than the effect's formula."""
+        """True if the cause acts by another law than the effect's formula."""
         return bool(self.report["verdict"]["law_mismatch"])
 
     @property
@@ -118,7 +118,7 @@ class Diagnosis:
 
     @property
     def gap(self) -> dict[str, Any]:
-        """How large the gap is, before and after, on runs kept from the fit."""
+        """Size of the gap, before and after, on runs kept from the fit."""
         return dict(self.report["gap"])
 
     @property

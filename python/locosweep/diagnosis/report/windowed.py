@@ -64,7 +64,7 @@ class ReportWindows:
         return {c: _sums(e**2, self.problem.lengths[self.validation]) for c, e in errors.items()}
 
     def reduction_without_worst(self, before: Point, after: Point, channel: str) -> float | None:
-        """Return the error reduction in windows kept from fits, but for the worst tenth.
+        """Return the error reduction in validation windows but for the worst tenth.
 
         A push from outside in one window would outweigh all that a model does in others.
         """

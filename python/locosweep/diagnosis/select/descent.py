@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 CLOSE = 8
 """Fits that are followed to their end whatever the best one reaches."""
 FAR_BEHIND = 30.0
-"""Fits that leave this many times more than the best are not worth jumps."""
+"""Chi2 over the best fit's, beyond which no jumps are tried."""
 SLACK = 200.0
 """Scores further behind the best one than this, by what derivatives promise, are out of
 reach of it also along a valley that bends."""
@@ -46,12 +46,11 @@ def descend(
     *,
     at_noise: bool = False,
 ) -> Found:
-    """Fit from starts, and follow those that may come near the best to their end.
+    """Fit from starts, the first steps on `runs`, and follow those that may come near the best.
 
-    The first steps are made on `runs`; `jumps` limits the fits that are tried from further
-    starts. With `at_noise`, the model that the starts extend leaves but noise: then nothing
-    ties. Returns the best fit of each set among the starts, or the known one where that is
-    better.
+    `jumps` limits the fits that are tried from further starts. With `at_noise`, the model that
+    the starts extend leaves but noise: then nothing ties. Returns the best fit of each set among
+    the starts, or the known one where that is better.
     """
     problem, steps = search.problem, search.steps
     fits = list(starts)
@@ -65,9 +64,9 @@ def descend(
     # Those that are far behind stay as they are.
     close = [i for n, i in enumerate(order) if n < CLOSE or fits[i].chi2 < 10.0 * least]
 
-    def improve(places: Sequence[int], tolerance: float = 0.02) -> None:
-        better = fit_all(problem, [fits[i] for i in places], steps=steps, tolerance=tolerance)
-        for i, fit in zip(places, better, strict=True):
+    def improve(chosen: Sequence[int], tolerance: float = 0.02) -> None:
+        better = fit_all(problem, [fits[i] for i in chosen], steps=steps, tolerance=tolerance)
+        for i, fit in zip(chosen, better, strict=True):
             fits[i] = fit
 
     first, others = close[:_FIRST], close[_FIRST:]
@@ -78,12 +77,12 @@ def descend(
     for i, fit in zip(others, limited, strict=True):
         fits[i] = fit
     improve(others, _ROUGH)
-    # Only those that may tie are worth all digits.
+    # Only those that may tie need all digits.
     least = min((search.score(fits[i]) for i in close), default=np.inf)
     improve([i for i in close if search.score(fits[i]) < least + _CONTEST])
     close.sort(key=lambda i: fits[i].chi2)
-    places = [i for i in close if fits[i].chi2 < FAR_BEHIND * fits[close[0]].chi2][:jumps]
-    for i, fit in zip(places, jump(search, [fits[i] for i in places]), strict=True):
+    chosen = [i for i in close if fits[i].chi2 < FAR_BEHIND * fits[close[0]].chi2][:jumps]
+    for i, fit in zip(chosen, jump(search, [fits[i] for i in chosen]), strict=True):
         fits[i] = fit
     found: Found = {}
     for fit in fits:
@@ -101,7 +100,7 @@ def _with_limits(
     *,
     at_noise: bool,
 ) -> list[Fit]:
-    """Return fits with what they have to come to, where some fit leaves hardly more than noise.
+    """Return fits with the chi2 that they have to reach, where some fit leaves little but noise.
 
     Beside a model that is `at_noise` itself nothing ties: a further effect has to gain.
     """
@@ -113,10 +112,9 @@ def _with_limits(
 
 
 def jump(search: Search, fits: Sequence[Fit]) -> list[Fit]:
-    """Try large changes of one parameter at a time, and fit again from better places.
+    """Try large changes of one parameter at a time, and fit again from better values.
 
-    Thresholds act in jumps of whole samples and periods have many valleys:
-    derivatives do not see beyond them.
+    Thresholds and periods give chi2 many valleys, and derivatives do not see beyond one.
     """
     found = list(fits)
     for _ in range(2):
@@ -127,16 +125,16 @@ def jump(search: Search, fits: Sequence[Fit]) -> list[Fit]:
         # The first of each is the fit itself, seen on the same runs.
         tried = [[found[i].unfitted(), *_jumps_of(found[i])] for i in todo]
         flat = [s.fit for s in scan(search.problem, chain(*tried), runs)]
-        places, starts = [], []
+        chosen, starts = [], []
         for i, trials in zip(todo, tried, strict=True):
             (same, *seen), flat = flat[: len(trials)], flat[len(trials) :]
             best = sorted(seen, key=chi2_of)[: 1 if len(seen) < _DENSE else 6]
             better = [t for t in best if t.chi2 < 0.98 * same.chi2 or len(best) > 1]
-            places += [i] * len(better)
+            chosen += [i] * len(better)
             starts += better
         if not starts:
             break
-        for i, trial in zip(places, fit_all(search.problem, starts, steps=search.steps),
+        for i, trial in zip(chosen, fit_all(search.problem, starts, steps=search.steps),
                             strict=True):  # fmt: skip
             if trial.chi2 < found[i].chi2:
                 found[i] = replace(trial, damping=found[i].damping, limit=found[i].limit)
@@ -149,13 +147,13 @@ def _jumps_of(fit: Fit) -> list[Fit]:
         low, high = (np.log(v) if free.log else v for v in (free.low, free.high))
         unit = 1.0 if free.log else free.size
         known = fit.covariance.size and fit.covariance[i, i] < 1e4 * unit**2
-        # What derivatives do not see at all is looked for on a dense grid.
+        # A dense grid finds values that derivatives do not see at all.
         for change in _JUMPS if known else np.linspace(-0.4, 0.4, _DENSE):
             theta = fit.theta.copy()
             theta[i] = np.clip(theta[i] + change * unit, low, high)
             trials.append(fit.unfitted(theta))
     for i in range(len(fit.model.free) + len(fit.nuisances.uncertain), fit.theta.size):
-        # A run's start that another model's fit has bent may lie in a valley of its own.
+        # A run's start that another model's fit has shifted may lie in a valley of its own.
         theta = fit.theta.copy()
         theta[i] = 0.0
         trials.append(fit.unfitted(theta))

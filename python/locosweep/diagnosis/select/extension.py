@@ -49,9 +49,9 @@ _BUDGET = 3.0
 _PAIRS_SCANNED = 8
 """Pairs that are replayed for each that is fitted."""
 _BETTERED = 1.5
-"""What a set of effects may promise to leave, of what the best one of its size leaves."""
+"""Chi2 that a set of effects may promise, over that of the best one of its size."""
 _HINT = 5.0
-"""What a start has to promise to gain where the model beside it leaves only noise."""
+"""Gain in chi2 that a start has to promise beside a model that leaves only noise."""
 _RIPPLE = "position_dependent_friction"
 """The effect whose starts are found by a scan of periods."""
 _SMALL = 1e-3
@@ -68,7 +68,7 @@ def singles(search: Search) -> Collection:
 
 
 def retried_singles(search: Search, known: Collection) -> Collection:
-    """Fit the effects alone again, from further places."""
+    """Fit the effects alone again, from further values."""
     found = sorted((known.fits[frozenset({name})] for name in search.names), key=chi2_of)
     some = [f for f in found if f.chi2 < FAR_BEHIND * found[0].chi2][:CLOSE]
     better = {frozenset(fit.model.names): fit for fit in jump(search, some)}
@@ -133,7 +133,7 @@ def _starts_beside(search: Search, name: str, base: Fit | None, beside: Fit) -> 
     rows = np.vstack([*search.hinted(model), rows])
     starts = start_fits(search.nuisances, model, rows, beside.nuisance)
     if base is None and search.nuisances.uncertain:
-        # The nominal model's shares may be bent to hide the gap.
+        # The nominal model's uncertain values may be fitted to the gap.
         return [*start_fits(search.nuisances, model, rows), *starts]
     return starts
 
@@ -145,8 +145,7 @@ def _thinned(rows: Floats) -> Floats:
 def _ripples(search: Search, beside: Fit) -> Floats:
     """Periods, amplitudes and phases of friction along the track, best first.
 
-    A small ripple acts in proportion: for every period two of them, a quarter
-    apart, give the best amplitude and phase.
+    Two small ripples of a period, a quarter apart, give the best amplitude and phase.
     """
     periods = np.geomspace(0.03, 4.0, 48) * search.scale.travel
     rows = [[_SMALL, period, phase] for period in periods for phase in (0.0, np.pi / 2)]
@@ -189,10 +188,7 @@ def extend_each(search: Search, known: Collection, bases: Sequence[Fit]) -> Foun
 
 
 def pairs(search: Search, known: Collection, count: int) -> Found:
-    """Fit the pairs whose two changes of the nominal motion, added up, promise most.
-
-    Neither of them need stand out alone.
-    """
+    """Fit the pairs whose two changes of the nominal motion, added up, promise most."""
     none, problem = search.none, search.problem
     runs = informative_runs(problem, none)
     alone: list[Fit] = []
@@ -214,7 +210,7 @@ def pairs(search: Search, known: Collection, count: int) -> Found:
         for a, b in (sizes, (1.0, 1.0)):
             row = np.concatenate([scaled(alone[i], a).parameters, scaled(alone[j], b).parameters])
             starts += start_fits(search.nuisances, model, row[None, :], none.nuisance)
-    # What they leave, not what sums of small changes promise, says which are followed.
+    # Replays decide which are followed, not sums of small changes.
     starts = sorted((s.fit for s in scan(problem, starts, runs)), key=chi2_of)[:count]
     return descend(search, known, starts, runs, CLOSE // 2)
 

@@ -32,35 +32,33 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-_CARRIED = 6
+_TRIED = 6
 """Fits whose own variables are tried on what they leave."""
-_MOST_CARRIED = 10
+_MOST_TRIED = 10
 """Such fits at most, with those by other variables."""
-_MOST_WORTH = 3
+_TRIED_NEXT = 3
 """Variables beside a fit whose effects are tried next."""
 OUT_OF_LIBRARY = "terrain"
 """Variable of a force by the position alone, in either direction: a tether, a magnet, a bump."""
 
 
 def best_with_other_law(search: Search, level: Sequence[Fit]) -> tuple[float, Fit] | None:
-    """Find the fit that its own effects' variables bring down to noise, and furthest.
+    """Find the fit that corrections in its own effects' variables bring down furthest, to noise.
 
-    Tried are the best fits, and what acts through the variables that would carry most beside
-    them: far off by its own formula, a cause may stand behind many others.
-
-    Returns it with its score, a price on every term included.
+    Tried are the best fits, and effects in the variables that correct most beside them. Returns
+    it with its score, a price on every term included.
     """
-    tried = list(level[:_CARRIED])
+    tried = list(level[:_TRIED])
     found = []
     for i, fit in enumerate(tried):
         score, others = _score_with_other_law(search, fit)
         if score is not None:
             found.append((score, i))
-        # No effect acts through some: a force by the place alone, an acceleration.
+        # No effect acts through some: a force by the position alone, an acceleration.
         others = [v for v in others if v in VARIABLES.values()]
-        for variable in others[:_MOST_WORTH]:
+        for variable in others[:_TRIED_NEXT]:
             new = (f for f in level if variable in _variables(f) and all(f is not g for g in tried))
-            tried += islice(new, int(len(tried) < _MOST_CARRIED))
+            tried += islice(new, int(len(tried) < _MOST_TRIED))
     if not found:
         return None
     score, i = min(found)
@@ -68,11 +66,7 @@ def best_with_other_law(search: Search, level: Sequence[Fit]) -> tuple[float, Fi
 
 
 def score_with_other_law(search: Search, fit: Fit) -> float | None:
-    """Score of a fit with other laws of its effects; none where those do not do.
-
-    They have to carry what is left as well as any other variable would: what is small
-    enough to fit into everything says nothing about its cause.
-    """
+    """Score of a fit with other laws of its effects; None if another variable does better."""
     return _score_with_other_law(search, fit)[0] if _variables(fit) else None
 
 
@@ -87,25 +81,24 @@ def _score_with_other_law(search: Search, fit: Fit) -> tuple[float | None, list[
     terms = NonparametricCorrection(problem, fit)
     left = terms.corrected_residual(own)
     noise = noise_level(problem, left)
-    worth = terms.log_bayes_factor(own, noise)
+    log_factor = terms.log_bayes_factor(own, noise)
     others = {v: terms.log_bayes_factor([v], noise) for v in terms.variables if v not in own}
     most = sorted((v for v in others if others[v] > 0.0), key=lambda v: -others[v])
-    if not own or worth < max(others.values(), default=0.0) - AS_WELL:
+    if not own or log_factor < max(others.values(), default=0.0) - AS_WELL:
         return None, most
     if whiteness_test(problem, left).rejected or terms.significant(own, noise):
         return None, most
     if terms.predictive_gain(own, noise) <= 0.0 or not _holds(problem, fit, own, noise):
         return None, most
-    return search.score(fit) - worth * noise, most
+    return search.score(fit) - log_factor * noise, most
 
 
 def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool:
-    """Whether another law, predicted from the other runs, leaves but noise in each.
+    """Return whether another law, predicted from the other runs, leaves but noise in each.
 
-    Noise, and what those runs cannot tell of it. It has to in those that were kept from the
-    fit, taken together, and in most of the others: none of the rest may go where one went.
-    Where none was kept, in all together. And one law for all runs has to be worth as much
-    as one of its own in each: what no run confirms is no law.
+    It has to in the validation runs (all runs, where none was kept) taken together, and in most
+    single runs. And one law for all runs needs about as large a log Bayes factor as one of its
+    own in each.
     """
     whole = replace(problem, held=(), initial=problem.starts, meter=ReplayMeter())
     # Runs kept from the fit may start in motion, too.
@@ -140,20 +133,20 @@ def _together(problem: Problem, parts: Sequence[Floats], runs: Sequence[int]) ->
 
 
 def out_of_library(search: Search, known: Collection, found: Fit, score: float) -> bool:
-    """Whether a disturbance outside the library does as well as several effects or another law.
+    """Return whether an out-of-library disturbance does as well as the effects or another law.
 
     It has to do better than one of them beside the others; as well as all of them is
-    enough, being one cause in place of several.
+    enough, being one cause instead of several.
     """
     names = frozenset(found.model.names)
     sets = dict.fromkeys([frozenset[str](), *(names - {name} for name in names)])
     noise = noise_level(search.problem, found.residual)
     for fit in (known.fits[key] for key in sets if key in known.fits):
-        worth = NonparametricCorrection(search.problem, fit).log_bayes_factor(
+        log_factor = NonparametricCorrection(search.problem, fit).log_bayes_factor(
             [OUT_OF_LIBRARY], noise
         )
         margin = 0.0 if fit.model.names else LEAST_GAIN
-        if search.score(fit) - worth * noise < score + margin:
+        if search.score(fit) - log_factor * noise < score + margin:
             return True
     return False
 
@@ -161,10 +154,9 @@ def out_of_library(search: Search, known: Collection, found: Fit, score: float) 
 def without_bending_effect(
     search: Search, known: Collection, found: Fit, classes: Sequence[Sequence[str]]
 ) -> Fit | None:
-    """Find the set without an effect that only bends the law of another one.
+    """Find the set without an effect that adds next to nothing through the variable of another one.
 
-    Two effects through one variable, of which one adds next to nothing: that is one
-    cause, by another law than its formula.
+    The two are one cause, by another law than its formula.
     """
     names = found.model.names
     for name, alike in zip(names, classes, strict=True):

@@ -44,9 +44,8 @@ class Nearest:
 def nearest(search: Search, known: Collection) -> Nearest | None:
     """Find the smallest set that no larger one betters; None where none helps at all.
 
-    Where a model lacks something, differences in chi2 count for less than noise would
-    have it, and the square of a push in one window outweighs all others. So root mean
-    squares of windows are compared one by one; their scatter says how sure a difference is.
+    A model that lacks something has too large differences in chi2, and a push in one window
+    outweighs all others. So root mean squares of windows are compared one by one.
     """
     groups: dict[int, list[Fit]] = {}
     for key, fit in _with_exchanges(search, known).fits.items():
@@ -71,7 +70,7 @@ def nearest(search: Search, known: Collection) -> Nearest | None:
 
 
 def _with_exchanges(search: Search, known: Collection) -> Collection:
-    """Fit what may stand in place of each part of the best pair: nothing else looks for it."""
+    """Fit the exchange of each part of the best pair: no other step does."""
     pairs = [fit for key, fit in known.fits.items() if len(key) == 2]
     for name in min(pairs, key=lambda fit: fit.chi2).model.names if pairs else ():
         if name in search.names:
@@ -104,10 +103,10 @@ def _size(row: Floats, none: Floats, seen: int) -> float:
 
 
 def _better(old: Floats, new: Floats, seen: int) -> bool:
-    """Whether more effects are surely better, and no worse where fits did not look."""
+    """Return whether more effects are surely better, and no worse in validation windows."""
     fall = old - new
-    worth = fall[:seen].sum() > NEAREST_FALL * old[:seen].sum()
-    return bool(_deviations(fall) > NEAREST_SURE and worth and fall[seen:].sum() >= 0.0)
+    enough = fall[:seen].sum() > NEAREST_FALL * old[:seen].sum()
+    return bool(_deviations(fall) > NEAREST_SURE and enough and fall[seen:].sum() >= 0.0)
 
 
 def _deviations(differences: Floats) -> float:

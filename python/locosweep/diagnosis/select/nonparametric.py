@@ -64,8 +64,8 @@ class NonparametricCorrection:
         norm = np.sqrt((basis * basis).sum(axis=1))
         seen = norm > 1e-9
         law, knot = np.array(knots).reshape(-1, 2)[seen].T
-        apart = np.exp(-0.5 * np.square((knot[:, None] - knot) / _SMOOTH))
-        self.covariance = norm[seen, None] * norm[seen] * apart * (law[:, None] == law)
+        correlation = np.exp(-0.5 * np.square((knot[:, None] - knot) / _SMOOTH))
+        self.covariance = norm[seen, None] * norm[seen] * correlation * (law[:, None] == law)
         self.basis = basis[seen] / norm[seen, None]
         self.names = np.array(names, dtype=object)[seen]
         self.gram = self.basis @ self.basis.T
@@ -91,9 +91,8 @@ class NonparametricCorrection:
     def log_bayes_factor(self, variables: Sequence[str], noise: float) -> float:
         """Return the log Bayes factor of a correction in some variables, on the scale of chi2.
 
-        The correction is a Gaussian process around 0 whose deviation is the likeliest one, so
-        a term costs as much as the data can tell of it; `noise` is the variance of the residuals
-        that noise alone would have.
+        The correction is a Gaussian process around 0 with its likeliest deviation; `noise` is the
+        variance of the residuals under noise alone.
         """
         return self._likeliest_deviation(*self._covariance_root(variables, noise), noise)[1]
 
@@ -132,19 +131,18 @@ class NonparametricCorrection:
     def log_bayes_factor_by_run(self, variables: Sequence[str], noise: float) -> float:
         """Return the log Bayes factor of a correction of its own in every run, all as smooth.
 
-        What all runs have in common has a larger factor as one law: that pays once for what
-        every run says again.
+        A law that all runs share has a larger factor: it pays once for what every run says again.
         """
         rows, root = self._covariance_root(variables, noise)
         if not rows.size:
             return 0.0
         fitted = np.linalg.qr(self.basis[self.names == "fit"].T)[0]
         grams, shared, moments = [], [], []
-        for place in self._samples:
-            terms = root.T @ self.basis[np.ix_(rows, place)]
+        for samples in self._samples:
+            terms = root.T @ self.basis[np.ix_(rows, samples)]
             grams.append(terms @ terms.T)
-            shared.append(terms @ fitted[place])
-            moments.append(terms @ self.residual[place])
+            shared.append(terms @ fitted[samples])
+            moments.append(terms @ self.residual[samples])
         beside = np.vstack(shared)
         gram = block_diag(*grams) - beside @ beside.T
         moment = np.concatenate(moments) - beside @ (fitted.T @ self.residual)
@@ -158,10 +156,8 @@ class NonparametricCorrection:
     def predictive_gain(self, variables: Sequence[str], noise: float) -> float:
         """Return the leave-one-run-out predictive gain of a correction, on the scale of chi2.
 
-        Twice the difference in the log density of what is left in a run, given all others,
-        with the correction and without; summed over the runs. A law that other runs cannot
-        tell is predicted with little certainty and loses nothing; one that was bent to them,
-        and does not hold in this one, loses much. 0 where there is but one run.
+        Twice the difference in the log density of a run's residual, given all others, with the
+        correction and without, summed over the runs; 0 where there is but one.
         """
         terms, root = self._covariance_root(variables, noise)
         beside = self.basis[self.names == "fit"]
@@ -170,16 +166,15 @@ class NonparametricCorrection:
         every = np.vstack([beside, root.T @ self.basis[terms]])
         price = np.concatenate([np.full(len(beside), _FREE), np.ones(terms.size)])
         return sum(
-            self._negative_log_density(place, beside, price[: len(beside)], noise)
-            - self._negative_log_density(place, every, price, noise)
-            for place in self._samples
+            self._negative_log_density(samples, beside, price[: len(beside)], noise)
+            - self._negative_log_density(samples, every, price, noise)
+            for samples in self._samples
         )
 
     def prediction_errors(self, variables: Sequence[str], noise: float) -> list[Floats]:
         """Return the leave-one-run-out standardised prediction error of each run.
 
-        Along what the other runs do not tell, it is divided by how uncertain they leave it: a
-        law that this run alone needs, as the fastest does, is no surprise.
+        It is divided by its uncertainty: a law that only this run shows is no surprise.
         """
         terms, root = self._covariance_root(variables, noise)
         beside = self.basis[self.names == "fit"]
@@ -188,8 +183,8 @@ class NonparametricCorrection:
         whole = basis @ basis.T / noise + np.diag(price)
         moments = basis @ self.residual / noise
         left = []
-        for place in self._samples:
-            here, e = basis[:, place], self.residual[place]
+        for samples in self._samples:
+            here, e = basis[:, samples], self.residual[samples]
             known = whole - here @ here.T / noise
             sizes = np.linalg.solve(known, moments - here @ e / noise)
             e = e - sizes @ here
@@ -200,16 +195,16 @@ class NonparametricCorrection:
 
     def _negative_log_density(
         self,
-        place: NDArray[np.intp],
+        samples: NDArray[np.intp],
         basis: Floats,
         price: Floats,
         noise: float,
     ) -> float:
         """Return minus twice the log density of one run's residual, given the others."""
-        e = self.residual[place]
+        e = self.residual[samples]
         if not len(basis):
             return float(e @ e) / noise
-        here = basis[:, place]
+        here = basis[:, samples]
         own = here @ here.T / noise
         known = basis @ basis.T / noise - own + np.diag(price)
         both = known + own
@@ -222,10 +217,7 @@ class NonparametricCorrection:
     def significant(
         self, beside: Sequence[str] = (), noise: float = 1.0
     ) -> list[tuple[str, float]]:
-        """Return the variables of significant corrections, and the share of chi2 that each takes.
-
-        `noise` is the variance of the residuals that noise alone would have.
-        """
+        """Return the variables of significant corrections, with their shares of chi2."""
         base, terms, _ = self.solve(beside)
         total = max(float(self.residual @ self.residual) - base, 1e-300)
         rows = []
@@ -241,10 +233,7 @@ class NonparametricCorrection:
 
 
 def _likeliest(gram: Floats, moments: Floats) -> tuple[float, float]:
-    """Return the factor on terms' deviations that is likeliest, and its log Bayes factor.
-
-    The latter is on the scale of chi2; terms' sizes have deviation 1 times the factor.
-    """
+    """Return the likeliest factor on terms' deviations and its log Bayes factor, as a chi2."""
     values, vectors = np.linalg.eigh(gram)
     keep = values > 1e-8 * max(values[-1], 1e-300)
     values, vectors = values[keep], vectors[:, keep]
@@ -253,6 +242,6 @@ def _likeliest(gram: Floats, moments: Floats) -> tuple[float, float]:
     squares = (vectors.T @ moments) ** 2 / values
     factors = np.geomspace(1e-2, 1e6, 121) / np.sqrt(values[-1])
     signal = np.square(factors)[:, None] * values
-    worth = (squares * signal / (1.0 + signal) - np.log1p(signal)).sum(axis=1)
-    best = int(np.argmax(worth))
-    return float(factors[best]), float(worth[best])
+    log_factors = (squares * signal / (1.0 + signal) - np.log1p(signal)).sum(axis=1)
+    best = int(np.argmax(log_factors))
+    return float(factors[best]), float(log_factors[best])

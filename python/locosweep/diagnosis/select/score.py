@@ -1,4 +1,4 @@
-"""What a fit is worth, beside others and by itself."""
+"""Score of a fit, beside others and by itself."""
 
 from __future__ import annotations
 
@@ -20,10 +20,9 @@ def total(search: Search, fit: Fit) -> float:
 
 
 def gains(search: Search, old: Fit, new: Fit) -> bool:
-    """Whether more effects are worth it, on the runs that are fitted too.
+    """Return whether more effects gain enough, on the fitted runs too.
 
-    A prediction alone does not say so: that of the simpler model may be off by no
-    more than its parameters are uncertain.
+    A prediction alone does not say so: it may be off by the uncertainty of the parameters.
     """
     whole = total(search, old) - total(search, new)
     return whole >= LEAST_GAIN and search.score(old) - search.score(new) >= LEAST_GAIN_FITTED

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _SCALED = 4.0
-"""How many times larger than its start an effect is taken to act in proportion."""
+"""Factor on a start up to which an effect is taken to act in proportion."""
 _INFORMATIVE = 2
 """Runs that starts are compared on: those that hold most of what a fit leaves."""
 _AT_ONCE = 200
@@ -170,8 +170,8 @@ def cancelling_pairs(
     left = np.where(apart_enough & seen[:, None] & seen, left, np.inf)
     left[names[:, None] == names] = np.inf
     found: dict[frozenset[str], tuple[int, int, tuple[float, float]]] = {}
-    for place in np.argsort(left, axis=None, kind="stable"):
-        i, j = divmod(int(place), len(alone))
+    for flat in np.argsort(left, axis=None, kind="stable"):
+        i, j = divmod(int(flat), len(alone))
         if len(found) == count or not np.isfinite(left[i, j]):
             break
         pair = frozenset({names[i], names[j]})

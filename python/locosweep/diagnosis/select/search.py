@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.problem import Problem
 
 _MUCH = 1.5
-"""Chi2 of a fit over its expectation, beyond which it is tried from further places."""
+"""Chi2 of a fit over its expectation, beyond which it is tried from further values."""
 
 Found = dict[frozenset[str], Fit]
 """The best fit of each set of effects, in the order in which they were found."""
@@ -32,30 +32,21 @@ Found = dict[frozenset[str], Fit]
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """What a search for effects knows, before and while it fits any.
-
-    Its steps are functions that return the fits they add; their caller holds them in a
-    `Collection`.
-    """
+    """Data and settings of a search for effects; its steps return the fits that they add."""
 
     problem: Problem
     nuisances: Nuisances
     scale: Scale
     names: tuple[str, ...]
     """Candidate effects."""
-
     progress: Callable[[str], None] = lambda _: None
-    """Is told what is being done."""
-
+    """Called with the step that begins."""
     judges: bool = True
-    """Whether the runs that fits do not see take part in the choice."""
-
+    """True if validation data take part in the choice."""
     jumps: bool = True
-    """Whether fits that leave much are tried from further places."""
-
+    """True if fits that leave much are tried from further values."""
     hints: Mapping[frozenset[str], Fit] = field(default_factory=dict)
-    """Fits of the same sets to other runs: more places to start from."""
-
+    """Fits of the same sets to other runs: further starts."""
     _unseen: dict[Fit, float] = field(default_factory=dict, init=False, repr=False)
     """Memo of `unseen_chi2`: a fit does not change, and its replay is not free."""
 
@@ -87,11 +78,11 @@ class Search:
         return self._unseen[fit]
 
     def leaves_much(self, fit: Fit) -> bool:
-        """Whether a fit leaves so much more than noise that a better one may be near."""
+        """Return whether a fit leaves so much that a better one may be near."""
         return fit.chi2 > _MUCH * self.problem.degrees()
 
     def is_noise(self, fit: Fit) -> bool:
-        """Whether a fit leaves nothing that noise would not."""
+        """Return whether a fit leaves nothing that noise would not."""
         return not whiteness_test(self.problem, fit.residual).rejected
 
     def hinted(self, model: Model) -> list[NDArray[np.float64]]:
@@ -122,7 +113,7 @@ class Collection:
         return self.fits.get(frozenset({name}))
 
     def within(self, budget: float, problem: Problem) -> bool:
-        """Whether fewer samples were replayed than `budget` times the effort of the singles."""
+        """Return whether less was replayed than `budget` times the effort of the singles."""
         return problem.meter.samples <= budget * self.effort
 
 

@@ -28,16 +28,13 @@ _WIDE = 12
 _PAIRS = 24
 """Pairs that are tried where neither effect need stand out alone."""
 _EXCHANGES = 2
-"""Times that effects of a set that leaves a rest are put in place of each other."""
+"""Exchange steps of a set that leaves a rest."""
 _BUDGET = 6.0
 """Replays beyond which they are not, in those of the singles."""
 
 
 def is_stalled(problem: Problem, before: Fit, after: Fit) -> bool:
-    """Whether the last effect has left more than half of a rest far above the noise.
-
-    One more would not bring it down to noise either.
-    """
+    """Return whether the last effect has left more than half of a rest far above the noise."""
     noise = problem.degrees() * noise_level(problem, after.residual)
     return after.chi2 - noise > max(0.5 * (before.chi2 - noise), noise)
 
@@ -70,21 +67,21 @@ def forward(
     """
     problem = search.problem
     seeds = _seeds(level, _SEEDS if rest else 1)
-    deeper = extend_each(search, known, seeds)
-    if not deeper:
-        return deeper
-    if windows and search.leaves_much(_best(search, deeper)):
-        deeper |= best_in_windows(search, known.adding(deeper), windows, seeds)
+    larger = extend_each(search, known, seeds)
+    if not larger:
+        return larger
+    if windows and search.leaves_much(_best(search, larger)):
+        larger |= best_in_windows(search, known.adding(larger), windows, seeds)
     if rest and len(found.model.names) == 1:
-        deeper |= _exchanged(search, known, deeper)
-    if wide and remaining(problem, _best(search, deeper)):
+        larger |= _exchanged(search, known, larger)
+    if wide and remaining(problem, _best(search, larger)):
         # The parts of a pair need not stand first when each is tried alone.
-        deeper |= pairs(search, known.adding(deeper), _PAIRS)
-        deeper |= _exchanged(search, known, deeper)
-    if wide and remaining(problem, _best(search, deeper)):
+        larger |= pairs(search, known.adding(larger), _PAIRS)
+        larger |= _exchanged(search, known, larger)
+    if wide and remaining(problem, _best(search, larger)):
         more = [s for s in _seeds(level, _WIDE) if s not in seeds and s.chi2 < _FAR * found.chi2]
-        deeper |= extend_each(search, known.adding(deeper), more)
-    return deeper
+        larger |= extend_each(search, known.adding(larger), more)
+    return larger
 
 
 def _seeds(level: Sequence[Fit], count: int) -> list[Fit]:
@@ -104,10 +101,7 @@ def _best(search: Search, found: Mapping[frozenset[str], Fit]) -> Fit:
 
 
 def _exchanged(search: Search, known: Collection, level: Found) -> Found:
-    """Put every other effect in place of each one of the best set, while that helps much.
-
-    What stood first alone may have stood in for what is there.
-    """
+    """Exchange each effect of the best set for every other one, while that helps much."""
     level = dict(level)
     for _ in range(_EXCHANGES):
         best = _best(search, level)
@@ -125,10 +119,7 @@ def _exchanged(search: Search, known: Collection, level: Found) -> Found:
 
 
 def backward(search: Search, known: Collection, found: Fit) -> tuple[Fit, Collection]:
-    """Leave out what a set, found one by one, does not need any more.
-
-    Returns the set that is left, and what is known with the smaller sets that were tried.
-    """
+    """Leave out effects that a set does not need any more; return it, and what is known then."""
     for name in found.model.names if len(found.model.names) > 1 else ():
         (fewer,) = evaluate(search.problem, [without(search, found, name)])
         (fewer,) = fit_all(search.problem, [fewer], steps=30)

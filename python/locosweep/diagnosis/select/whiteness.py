@@ -24,28 +24,19 @@ BLOCKS = (4, 16, 64, 256)
 
 @dataclass(frozen=True)
 class WhitenessTest:
-    """Largest excess of block means over noise, among channels and block lengths.
-
-    Attributes
-    ----------
-    channel : str
-        Where it is.
-    block : int
-        Samples of a block.
-    deviations : float
-        How sure it is: the normal deviate of the sum of squared means.
-    excess : float
-        Root mean square of what is left beyond noise, in units of the noise.
-    """
+    """Largest excess of block means over noise, among channels and block lengths."""
 
     channel: str
     block: int
+    """Samples of a block."""
     deviations: float
+    """Normal deviate of the sum of squared means."""
     excess: float
+    """Root mean square of the residual beyond noise, in units of the noise."""
 
     @property
     def rejected(self) -> bool:
-        """Whether the residuals are more than white noise."""
+        """True if the residuals are more than white noise."""
         return self.deviations > WHITENESS_LIMIT
 
 
@@ -67,10 +58,7 @@ def residuals_by_run(
 
 
 def white_variance(values: Floats) -> float:
-    """Return the variance of what differs from sample to sample.
-
-    Of squares, not of ranks: what a coarse quantiser leaves has few values.
-    """
+    """Return the variance of the white part of values, from squares of third differences."""
     if values.size < 16:
         return 1.0
     third = np.diff(values, 3)
@@ -139,17 +127,17 @@ def stray_readings(problem: Problem, residual: Floats) -> list[str]:
             used = (problem.weights[c][a : a + n] > 0.0) & problem.seen[a : a + n]
             if used.sum() < 32:
                 continue
-            # Of a normal deviation, half lie within 0.6745; a coarse reading may repeat itself.
+            # Half of normal deviations lie within 0.6745; a coarse reading may repeat itself.
             level = max(float(np.median(values[used])) / 0.6745, 1.0)
             off = np.flatnonzero(used & (values > STRAY_DEVIATIONS * level))
             if 0 < off.size <= STRAY_SHARE * used.sum():
                 run, last = problem.runs[r], off[-1]
-                place = f"a reading of {c} at {run.t[off[0]]:g} s lies"
+                text = f"a reading of {c} at {run.t[off[0]]:g} s lies"
                 if off.size > 1:
                     span = f"between {run.t[off[0]]:g} and {run.t[last]:g} s"
-                    place = f"{off.size} readings of {c} {span} lie"
+                    text = f"{off.size} readings of {c} {span} lie"
                 said.append(
-                    f"run {run.label}: {place} more than {STRAY_DEVIATIONS:g} deviations "
+                    f"run {run.label}: {text} more than {STRAY_DEVIATIONS:g} deviations "
                     "off what fits the rest: frozen, slipped or disturbed?"
                 )
     return said

@@ -1,8 +1,7 @@
-"""Fits to short windows of runs: where those to whole runs may start.
+"""Fits to short windows of runs, from which fits to whole runs may start.
 
-Along a whole run a stick-slip moves by a sample at a time, and errors add up: the valley
-that chi2 has there is narrow, bent and full of steps. Windows that begin at the measured
-state keep errors in proportion to their cause (multiple shooting), and are few samples.
+Along a whole run a stick-slip moves by a sample at a time, and errors add up. Windows that
+begin at the measured state keep errors in proportion to their cause, and are few samples.
 """
 
 from __future__ import annotations
