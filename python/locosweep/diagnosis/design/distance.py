@@ -183,8 +183,11 @@ def strengths(
     Returns the coordinates of its family, strength first; None where no strength that the rig
     allows gives that signal.
     """
-    first = [np.array([0.0, *(s.coordinate(v) for s, v in zip(f.shapes, _middle(f), strict=True))])
-             for f, _ in asked]  # fmt: skip
+    first = []
+    for family, _ in asked:
+        shapes = family.starts()
+        middle = zip(family.shapes, shapes[len(shapes) // 2], strict=True)
+        first.append(np.array([0.0, *(shape.coordinate(value) for shape, value in middle)]))
     low = np.array([family.least for family, _ in asked])
     high = np.array([f.high if sign > 0.0 else -f.low for f, sign in asked])
     gone = np.zeros(len(asked), dtype=bool)
@@ -204,11 +207,6 @@ def strengths(
         None if none else np.array([sign * u, *theta[1:]])
         for none, (_, sign), theta, u in zip(gone, asked, first, high, strict=True)
     ]
-
-
-def _middle(family: Family) -> tuple[float, ...]:
-    starts = family.starts()
-    return starts[len(starts) // 2]
 
 
 def _in_parts(plan: PlannedRuns, models: Sequence[tuple[str, Mapping[str, float]]]) -> Floats:

@@ -203,7 +203,8 @@ def distinguish(
         raise InputError(f"size is {size!r}: allowed is a number above 0")
     workers = _core.threads_to_use(whole("threads", threads))
     plan = PlannedRuns(robot, given, spread, workers)
-    if not any(np.ptp(plan.readings["x"][0, a:b]) > 0.0 for a, b in _spans(plan.lengths)):
+    motions = np.split(plan.readings["x"][0], np.cumsum(plan.lengths)[:-1])
+    if not any(np.ptp(x) > 0.0 for x in motions):
         raise InputError("the head does not move under these drives: allowed are drives that "
                          "exceed its friction")  # fmt: skip
     names_here, unseen = candidates(robot, plan.noise)
@@ -251,11 +252,6 @@ def _distances(
         if progress is not None:
             progress(k + 1, len(names), (k + 1) / max(time.perf_counter() - begun, 1e-9))
     return found
-
-
-def _spans(lengths: NDArray[np.int64]) -> list[tuple[int, int]]:
-    ends = np.cumsum(lengths)
-    return [(int(b - n), int(b)) for b, n in zip(ends, lengths, strict=True)]
 
 
 def _runs(given: Any) -> list[Run]:

@@ -17,24 +17,12 @@ if TYPE_CHECKING:
     Node = Callable[[Sizes], Any]
 
 
-def _least(a: Any, b: Any) -> Any:
-    return np.minimum(a, b) if isinstance(a, np.ndarray) or isinstance(b, np.ndarray) else min(a, b)
-
-
-def _most(a: Any, b: Any) -> Any:
-    return np.maximum(a, b) if isinstance(a, np.ndarray) or isinstance(b, np.ndarray) else max(a, b)
-
-
-def _critical(stiffness: Any, mass: Any) -> Any:
-    return 2.0 * np.sqrt(stiffness * mass)
-
-
 _FUNCTIONS: dict[str, Callable[..., Any]] = {
-    "min": _least,
-    "max": _most,
+    "min": np.minimum,
+    "max": np.maximum,
     "sqrt": np.sqrt,
     "degrees": np.degrees,
-    "critical": _critical,
+    "critical": lambda stiffness, mass: 2.0 * np.sqrt(stiffness * mass),
     "both": lambda x: np.concatenate([-x, x]),
     "geomspace": lambda low, high, count: np.geomspace(low, high, int(count)),
 }

@@ -74,7 +74,8 @@ def plan_of(whole: Problem) -> Plan | None:
     noise = {c: _as_seen(whole, c) for c in whole.channels}
     if growth > GROWTH:
         fastest = max(float(growth_rates(run, whole.nominal).max()) for run in runs)
-        why = f"small errors grow {_large(growth)} along a run"
+        factor = f"{np.exp(growth):.2g} times" if growth < 7.0 else "more than a thousandfold"
+        why = f"small errors grow {factor} along a run"
         return Plan(_fitting(runs, TURNS / fastest), why, noise)
     many = whole.count > (LONG_ROWS if longest > LONG else ROWS)
     if longest <= LONG and not many:
@@ -90,10 +91,6 @@ def plan_of(whole: Problem) -> Plan | None:
                   for run in runs for x in [run.channels["x"]]]  # fmt: skip
         reach = min(reach, 2.0 * float(np.median(travel)))
     return Plan(_fitting(runs, reach), why, noise)
-
-
-def _large(growth: float) -> str:
-    return f"{np.exp(growth):.2g} times" if growth < 7.0 else "more than a thousandfold"
 
 
 def _pace(run: Run) -> float:

@@ -51,7 +51,7 @@ def page(diagnosis: Diagnosis, shown: Mapping[str, bytes]) -> str:
         samples=sum(trace.t.size for trace in diagnosis.traces),
         interval=_interval(diagnosis),
         sized=_sized(diagnosis),
-        settings=_settings(diagnosis),
+        settings={key: _line(value) for key, value in diagnosis.provenance.items()},
         model=[*_model(diagnosis)],
     )
 
@@ -155,11 +155,6 @@ def _sized(diagnosis: Diagnosis) -> Callable[..., str]:
         return f"{_number(factor * value)} {unit}"
 
     return written
-
-
-def _settings(diagnosis: Diagnosis) -> dict[str, str]:
-    """Return what the engine states in its provenance, each entry as one line."""
-    return {key: _line(value) for key, value in diagnosis.provenance.items()}
 
 
 def _line(value: Any) -> str:

@@ -11,15 +11,8 @@ import numpy as np
 from locosweep.diagnosis.effects.catalogue import VARIABLES
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all
 from locosweep.diagnosis.estimate.problem import ReplayMeter
+from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
-from locosweep.diagnosis.select.thresholds import (
-    AS_WELL,
-    BENDING_SHARE,
-    LEAST_GAIN,
-    ONE_LAW,
-    PREDICTION_LIMIT,
-    STRANGE_RUNS,
-)
 from locosweep.diagnosis.select.whiteness import noise_level, whiteness_test
 
 if TYPE_CHECKING:
@@ -84,7 +77,7 @@ def _score_with_other_law(search: Search, fit: Fit) -> tuple[float | None, list[
     log_factor = terms.log_bayes_factor(own, noise)
     others = {v: terms.log_bayes_factor([v], noise) for v in terms.variables if v not in own}
     most = sorted((v for v in others if others[v] > 0.0), key=lambda v: -others[v])
-    if not own or log_factor < max(others.values(), default=0.0) - AS_WELL:
+    if not own or log_factor < max(others.values(), default=0.0) - limits.AS_WELL:
         return None, most
     if whiteness_test(problem, left).rejected or terms.significant(own, noise):
         return None, most
@@ -112,14 +105,17 @@ def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool
     )
     (same,) = fit_all(whole, [same], steps=8) if late else evaluate(whole, [same])
     terms = NonparametricCorrection(whole, same)
-    if terms.log_bayes_factor(own, noise) < terms.log_bayes_factor_by_run(own, noise) - ONE_LAW:
+    if (
+        terms.log_bayes_factor(own, noise)
+        < terms.log_bayes_factor_by_run(own, noise) - limits.ONE_LAW
+    ):
         return False
     left = terms.prediction_errors(own, noise)
     strange = sum(whiteness_test(whole, e, [r]).rejected for r, e in enumerate(left))
     kept = list(problem.held) or whole.fitted
     together = _together(whole, [left[r] for r in kept], kept)
     beyond = whiteness_test(whole, together, kept).deviations
-    return STRANGE_RUNS * strange < len(left) and beyond < PREDICTION_LIMIT
+    return limits.STRANGE_RUNS * strange < len(left) and beyond < limits.PREDICTION_LIMIT
 
 
 def _together(problem: Problem, parts: Sequence[Floats], runs: Sequence[int]) -> Floats:
@@ -145,7 +141,7 @@ def out_of_library(search: Search, known: Collection, found: Fit, score: float) 
         log_factor = NonparametricCorrection(search.problem, fit).log_bayes_factor(
             [OUT_OF_LIBRARY], noise
         )
-        margin = 0.0 if fit.model.names else LEAST_GAIN
+        margin = 0.0 if fit.model.names else limits.LEAST_GAIN
         if search.score(fit) - log_factor * noise < score + margin:
             return True
     return False
@@ -167,7 +163,7 @@ def without_bending_effect(
         through = {VARIABLES.get(n) for n in rest} - {None}
         gain, whole = fewer.chi2 - found.chi2, search.none.chi2 - found.chi2
         if through & {VARIABLES.get(n) for n in alike} and gain < min(
-            BENDING_SHARE * whole, 5.0 * LEAST_GAIN
+            limits.BENDING_SHARE * whole, 5.0 * limits.LEAST_GAIN
         ):
             return fewer
     return None

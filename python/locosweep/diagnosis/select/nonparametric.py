@@ -159,27 +159,28 @@ class NonparametricCorrection:
         Twice the difference in the log density of a run's residual, given all others, with the
         correction and without, summed over the runs; 0 where there is but one.
         """
-        terms, root = self._covariance_root(variables, noise)
-        beside = self.basis[self.names == "fit"]
-        if len(self._samples) < 2 or not root.any():
+        every, price, count = self._with_terms(variables, noise)
+        if len(self._samples) < 2 or not every[count:].any():
             return 0.0
-        every = np.vstack([beside, root.T @ self.basis[terms]])
-        price = np.concatenate([np.full(len(beside), _FREE), np.ones(terms.size)])
         return sum(
-            self._negative_log_density(samples, beside, price[: len(beside)], noise)
+            self._negative_log_density(samples, every[:count], price[:count], noise)
             - self._negative_log_density(samples, every, price, noise)
             for samples in self._samples
         )
+
+    def _with_terms(self, variables: Sequence[str], noise: float) -> tuple[Floats, Floats, int]:
+        """Return the fit's rows above those of terms, their prior precisions, and their number."""
+        terms, root = self._covariance_root(variables, noise)
+        beside = self.basis[self.names == "fit"]
+        price = np.concatenate([np.full(len(beside), _FREE), np.ones(terms.size)])
+        return np.vstack([beside, root.T @ self.basis[terms]]), price, len(beside)
 
     def prediction_errors(self, variables: Sequence[str], noise: float) -> list[Floats]:
         """Return the leave-one-run-out standardised prediction error of each run.
 
         It is divided by its uncertainty: a law that only this run shows is no surprise.
         """
-        terms, root = self._covariance_root(variables, noise)
-        beside = self.basis[self.names == "fit"]
-        basis = np.vstack([beside, root.T @ self.basis[terms]])
-        price = np.concatenate([np.full(len(beside), _FREE), np.ones(terms.size)])
+        basis, price, _ = self._with_terms(variables, noise)
         whole = basis @ basis.T / noise + np.diag(price)
         moments = basis @ self.residual / noise
         left = []

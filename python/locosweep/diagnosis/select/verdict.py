@@ -10,6 +10,7 @@ import numpy as np
 from locosweep.diagnosis.effects.catalogue import VARIABLES
 from locosweep.diagnosis.estimate.least_squares import Fit, chi2_of, point_of
 from locosweep.diagnosis.estimate.validation import validation_residuals
+from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.extension import extend, retried_singles, singles
 from locosweep.diagnosis.select.law_mismatch import (
     OUT_OF_LIBRARY,
@@ -21,28 +22,6 @@ from locosweep.diagnosis.select.law_mismatch import (
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.score import gains, remaining, total
 from locosweep.diagnosis.select.stepwise import backward, forward, is_stalled, without
-from locosweep.diagnosis.select.thresholds import (
-    GAIN_SCALE,
-    HELD_OUT_EXCESS,
-    HELD_OUT_NOISE,
-    HELD_OUT_REST,
-    LEAST_GAIN,
-    LEAST_SURE,
-    MOST_ALIKE,
-    MOST_SURE,
-    NEVER_SURE,
-    OTHER_LAW_PROBABILITY,
-    SEVERAL_CAUSES_GAIN,
-    TEMPER,
-    TIE,
-    TOSS_UP,
-    UNEXPLAINED_DOUBT,
-    UNEXPLAINED_REST,
-    UNEXPLAINED_SCALE,
-    UNEXPLAINED_SURE,
-    WHITENESS_LIMIT,
-    WIDER_LAW_GAIN,
-)
 from locosweep.diagnosis.select.whiteness import noise_level, residuals_by_run, whiteness_test
 from locosweep.diagnosis.select.window_search import search_windows, singles_in_windows
 
@@ -86,7 +65,7 @@ class Choice:
     @property
     def refuted(self) -> bool:
         """Whether the runs kept from the fit ask for more than the others do."""
-        return self.status != "unexplained" and (self.near >= LEAST_GAIN or self.missed)
+        return self.status != "unexplained" and (self.near >= limits.LEAST_GAIN or self.missed)
 
     @property
     def tied(self) -> list[Fit]:
@@ -163,7 +142,7 @@ def choose(search: Search, most: int) -> Choice:
         rivals, known = _rivals(search, known, found)
         classes, sets = _classes(search, known, found, rivals, mismatch)
     tried += rivals
-    if mismatch and any(len({VARIABLES.get(n, n) for n in c}) > MOST_ALIKE for c in classes):
+    if mismatch and any(len({VARIABLES.get(n, n) for n in c}) > limits.MOST_ALIKE for c in classes):
         choice = Choice("unexplained", found, known, whiteness, shape=remaining(problem, found))
         return _with_ranks(search, choice, tried)
     status = "explained" if all(len(c) == 1 for c in classes) and not sets else "ambiguous"
@@ -216,7 +195,7 @@ def _grown(
             larger = [fit for fit in ordered if gains(search, found, fit)]
         if mismatched:
             score, fit = mismatched
-            if not larger or search.score(larger[0]) >= score - SEVERAL_CAUSES_GAIN:
+            if not larger or search.score(larger[0]) >= score - limits.SEVERAL_CAUSES_GAIN:
                 # The gain of further effects is the misfit of the law.
                 return _Grown(known, level, fit, mismatch_score=score)
         if not larger:
@@ -238,13 +217,13 @@ def _misses(search: Search, fit: Fit) -> bool:
         e = validation_residuals(problem, [point_of(problem, one)])[0]
         squares.append(float(e @ e))
     before, after = squares
-    if after > max(HELD_OUT_REST * before, HELD_OUT_NOISE * e.size):
+    if after > max(limits.HELD_OUT_REST * before, limits.HELD_OUT_NOISE * e.size):
         return True
     if not problem.held or not whiteness_test(problem, e, problem.held).rejected:
         return False
     counted = sum(values.size for _, _, values in residuals_by_run(problem, e, problem.held))
     floor = counted * noise_level(problem, fit.residual)
-    return bool(before > floor and after - floor > HELD_OUT_EXCESS * (before - floor))
+    return bool(before > floor and after - floor > limits.HELD_OUT_EXCESS * (before - floor))
 
 
 def _rivals(search: Search, known: Collection, found: Fit) -> tuple[list[Fit], Collection]:
@@ -290,7 +269,7 @@ def _classes(
 ) -> tuple[list[list[str]], list[list[str]]]:
     names = found.model.names
     reference = total(search, found)
-    tie = TIE
+    tie = limits.TIE
     if mismatch:
         # A law that does not fit leaves more than noise, and so may its rivals.
         own = list(dict.fromkeys(VARIABLES[n] for n in names if n in VARIABLES))
@@ -308,7 +287,9 @@ def _classes(
         rank = names.index(gone[0])
         mine = sum(f.effect == gone[0] for f in found.model.free)
         theirs = sum(f.effect == new[0] for f in rival.model.free)
-        narrower = theirs > mine and found.chi2 - rival.chi2 < WIDER_LAW_GAIN * (theirs - mine)
+        narrower = theirs > mine and found.chi2 - rival.chi2 < limits.WIDER_LAW_GAIN * (
+            theirs - mine
+        )
         if narrower and _contains(rival, new[0], mine):
             continue
         other = VARIABLES.get(new[0]) not in {VARIABLES.get(n) for n in names}
@@ -343,7 +324,7 @@ def _with_ranks(search: Search, choice: Choice, fits: Sequence[Fit]) -> Choice:
     ranked = sorted(unique.values(), key=lambda fit: total(search, fit))
     scores = np.array([total(search, fit) for fit in ranked])
     # Sets that leave more than noise are no explanations, however they rank.
-    weights = np.exp(-0.5 * (scores - scores.min()) / TEMPER)
+    weights = np.exp(-0.5 * (scores - scores.min()) / limits.TEMPER)
     weights /= weights.sum()
     choice = replace(choice, ranked=list(zip(ranked, weights.tolist(), strict=True)))
     return replace(choice, probability=_probability(search, choice))
@@ -354,30 +335,37 @@ def _probability(search: Search, choice: Choice) -> float:
     none = total(search, search.none)
     if choice.status == "none":
         best = min((total(search, f) for f, _ in choice.ranked if f.model.names), default=none)
-        missed = TOSS_UP * np.exp(-0.5 * max(LEAST_GAIN - (none - best), 0.0) / GAIN_SCALE)
-        return float(np.clip(1.0 - missed - NEVER_SURE, TOSS_UP, MOST_SURE))
+        sure = 1.0 - _doubt(limits.LEAST_GAIN - (none - best)) - limits.NEVER_SURE
+        return float(np.clip(sure, limits.TOSS_UP, limits.MOST_SURE))
     if choice.status == "unexplained":
-        sure = choice.whiteness.deviations
-        doubt = UNEXPLAINED_DOUBT * np.exp(-(sure - WHITENESS_LIMIT) / UNEXPLAINED_SCALE)
-        return float(np.clip(1.0 - doubt - UNEXPLAINED_REST, TOSS_UP, UNEXPLAINED_SURE))
+        beyond = choice.whiteness.deviations - limits.WHITENESS_LIMIT
+        doubt = limits.UNEXPLAINED_DOUBT * np.exp(-beyond / limits.UNEXPLAINED_SCALE)
+        sure = 1.0 - doubt - limits.UNEXPLAINED_REST
+        return float(np.clip(sure, limits.TOSS_UP, limits.UNEXPLAINED_SURE))
     if choice.law_mismatch:
         # Scores weigh formulas that do not fit: they say nothing about the cause.
-        return OTHER_LAW_PROBABILITY
+        return limits.OTHER_LAW_PROBABILITY
     inside = 0.0
-    allowed = [set(c) for c in choice.classes]
-    sets = [set(s) for s in choice.sets]
     for fit, weight in choice.ranked:
-        names = set(fit.model.names)
-        if names != set(choice.fit.model.names) and any(is_limit(fit, n) for n in names):
-            # Another effect's limit speaks for that effect.
-            inside += weight
-            continue
-        fits_class = len(names) == len(allowed) and all(names & c for c in allowed)
-        # Wider laws and supersets of the chosen one are not against it.
-        if fits_class or names in sets or names >= set(choice.fit.model.names):
-            inside += weight
-    gain = none - total(search, choice.fit)
-    found = 1.0 - TOSS_UP * np.exp(-0.5 * max(gain - LEAST_GAIN, 0.0) / GAIN_SCALE)
+        inside += weight if _agrees(choice, fit) else 0.0
+    found = 1.0 - _doubt(none - total(search, choice.fit) - limits.LEAST_GAIN)
     # A further effect that nearly gains what is asked for may well be there.
-    found /= 1.0 + np.exp(min((choice.near - LEAST_GAIN) / GAIN_SCALE, _LARGEST_EXPONENT))
-    return float(np.clip(MOST_SURE * inside * found, LEAST_SURE, MOST_SURE))
+    odds = (choice.near - limits.LEAST_GAIN) / limits.GAIN_SCALE
+    found /= 1.0 + np.exp(min(odds, _LARGEST_EXPONENT))
+    return float(np.clip(limits.MOST_SURE * inside * found, limits.LEAST_SURE, limits.MOST_SURE))
+
+
+def _doubt(margin: float) -> float:
+    """Return the doubt about a gain that is a margin in penalised chi2 from its threshold."""
+    return float(limits.TOSS_UP * np.exp(-0.5 * max(margin, 0.0) / limits.GAIN_SCALE))
+
+
+def _agrees(choice: Choice, fit: Fit) -> bool:
+    """Return whether a set of effects speaks for the chosen one."""
+    names, chosen = set(fit.model.names), set(choice.fit.model.names)
+    if names != chosen and any(is_limit(fit, name) for name in names):
+        # Another effect's limit speaks for that effect.
+        return True
+    in_class = len(names) == len(choice.classes) and all(names & {*c} for c in choice.classes)
+    # Wider laws and supersets of the chosen one are not against it.
+    return in_class or sorted(names) in map(sorted, choice.sets) or names >= chosen
