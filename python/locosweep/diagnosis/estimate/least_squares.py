@@ -147,10 +147,7 @@ def _prior(fit: Fit, theta: Floats) -> Floats:
 
 
 def start_fits(
-    nuisances: Nuisances,
-    model: Model,
-    rows: Floats,
-    nuisance: Floats | None = None,
+    nuisances: Nuisances, model: Model, rows: Floats, nuisance: Floats | None = None
 ) -> list[Fit]:
     """Return unfitted fits, one a row of parameter values; nuisance values are 0 if not given."""
     if nuisance is None:

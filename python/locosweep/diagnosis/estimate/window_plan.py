@@ -273,10 +273,7 @@ def scale_in_windows(scale: Scale, robot: Robot, problem: WindowProblem) -> Scal
     """Return a rig's scale where its runs are replayed in windows."""
     own = scale_of(robot, problem.runs)
     return replace(
-        scale,
-        speed=max(own.speed, scale.speed),
-        interval=own.interval,
-        replayed=own.duration,
+        scale, speed=max(own.speed, scale.speed), interval=own.interval, replayed=own.duration
     )
 
 

@@ -68,10 +68,7 @@ def windows_along(
 
 
 def chosen_windows(
-    runs: Sequence[Run],
-    windows: dict[int, list[tuple[int, int, int]]],
-    most: int,
-    noise: float,
+    runs: Sequence[Run], windows: dict[int, list[tuple[int, int, int]]], most: int, noise: float
 ) -> list[tuple[int, int, int]]:
     """Pick windows from every run alike, over its drive levels, speeds and times."""
     left = most

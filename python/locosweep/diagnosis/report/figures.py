@@ -5,15 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from locosweep.diagnosis.report.figures_cause import candidates, horizons, parameters
-from locosweep.diagnosis.report.figures_localization import (
-    force_view,
-    shares,
-    where_in_time,
-)
-from locosweep.diagnosis.report.figures_motion import (
-    runs_large,
-    runs_small,
-)
+from locosweep.diagnosis.report.figures_localization import force_view, shares, where_in_time
+from locosweep.diagnosis.report.figures_motion import runs_large, runs_small
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -195,11 +195,7 @@ class NonparametricCorrection:
         return left
 
     def _negative_log_density(
-        self,
-        samples: NDArray[np.intp],
-        basis: Floats,
-        price: Floats,
-        noise: float,
+        self, samples: NDArray[np.intp], basis: Floats, price: Floats, noise: float
     ) -> float:
         """Return minus twice the log density of one run's residual, given the others."""
         e = self.residual[samples]

@@ -135,11 +135,7 @@ def distinct(starts: Sequence[Screened], count: int) -> list[Screened]:
 
 
 def cancelling_pairs(
-    alone: Sequence[Fit],
-    changes: Floats,
-    residual: Floats,
-    free: Floats,
-    count: int,
+    alone: Sequence[Fit], changes: Floats, residual: Floats, free: Floats, count: int
 ) -> list[tuple[int, int, tuple[float, float]]]:
     """Pick starts of two effects whose changes of the residual, scaled, cancel most of it.
 

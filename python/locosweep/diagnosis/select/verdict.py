@@ -167,11 +167,7 @@ def _single_effects(search: Search) -> tuple[Collection, list[Fit], list[WindowS
 
 
 def _grown(
-    search: Search,
-    known: Collection,
-    level: list[Fit],
-    windows: Sequence[WindowSearch],
-    most: int,
+    search: Search, known: Collection, level: list[Fit], windows: Sequence[WindowSearch], most: int
 ) -> _Grown:
     """Add effects to the best single one, one by one, while they gain enough."""
     problem = search.problem
