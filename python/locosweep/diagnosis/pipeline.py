@@ -226,14 +226,8 @@ def _fitted_to_all(data: _Data, task: _Task, first: _Selected) -> _Selected:
     said = "refute what the others allow"
     if first.choice.status == "none":
         said = "show a gap that the others do not"
-    return _Selected(
-        search,
-        choice,
-        (
-            f"the runs kept from the fit {said}: all are fitted, "
-            "and how far the gap shrinks on unseen ones is not known",
-        ),
-    )
+    said += ": all are fitted, and how far the gap shrinks on unseen ones is not known"
+    return _Selected(search, choice, (f"the runs kept from the fit {said}",))
 
 
 def _search_of(problem: Problem, scale: Scale, task: _Task, *, judges: bool) -> Search:

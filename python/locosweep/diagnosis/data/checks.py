@@ -62,7 +62,8 @@ def check_runs(runs: Sequence[Run], robot: Robot) -> list[str]:
             "the head never moves beyond the noise in these runs: few effects are identifiable"
         )
     free = max(_free(run, nominal["gain"]) for run in runs) / nominal["mass"]
-    flat = "gravity_torque" not in nominal and not _slopes(runs, nominal)
+    slopes = [nominal["slope_deg"], *(run.slope_deg or 0.0 for run in runs)]
+    flat = "gravity_torque" not in nominal and not any(slopes)
     if flat and span > 2.0 * free + 100.0 * noise:
         warnings.append(
             f"x spans {span:.3g} m, the drive without any friction would move the head by at "
@@ -92,7 +93,3 @@ def _free(run: Run, gain: float) -> float:
     steps = np.diff(run.t)
     speed = np.concatenate([[0.0], np.cumsum(np.abs(run.drive[:-1]) * gain * steps)])
     return float(np.sum(speed[:-1] * steps + 0.5 * np.diff(speed) * steps))
-
-
-def _slopes(runs: Sequence[Run], nominal: dict[str, float]) -> bool:
-    return any((run.slope_deg or 0.0) != 0.0 for run in runs) or nominal["slope_deg"] != 0.0

@@ -8,6 +8,7 @@ import numpy as np
 
 from locosweep.diagnosis.design.distinguish import APART
 from locosweep.diagnosis.report import figures_style as style
+from locosweep.plot.style import figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -16,24 +17,12 @@ if TYPE_CHECKING:
 
 
 def matrix(distinction: Distinction, *, ax: Axes | None = None) -> Axes:
-    """Draw how far each effect lies from each rival; pairs too near are framed.
-
-    Parameters
-    ----------
-    distinction : Distinction
-        From `distinguish`.
-    ax : Axes, optional
-        Where to draw; a new figure without one.
-
-    Returns
-    -------
-    Axes
-    """
+    """Draw the distance of each effect from each rival, on new axes if none are given."""
     names = [style.words(name) for name in distinction.names]
     count = len(names)
     if ax is None:
         side = 3.2 + 0.31 * count
-        ax = style.figure(side + 0.8, side).subplots()
+        ax = figure(side + 0.8, side).subplots()
     shown = distinction.distances
     image = ax.imshow(shown, cmap="cividis", vmin=0.0, vmax=distinction.size)
     for row in range(count):

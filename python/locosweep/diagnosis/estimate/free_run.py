@@ -47,10 +47,10 @@ def free_errors(
     ]
 
 
-def equal_cuts(problem: Problem, count: int) -> list[tuple[int, int, int]]:
-    """Cut every run into `count` parts; those of less than 5 samples are left out."""
+def equal_cuts(problem: Problem, count: int, least: int = 5) -> list[tuple[int, int, int]]:
+    """Cut every run into `count` parts; those of fewer than `least` samples are left out."""
     cuts: list[tuple[int, int, int]] = []
-    for r in range(len(problem.runs)):
-        edges = np.linspace(0, int(problem.lengths[r]), count + 1).astype(int)
-        cuts.extend((r, int(a), int(b)) for a, b in pairwise(edges) if b - a >= 5)
+    for r, length in enumerate(problem.lengths.tolist()):
+        edges = np.linspace(0, length, count + 1).astype(int).tolist()
+        cuts.extend((r, a, b) for a, b in pairwise(edges) if b - a >= least)
     return cuts

@@ -179,8 +179,7 @@ class Problem:
     def seen(self) -> NDArray[np.bool_]:
         """Samples that fits see, of runs that are not held out."""
         position = np.concatenate([np.arange(n) / n for n in self.lengths])
-        seen: NDArray[np.bool_] = position < self.train_fraction
-        return seen
+        return np.asarray(position < self.train_fraction)
 
     @cached_property
     def fitted(self) -> list[int]:
@@ -318,12 +317,10 @@ class Problem:
         samples = int(self.lengths[chosen].sum())
         limit = max(1, _BATCH // max(1, samples))
         parts = [
-            self._residuals(points[i : i + limit], chosen) for i in range(0, len(points), limit)
+            self._project(self._weighted_errors(points[i : i + limit], chosen), chosen)
+            for i in range(0, len(points), limit)
         ]
         return np.concatenate(parts) if len(parts) != 1 else parts[0]
-
-    def _residuals(self, points: Sequence[Point], chosen: list[int]) -> Floats:
-        return self._project(self._weighted_errors(points, chosen), chosen)
 
     def _weighted_errors(self, points: Sequence[Point], chosen: list[int]) -> dict[str, Floats]:
         """Return measured minus simulated in units of the noise, by channel, a row a point."""

@@ -223,12 +223,9 @@ class WindowProblem(Problem):
         return {}
 
     @cached_property
-    def _state(self) -> Floats:
-        return np.array([window.state for window in self.windows])
-
-    @cached_property
-    def _origin(self) -> Floats:
-        return np.array([(window.since_start[0], window.base) for window in self.windows])
+    def _measured_starts(self) -> Floats:
+        """State, time since the run's start and position there of each window."""
+        return np.array([(*w.state, w.since_start[0], w.base) for w in self.windows])
 
     @property
     def starts_vary(self) -> bool:
@@ -287,8 +284,7 @@ class WindowProblem(Problem):
             float(point.values[self.parameter_index(name, key)]) if name in point.names else 0.0
             for name, key in _SENSOR
         )
-        x, v, rate = self._state[chosen].T
-        since, base = self._origin[chosen].T
+        x, v, rate, since, base = self._measured_starts[chosen].T
         read = x + v * delay + 0.5 * rate * delay**2 - drift * since
         true = base + (read - base) / (1.0 + scale)
         speed = np.where(v == 0.0, 0.0, (v + rate * delay - drift) / (1.0 + scale))

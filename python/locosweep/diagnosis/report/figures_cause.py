@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from locosweep.diagnosis.report import figures_style as style
 from locosweep.diagnosis.report.figures_motion import gap_channel
+from locosweep.plot.style import figure
 from locosweep.simulation.replay import effect
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ def candidates(diagnosis: Diagnosis) -> Figure | None:
     if not rows:
         return None
     named = leading(diagnosis)
-    made = style.figure(9.0, 1.1 + 0.36 * len(rows))
+    made = figure(9.0, 1.1 + 0.36 * len(rows))
     left, right = made.subplots(1, 2, sharey=True)
     names = [" +\n".join(map(style.words, row["effects"])) or "nothing" for row in rows]
     for y, row in enumerate(rows):
@@ -77,7 +78,7 @@ def parameters(diagnosis: Diagnosis) -> Figure | None:
     ]  # fmt: skip
     if not fitted:
         return None
-    made = style.figure(7.0, 0.85 * len(fitted) + 0.2)
+    made = figure(7.0, 0.85 * len(fitted) + 0.2)
     axes = made.subplots(len(fitted), 1, squeeze=False).ravel()
     for ax, (name, key, entry) in zip(axes, fitted, strict=True):
         value, std = entry["value"], entry["std"]
@@ -106,7 +107,7 @@ def horizons(diagnosis: Diagnosis) -> Figure | None:
     rows = [row for row in diagnosis.gap["horizons"] if row["before"]]
     if not rows:
         return None
-    made = style.figure(5.6, 3.3)
+    made = figure(5.6, 3.3)
     ax = made.subplots()
     info = style.channel(gap_channel(diagnosis), diagnosis.nominal)
     factor, unit = info.scale(max(row["before"] for row in rows))

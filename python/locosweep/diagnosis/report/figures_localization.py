@@ -12,6 +12,7 @@ from matplotlib.patheffects import withStroke
 from locosweep.diagnosis.data.regimes import REGIMES
 from locosweep.diagnosis.report import figures_style as style
 from locosweep.diagnosis.report.figures_motion import gap_channel, residual
+from locosweep.plot.style import figure
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -70,7 +71,7 @@ def origin_strips(diagnosis: Diagnosis, ax: Axes) -> Axes:
 def where_in_time(diagnosis: Diagnosis) -> Figure:
     """Show both: where the gap shows, and where it arises."""
     count = min(len(diagnosis.traces), _MOST)
-    made = style.figure(9.0, 2.6 + 0.5 * count)
+    made = figure(9.0, 2.6 + 0.5 * count)
     top, bottom = made.subplots(2, 1, sharex=True, sharey=True)
     window_strips(diagnosis, top)
     origin_strips(diagnosis, bottom)
@@ -137,7 +138,7 @@ def shares(diagnosis: Diagnosis) -> Figure:
     """Show which channels and kinds of motion hold the gap, and each run's error."""
     where = diagnosis.where
     runs = where["runs"][:_MOST]
-    made = style.figure(9.0, max(2.6, 1.2 + 0.3 * max(len(runs), 5)))
+    made = figure(9.0, max(2.6, 1.2 + 0.3 * max(len(runs), 5)))
     left, middle, right = made.subplots(1, 3, width_ratios=[1, 1, 1.3])
     _bars(left, [row["channel"] for row in where["channels"]],
           [row["share"] for row in where["channels"]], "channel")  # fmt: skip
@@ -192,7 +193,7 @@ def force_view(diagnosis: Diagnosis) -> Figure | None:
     if not tables:
         return None
     rotary = diagnosis.nominal.other.get("bench.kind") == "rotary"
-    made = style.figure(9.0, 2.7 * -(-len(tables) // 3))
+    made = figure(9.0, 2.7 * -(-len(tables) // 3))
     grid = made.subplots(-(-len(tables) // 3), 3, squeeze=False).ravel()
     size = style.reach([np.asarray(table[1]) for table in tables.values()])
     factor, unit = style.channel("force", diagnosis.nominal).scale(size)

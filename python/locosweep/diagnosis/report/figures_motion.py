@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from locosweep.diagnosis.report import figures_style as style
+from locosweep.plot.style import figure
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -96,7 +97,7 @@ def runs_large(diagnosis: Diagnosis) -> Figure:
                 if name in ("x", "v") or any(name in t.measured for t in chosen)]  # fmt: skip
     after = (False, True) if diagnosis.effects else (False,)
     rows = len(channels) + len(after)
-    made = style.figure(5.2 * len(chosen) + 0.6, 1.75 * rows + 0.7)
+    made = figure(5.2 * len(chosen) + 0.6, 1.75 * rows + 0.7)
     grid = made.subplots(rows, len(chosen), sharex="col", squeeze=False)
     for column, trace in enumerate(chosen):
         axes: list[Axes] = list(grid[:, column])
@@ -135,7 +136,7 @@ def runs_small(diagnosis: Diagnosis) -> Figure:
     traces: Sequence[Trace] = diagnosis.traces[:_SMALL]
     columns = min(4, len(traces))
     rows = -(-len(traces) // columns)
-    made = style.figure(max(2.7 * columns, 5.4), 2.0 * rows + 0.6)
+    made = figure(max(2.7 * columns, 5.4), 2.0 * rows + 0.6)
     grid = made.subplots(rows, columns, squeeze=False).ravel()
     errors = {row["run"]: row for row in diagnosis.where["runs"]}
     for ax, trace in zip(grid, traces, strict=False):

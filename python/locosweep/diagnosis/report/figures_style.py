@@ -6,8 +6,6 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
 
 from locosweep.files.channels import CHANNELS
@@ -96,15 +94,8 @@ def run_label(text: str, *, kept: bool) -> str:
     return label(text) + (" (kept)" if kept else "")
 
 
-def figure(width: float, height: float) -> Figure:
-    """Return an empty figure that belongs to no window."""
-    made = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(made)
-    return made
-
-
 def finish(ax: Axes) -> Axes:
     """Give axes their grid."""
-    ax.grid(visible=True, linewidth=0.4, alpha=0.5)
+    plot_style.grid(ax)
     ax.set_axisbelow(True)
     return ax

@@ -100,12 +100,8 @@ def smooth_square(residual: Floats, deviation: float) -> Floats:
 def windows(problem: Problem, squares: list[Floats]) -> list[dict[str, Any]]:
     """Return the windows that hold most of some squares, run by run, largest first."""
     total = float(sum(s.sum() for s in squares))
-    found: list[tuple[float, int, int, int]] = []
-    for r, values in enumerate(squares):
-        edges = np.linspace(0, values.size, WINDOWS + 1).astype(int)
-        for a, b in pairwise(edges):
-            if b > a:
-                found.append((float(values[a:b].sum()), r, int(a), int(b)))
+    cuts = equal_cuts(problem, WINDOWS, least=1)
+    found = [(float(squares[r][a:b].sum()), r, a, b) for r, a, b in cuts]
     found.sort(key=lambda f: (-f[0], f[1], f[2]))
     rows = []
     for value, r, a, b in found[:_SHOWN]:
