@@ -9,7 +9,7 @@ import polars as pl
 
 from locosweep.diagnosis.estimate.problem import Problem
 from locosweep.diagnosis.estimate.shooting import WindowProblem
-from locosweep.diagnosis.estimate.window_plan import Plan, problem_of
+from locosweep.diagnosis.estimate.window_plan import WindowPlan, problem_of
 from locosweep.files.robot import Robot
 from locosweep.files.runs import Run, runs_from_frame
 from locosweep.simulation.replay import replay_runs
@@ -61,5 +61,5 @@ def whole(robot: Robot, frame: pl.DataFrame, **changes: object) -> Problem:
 
 
 def in_windows(problem: Problem) -> WindowProblem:
-    plan = Plan(SECONDS[id(problem.robot)], "asked for", problem.noise)
+    plan = WindowPlan(SECONDS[id(problem.robot)], "asked for", problem.noise)
     return problem_of(problem, plan)[0]

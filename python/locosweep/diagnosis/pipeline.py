@@ -21,7 +21,7 @@ from locosweep.diagnosis.estimate.least_squares import Nuisances
 from locosweep.diagnosis.estimate.nominal import gaps_of
 from locosweep.diagnosis.estimate.problem import Problem, ReplayMeter
 from locosweep.diagnosis.estimate.window_plan import (
-    Plan,
+    WindowPlan,
     for_planning,
     plan_of,
     problem_of,
@@ -142,8 +142,8 @@ class _Data:
     problem: Problem
     """The runs, or windows of them, that fits see."""
     scale: Scale
-    plan: Plan | None
-    """Plan of the windows, if runs are cut."""
+    plan: WindowPlan | None
+    """WindowPlan of the windows, if runs are cut."""
     held_by_user: bool
     warnings: tuple[str, ...]
 

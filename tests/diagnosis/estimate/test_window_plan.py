@@ -13,7 +13,7 @@ from diagnosis_long import PENDULUM, SLED, drives, measured, whole
 from locosweep.diagnosis.estimate.window_plan import (
     FITTED_SAMPLES,
     HELD_SAMPLES,
-    Plan,
+    WindowPlan,
     adjoining_windows,
     decimated,
     plan_of,
@@ -65,7 +65,7 @@ def test_many_samples_are_cut_whatever_the_gap():
 
 def test_tiles_follow_each_other():
     problem = whole(SLED, measured(SLED, {}, drives(SLED)))
-    windows = adjoining_windows(problem, Plan(0.4, "asked for", problem.noise)).windows
+    windows = adjoining_windows(problem, WindowPlan(0.4, "asked for", problem.noise)).windows
     for before, after in pairwise(windows):
         if before.record == after.record:
             end = before.span[0] + before.counted[1]
@@ -77,7 +77,7 @@ def test_a_gap_in_the_data_is_in_no_window():
     frame = measured(SLED, {}, drives(SLED, 1))
     frame = frame.filter((pl.col("t") < 3.0) | (pl.col("t") > 3.5))
     problem = whole(SLED, frame)
-    windows = adjoining_windows(problem, Plan(0.4, "asked for", problem.noise)).windows
+    windows = adjoining_windows(problem, WindowPlan(0.4, "asked for", problem.noise)).windows
     assert len(windows) > 5
     assert all(np.diff(window.t).max() < 0.4 for window in windows)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from diagnosis_small import NOISE, ROBOT, driven, measured, problem
-from locosweep.diagnosis.estimate.window_plan import Plan
+from locosweep.diagnosis.estimate.window_plan import WindowPlan
 from locosweep.diagnosis.report import sentences
 from locosweep.diagnosis.report.improvement import gap_of
 from locosweep.diagnosis.report.localization import where_of
@@ -25,7 +25,7 @@ def comparison_of(runs, robot=ROBOT, **changes):
     nominal = whole.plain()
     true = replace(nominal, names=("payload_mass",), values=nominal.values.copy())
     true.values[whole.parameter_index("payload_mass", "dm")] = MASS
-    return report_windows(whole, Plan(0.4, "asked for", whole.noise)).compare(nominal, true)
+    return report_windows(whole, WindowPlan(0.4, "asked for", whole.noise)).compare(nominal, true)
 
 
 def of_nominal(comparison):

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
 REGIMES = ("at_rest", "breakaway", "sliding_forward", "sliding_backward", "reversal")
 """Kinds of motion that a sample belongs to."""
-
-
 _AFTER = 5
 """Samples after a break-away, and around a reversal, that belong to it."""
 
@@ -31,6 +29,11 @@ class MeasuredMotion:
     x: Floats
     v: Floats
     deviation: float
+
+    @property
+    def resting_speed(self) -> float:
+        """Speed up to which the head counts as at rest, m/s."""
+        return 3.0 * self.deviation + 0.01 * float(np.abs(self.v).max(initial=0.0))
 
 
 def measured_motion(run: Run, noise: Noise) -> MeasuredMotion:
@@ -52,9 +55,7 @@ def measured_motion(run: Run, noise: Noise) -> MeasuredMotion:
 
 def regimes_of(motion: MeasuredMotion) -> NDArray[np.int64]:
     """Say for every sample of a motion what kind it belongs to (`REGIMES`)."""
-    v, deviation = motion.v, motion.deviation
-    limit = 3.0 * deviation + 0.01 * float(np.abs(v).max(initial=0.0))
-    sign = np.where(np.abs(v) <= limit, 0, np.sign(v)).astype(int)
+    sign = np.where(np.abs(motion.v) <= motion.resting_speed, 0, np.sign(motion.v)).astype(int)
     kind = np.where(sign == 0, 0, np.where(sign > 0, 2, 3))
     found = kind.copy()
     for i in np.flatnonzero(np.diff(sign) != 0):

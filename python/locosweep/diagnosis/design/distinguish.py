@@ -101,17 +101,7 @@ class Distinction:
         return pl.DataFrame(rows, schema=schema)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the matrix of distances.
-
-        Parameters
-        ----------
-        ax : Axes, optional
-            Where to draw; a new figure without one.
-
-        Returns
-        -------
-        Axes
-        """
+        """Draw the matrix of distances, on new axes if none are given."""
         from locosweep.diagnosis.design.figures_matrix import matrix
 
         return matrix(self, ax=ax)

@@ -58,7 +58,7 @@ _WINDOWS = 40
 
 
 @dataclass(frozen=True)
-class Plan:
+class WindowPlan:
     """Windows of `seconds`, because of `why`; `noise` of each channel."""
 
     seconds: float
@@ -66,7 +66,7 @@ class Plan:
     noise: dict[str, Noise]
 
 
-def plan_of(whole: Problem) -> Plan | None:
+def plan_of(whole: Problem) -> WindowPlan | None:
     """Say how runs are cut into windows; None where they are replayed as a whole."""
     runs = whole.runs
     growth = max(_growth(run, whole.nominal) for run in runs)
@@ -76,7 +76,7 @@ def plan_of(whole: Problem) -> Plan | None:
         fastest = max(float(growth_rates(run, whole.nominal).max()) for run in runs)
         factor = f"{np.exp(growth):.2g} times" if growth < 7.0 else "more than a thousandfold"
         why = f"small errors grow {factor} along a run"
-        return Plan(_fitting(runs, TURNS / fastest), why, noise)
+        return WindowPlan(_fitting(runs, TURNS / fastest), why, noise)
     many = whole.count > (LONG_ROWS if longest > LONG else ROWS)
     if longest <= LONG and not many:
         return None
@@ -90,7 +90,7 @@ def plan_of(whole: Problem) -> Plan | None:
         travel = [np.ptp(x[np.isfinite(x)]) / _pace(run)
                   for run in runs for x in [run.channels["x"]]]  # fmt: skip
         reach = min(reach, 2.0 * float(np.median(travel)))
-    return Plan(_fitting(runs, reach), why, noise)
+    return WindowPlan(_fitting(runs, reach), why, noise)
 
 
 def _pace(run: Run) -> float:
@@ -159,7 +159,7 @@ def _compare(whole: Problem, seconds: float) -> tuple[float, float]:
     return float(np.sqrt(np.mean(error**2))), float(np.sqrt(np.mean(motion**2)))
 
 
-def _interval(whole: Problem, plan: Plan) -> float:
+def _interval(whole: Problem, plan: WindowPlan) -> float:
     """Longest interval between samples that windows need.
 
     A drive F that is taken as its mean over an interval D shifts the motion by
@@ -202,7 +202,7 @@ def _leads(runs: Sequence[Run], seconds: float) -> list[int]:
 
 
 def adjoining_windows(
-    whole: Problem, plan: Plan, runs: Sequence[int] | None = None
+    whole: Problem, plan: WindowPlan, runs: Sequence[int] | None = None
 ) -> WindowProblem:
     """Cut runs into windows from end to end, as they were measured, for the report."""
     leads = _leads(whole.runs, plan.seconds)
@@ -214,7 +214,7 @@ def adjoining_windows(
     return _problem(whole, whole.runs, windows, leads, plan, ())
 
 
-def problem_of(whole: Problem, plan: Plan) -> tuple[WindowProblem, str]:
+def problem_of(whole: Problem, plan: WindowPlan) -> tuple[WindowProblem, str]:
     """Choose the windows of the search and of its check; say in a sentence how runs were cut."""
     interval = _interval(whole, plan)
     runs = [decimated(run, interval) for run in whole.runs]
@@ -255,7 +255,7 @@ def _problem(
     runs: Sequence[Run],
     windows: Sequence[tuple[int, int, int]],
     leads: Sequence[int],
-    plan: Plan,
+    plan: WindowPlan,
     held: tuple[int, ...],
 ) -> WindowProblem:
     half = LEAD * plan.seconds

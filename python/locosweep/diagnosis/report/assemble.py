@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.estimate.problem import Point, Problem
-    from locosweep.diagnosis.estimate.window_plan import Plan
+    from locosweep.diagnosis.estimate.window_plan import WindowPlan
     from locosweep.diagnosis.report.comparison import Comparison
     from locosweep.diagnosis.report.windowed import ReportWindows
     from locosweep.diagnosis.select.nearest import Nearest
@@ -66,8 +66,8 @@ class Findings:
     choice: Choice
     whole: Problem
     """The runs as they were measured."""
-    plan: Plan | None
-    """Plan of the windows that they were cut into, if they were."""
+    plan: WindowPlan | None
+    """WindowPlan of the windows that they were cut into, if they were."""
     nearest: Nearest | None
     """The set that comes nearest, where none of a gap in windows is confirmed."""
     next_experiment: dict[str, Any]
@@ -142,10 +142,9 @@ def assemble(found: Findings, source: Source) -> Diagnosis:
     if choice.shape:
         gap["left"] = [{"variable": v, "share": s} for v, s in choice.shape[:5]]
     verdict["summary"] = sentences.summary(report)
-    whole = found.whole
     details: dict[str, Any] = {
         "noise": {c: n.sd for c, n in problem.noise.items()},
-        "force_view": localization.force_view(whole, found.nominal, problem.nominal["mass"]),
+        "force_view": localization.force_view(found.whole, found.nominal, problem.nominal["mass"]),
     }
     if not isinstance(source.given, Robot):
         details["nominal_text"] = Path(source.given).read_text(encoding="utf-8")

@@ -36,10 +36,8 @@ def not_visible(
 def _directions(problem: Problem) -> tuple[bool, bool]:
     """Return whether the head moves forward, and whether backward, in the fitted runs."""
     found = [problem.motions[r] for r in problem.fitted]
-    limits = [3.0 * m.deviation + 0.01 * float(np.abs(m.v).max(initial=0.0)) for m in found]
-    forward = any((m.v > limit).any() for m, limit in zip(found, limits, strict=True))
-    backward = any((m.v < -limit).any() for m, limit in zip(found, limits, strict=True))
-    return forward, backward
+    forward = any((m.v > m.resting_speed).any() for m in found)
+    return forward, any((m.v < -m.resting_speed).any() for m in found)
 
 
 def _why(fit: Fit, forward: bool, backward: bool) -> str | None:

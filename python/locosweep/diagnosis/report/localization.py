@@ -164,8 +164,8 @@ def regime_shares(squares: list[Floats], regimes: list[NDArray[np.int64]]) -> li
 
 def _swept(motion: MeasuredMotion) -> Floats:
     """Return the distance swept forward since the head last rested or turned."""
-    x, v = motion.x, motion.v
-    forward = v > 3.0 * motion.deviation + 0.01 * float(np.abs(v).max(initial=0.0))
+    x = motion.x
+    forward = motion.v > motion.resting_speed
     starts = np.where(forward, np.nan, x)
     last = np.maximum.accumulate(np.where(forward, 0, np.arange(x.size)))
     base = np.where(np.isnan(starts[last]), x[0], starts[last])

@@ -83,10 +83,6 @@ def _filled(text: str, robot: Robot) -> str:
         units = {p.name: p.unit for p in effect(name).parameters}
         for key, value in values.items():
             if content.get(key) != value:
-                content[key] = _with_unit(value, units[key])
+                item = tomlkit.item(float(value))
+                content[key] = item if units[key] == "1" else item.comment(units[key])
     return tomlkit.dumps(document)
-
-
-def _with_unit(value: float, unit: str) -> tomlkit.items.Item:
-    item = tomlkit.item(float(value))
-    return item if unit == "1" else item.comment(unit)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.estimate.problem import Point, Problem
     from locosweep.diagnosis.estimate.shooting import WindowProblem
-    from locosweep.diagnosis.estimate.window_plan import Plan
+    from locosweep.diagnosis.estimate.window_plan import WindowPlan
     from locosweep.diagnosis.report.comparison import ByRun
 
     Floats = NDArray[np.float64]
@@ -75,7 +75,7 @@ class ReportWindows:
         return float(1.0 - np.sqrt(new / old)) if old > 0.0 else None
 
 
-def report_windows(whole: Problem, plan: Plan) -> ReportWindows:
+def report_windows(whole: Problem, plan: WindowPlan) -> ReportWindows:
     """Cut runs into windows from end to end, and choose those that validate."""
     problem = adjoining_windows(whole, plan)
     record = np.array([window.record for window in problem.windows], dtype=int)

@@ -199,10 +199,7 @@ def pairs(search: Search, known: Collection, count: int) -> Found:
         alone += start_fits(search.nuisances, search.model((name,)), rows, none.nuisance)
     (same,) = evaluate(problem, [none.unfitted()], runs)
     free = np.nan_to_num(jacobian_of(problem, same, runs))
-    changes = []
-    for fit in alone:
-        (seen,) = evaluate(problem, [fit], runs)
-        changes.append(seen.residual - same.residual)
+    changes = [evaluate(problem, [fit], runs)[0].residual - same.residual for fit in alone]
     best = cancelling_pairs(alone, np.array(changes), same.residual, free, _PAIRS_SCANNED * count)
     starts = []
     for i, j, sizes in best:

@@ -120,12 +120,12 @@ def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool
 
 def _together(problem: Problem, parts: Sequence[Floats], runs: Sequence[int]) -> Floats:
     """Join residuals of single runs: channel by channel, run by run."""
-    rows = []
-    for c in range(len(problem.channels)):
-        for part, r in zip(parts, runs, strict=True):
-            n = int(problem.lengths[r])
-            rows.append(part[c * n : (c + 1) * n])
-    return np.concatenate(rows)
+    lengths = problem.lengths[list(runs)]
+    return np.concatenate([
+        part[c * n : (c + 1) * n]
+        for c in range(len(problem.channels))
+        for part, n in zip(parts, lengths, strict=True)
+    ])  # fmt: skip
 
 
 def out_of_library(search: Search, known: Collection, found: Fit, score: float) -> bool:

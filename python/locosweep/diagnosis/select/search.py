@@ -90,10 +90,8 @@ class Search:
         hint = self.hints.get(frozenset(model.names))
         if hint is None:
             return []
-        values = dict(
-            zip(((f.effect, f.name) for f in hint.model.free), hint.parameters, strict=True)
-        )
-        return [np.array([values[f.effect, f.name] for f in model.free])]
+        values = hint.named()
+        return [np.array([values[f.effect][f.name] for f in model.free])]
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from locosweep.diagnosis.effects.catalogue import starts_of
 from locosweep.diagnosis.estimate.least_squares import Fit, Nuisances, chi2_of, fit_all, start_fits
 from locosweep.diagnosis.estimate.shooting import WindowProblem
-from locosweep.diagnosis.estimate.window_plan import Plan, problem_of
+from locosweep.diagnosis.estimate.window_plan import WindowPlan, problem_of
 from locosweep.diagnosis.select.extension import extend_each, refit_from, singles
 from locosweep.diagnosis.select.search import Collection, Found, Search, ranked
 from locosweep.errors import DataFileError
@@ -50,7 +50,7 @@ def search_windows(whole: Search) -> list[WindowSearch]:
         return []
     found = []
     for share in _LENGTHS:
-        plan = Plan(share * scale.duration, "", dict(problem.noise))
+        plan = WindowPlan(share * scale.duration, "", dict(problem.noise))
         try:
             windows, _ = problem_of(problem, plan)
         except DataFileError:
