@@ -63,7 +63,7 @@ def test_many_samples_are_cut_whatever_the_gap():
     assert "one sample in" in said
 
 
-def test_tiles_follow_each_other():
+def test_adjoining_windows_follow_each_other():
     problem = whole(SLED, measured(SLED, {}, drives(SLED)))
     windows = adjoining_windows(problem, WindowPlan(0.4, "asked for", problem.noise)).windows
     for before, after in pairwise(windows):

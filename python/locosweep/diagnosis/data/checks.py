@@ -89,7 +89,7 @@ def check_runs(runs: Sequence[Run], robot: Robot) -> list[str]:
 
 
 def _free(run: Run, gain: float) -> float:
-    """Return the distance over which a run's drive would push 1 kg from rest, one way, in m."""
+    """Return the distance over which a run's drive would push 1 kg from rest, in m."""
     steps = np.diff(run.t)
     speed = np.concatenate([[0.0], np.cumsum(np.abs(run.drive[:-1]) * gain * steps)])
     return float(np.sum(speed[:-1] * steps + 0.5 * np.diff(speed) * steps))

@@ -107,9 +107,9 @@ class PlannedRuns:
         count = len(self.runs)
         columns = [(r, 0, int(self.lengths[r]), list(n)) for n, _ in models for r in range(count)]
         values = np.repeat(np.array([row for _, row in models]), count, axis=0)
-        shares = np.tile([1.0, 1.0, 1.0, 0.0], (len(columns), 1))
+        factors = np.tile([1.0, 1.0, 1.0, 0.0], (len(columns), 1))
         begin = np.tile(starts, (len(models), 1))
-        found = self._replay.run(columns, values, shares, begin, self.threads)
+        found = self._replay.run(columns, values, factors, begin, self.threads)
         return {
             name: field.reshape(len(models), -1)
             for name, field in zip(REPLAYED, found, strict=True)
@@ -219,7 +219,7 @@ def _in_parts(plan: PlannedRuns, models: Sequence[tuple[str, Mapping[str, float]
 
 @dataclass
 class _State:
-    """A fit under way: which target, coordinates, residual."""
+    """A fit in progress: its target, coordinates and residual."""
 
     target: int
     theta: Floats

@@ -41,7 +41,7 @@ class Motion:
 
 
 ALL = (*dict.fromkeys(VARIABLES.values()), "terrain", "acceleration")
-"""Variables of effects, and of forces along the way that no effect stands for."""
+"""Variables of effects, and of forces that no effect stands for."""
 
 
 def motion_of(problem: Problem, fit: Fit) -> Motion:
@@ -79,7 +79,7 @@ def motion_of(problem: Problem, fit: Fit) -> Motion:
 
 
 def _hats(values: Floats, where: NDArray[np.bool_], knots: int = _KNOTS) -> Floats:
-    """Piecewise linear functions on knots at quantiles of where the values count."""
+    """Piecewise linear functions on knots at quantiles of the values that count."""
     if where.sum() < 3 * knots:
         return np.zeros((0, values.size))
     edges = np.unique(np.quantile(values[where], np.linspace(0.0, 1.0, knots)))

@@ -26,9 +26,9 @@ _NOMINAL = 9
 
 def fit_nominal(problem: Problem, nuisances: Nuisances) -> Fit:
     """Fit the nominal model: its uncertain values from several starts."""
-    shares = nuisances.uncertain
-    spread = np.array([nuisances.spread[i] for i in shares])
-    corners = np.array(list(product((0.0, -1.2, 1.2), repeat=len(shares))))
+    uncertain = nuisances.uncertain
+    spread = np.array([nuisances.spread[i] for i in uncertain])
+    corners = np.array(list(product((0.0, -1.2, 1.2), repeat=len(uncertain))))
     other = np.zeros(len(nuisances.moving) + len(nuisances.start_offsets))
     fits = [
         Fit(Model((), ()), nuisances, np.concatenate([corner * spread, other]))

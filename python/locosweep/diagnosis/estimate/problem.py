@@ -212,7 +212,7 @@ class Problem:
 
     def _offset_deviations(self, channel: str) -> Floats:
         noise = self.noise[channel]
-        # That of one sample: a bristle may give way while the drive rests.
+        # The deviation of one sample: a bristle may give way while the drive rests.
         own = float(np.hypot(noise.sd, noise.stuck))
         starts = [_at_start(run, channel) for run in self.runs]
         # A start that was not measured before the drive changes is anywhere.

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 _WIDER = 2.0
 """A start may lie this much further off than noise alone says: the cubic through
-the samples around it is no exact motion, and the window's own samples settle it."""
+the samples around it is no exact motion, and the window's own samples determine it."""
 _AROUND = 9
 """Samples that say what the state at a start is, at least."""
 _KNOWN = 6

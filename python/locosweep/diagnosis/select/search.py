@@ -103,7 +103,7 @@ class Collection:
     """Samples replayed until the single effects were fitted: the unit of replay budgets."""
 
     def adding(self, found: Mapping[frozenset[str], Fit]) -> Collection:
-        """Return a collection with what a step has found in place of what was known."""
+        """Return a collection in which the fits of a step replace those known before."""
         return replace(self, fits={**self.fits, **found})
 
     def single(self, name: str) -> Fit | None:

@@ -135,5 +135,5 @@ def without(search: Search, found: Fit, name: str) -> Fit:
     """Return a set with one effect less, at the values it has, unfitted."""
     names = tuple(n for n in found.model.names if n != name)
     keep = [i for i, f in enumerate(found.model.free) if f.effect != name]
-    tail = list(range(len(found.model.free), found.theta.size))
-    return Fit(search.model(names), found.nuisances, found.theta[keep + tail])
+    others = list(range(len(found.model.free), found.theta.size))
+    return Fit(search.model(names), found.nuisances, found.theta[keep + others])

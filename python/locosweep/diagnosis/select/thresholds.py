@@ -50,8 +50,8 @@ MOST_ALIKE = 3
 these say that no variable in particular carries it."""
 OTHER_LAW_PROBABILITY = 0.55
 """Probability of a cause by another law than its formula: right in 13 of 22, 2 of 8 and, once
-this was set, 8 of 15 verdicts of the blind check. It bends to what else pushes along the way
-as well."""
+this was set, 8 of 15 verdicts of the blind check. A law of any form also takes up other forces
+along the motion."""
 AS_WELL = 12.0
 """Difference in chi2 by which the correction in an effect's own variable may be less likely
 than that in another one."""

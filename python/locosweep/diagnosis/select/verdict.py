@@ -64,7 +64,7 @@ class Choice:
 
     @property
     def refuted(self) -> bool:
-        """Whether the runs kept from the fit ask for more than the others do."""
+        """True if the runs kept from the fit ask for more than the others do."""
         return self.status != "unexplained" and (self.near >= limits.LEAST_GAIN or self.missed)
 
     @property
@@ -90,7 +90,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class _Grown:
-    """The smallest set that the forward steps came to, and what they found on the way."""
+    """Smallest set that the forward steps came to, and the fits that they made."""
 
     known: Collection
     level: list[Fit]
