@@ -143,7 +143,7 @@ class _Data:
     """The runs, or windows of them, that fits see."""
     scale: Scale
     plan: WindowPlan | None
-    """WindowPlan of the windows, if runs are cut."""
+    """Plan of the windows, if runs are cut."""
     held_by_user: bool
     warnings: tuple[str, ...]
 

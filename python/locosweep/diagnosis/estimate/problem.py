@@ -332,7 +332,8 @@ class Problem:
             e = np.where(w > 0.0, y, 0.0) - found[c]
             if CHANNELS[c].from_rest:
                 e -= np.repeat(self.start_levels[c][chosen], self.lengths[chosen])
-            rows[c] = e * w
+            e *= w
+            rows[c] = e
         return rows
 
     def _picked(self, chosen: Sequence[int]) -> NDArray[np.intp]:
@@ -345,7 +346,7 @@ class Problem:
         return weights
 
     def _project(self, rows: dict[str, Floats], chosen: Sequence[int]) -> Floats:
-        """Take the start offsets out of weighted rows, and append them in units of their prior."""
+        """Take start offsets out of weighted rows, in place, and append them over their prior."""
         chosen, picked = list(chosen), self._picked(chosen)
         edges = np.concatenate([[0], np.cumsum(self.lengths[chosen])])[:-1]
         parts, extra = [], []
@@ -354,7 +355,7 @@ class Problem:
                 w, prior = self._fit_weights(c, picked), 1.0 / self.priors[c][chosen]
                 precision = np.add.reduceat(w * w, edges) + prior**2
                 offset = np.add.reduceat(e * w, edges, axis=1) / precision
-                e = e - np.repeat(offset, self.lengths[chosen], axis=1) * w
+                e -= np.repeat(offset, self.lengths[chosen], axis=1) * w
                 extra.append(offset * prior)
             parts.append(e)
         return np.concatenate(parts + extra, axis=1)

@@ -67,7 +67,7 @@ class Findings:
     whole: Problem
     """The runs as they were measured."""
     plan: WindowPlan | None
-    """WindowPlan of the windows that they were cut into, if they were."""
+    """Plan of the windows that they were cut into, if they were."""
     nearest: Nearest | None
     """The set that comes nearest, where none of a gap in windows is confirmed."""
     next_experiment: dict[str, Any]
