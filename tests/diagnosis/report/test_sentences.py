@@ -57,6 +57,10 @@ class TestUnexplained:
     def test_the_size_is_told_in_units_of_the_noise(self) -> None:
         assert "gap in x is 200 times the noise" in summary(report("unexplained"))
 
+    def test_a_size_that_validation_data_do_not_show(self) -> None:
+        text = summary(report("unexplained", gap={"before": None}))
+        assert "the size of the gap in x is not known" in text
+
     def test_the_nearest_candidate(self) -> None:
         rows = [{"effects": [], "shrink": 0.0}, {"effects": ["drive_lag"], "shrink": 0.4}]
         assert "drive lag" in summary(report("unexplained", candidates=rows))

@@ -45,8 +45,10 @@ def summary(report: dict[str, Any]) -> str:
     sure = f"{verdict['probability']:.0%}"
     if verdict["status"] == "none":
         return f"The nominal model accounts for these runs: no gap beyond the noise ({sure} sure)."
-    before = gap["before"] / gap["noise_floor"] if gap["noise_floor"] else float("nan")
-    size = f"the gap in {gap['channel']} is {before:.3g} times the noise"
+    size = f"the size of the gap in {gap['channel']} is not known"
+    if gap["before"] is not None:
+        times = gap["before"] / gap["noise_floor"]
+        size = f"the gap in {gap['channel']} is {times:.3g} times the noise"
     if verdict["status"] == "unexplained":
         best = next((c for c in report["candidates"] if c["effects"]), None)
         near = ""
