@@ -332,8 +332,7 @@ class Problem:
             e = np.where(w > 0.0, y, 0.0) - found[c]
             if CHANNELS[c].from_rest:
                 e -= np.repeat(self.start_levels[c][chosen], self.lengths[chosen])
-            e *= w
-            rows[c] = e
+            rows[c] = np.multiply(e, w, out=e)
         return rows
 
     def _picked(self, chosen: Sequence[int]) -> NDArray[np.intp]:
