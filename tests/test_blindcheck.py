@@ -25,7 +25,7 @@ from locosweep.validation import next_run as nextrun
 from locosweep.validation.cases import Case, draw_case, scale_of_runs
 from locosweep.validation.experiment import COARSE, World
 from locosweep.validation.judge import Judged, judge, window_share
-from locosweep.validation.law_table import Scale
+from locosweep.validation.laws import Scale
 from locosweep.validation.sizes import ALIKE, Nuisances, rival_distances
 
 

@@ -12,11 +12,11 @@ from locosweep.diagnosis.effects.formula import numbers
 from locosweep.simulation.replay import effects
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from locosweep import _core
     from locosweep.validation.experiment import Effect
-    from locosweep.validation.law_table import Scale, Strength
+    from locosweep.validation.laws import Scale
 
 __all__ = ["Rival", "refined_step", "rivals_between", "rivals_of"]
 
@@ -29,7 +29,7 @@ class Rival:
     form: str
     group: str
     """Rivals of one group are fitted together."""
-    at: Strength
+    at: Callable[[float], dict[str, float]]
     one_sided: bool
     refined: float | None = None
     """The number that is looked at between its values, too: the length of a ripple."""
