@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["CHANNELS", "OFFSETS", "PREDICTED", "REPLAYED", "Channel"]
-
 
 @dataclass(frozen=True)
 class Channel:

@@ -19,8 +19,6 @@ _HOMES = {
     "save_figure": "save",
 }
 
-__all__ = [*_HOMES]
-
 
 def __getattr__(name: str) -> object:
     if name not in _HOMES:

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
     from locosweep.validation.cases import Case
 
-__all__ = ["SEAL", "case_name", "digest", "read_truth", "runs_file", "seal", "write_case"]
-
 SEAL = "sealed.json"
 """Hashes of all truths, written before the first diagnosis."""
 

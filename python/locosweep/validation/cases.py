@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["KINDS_OF_CASE", "Case", "absent_of", "draw_case", "scale_of_runs"]
-
 KINDS_OF_CASE = {"none": 0.25, "one": 0.45, "two": 0.15, "outside": 0.15}
 """Shares of the mixture."""
 _MISMATCH = 1 / 3

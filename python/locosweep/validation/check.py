@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
 
-__all__ = ["Outcome", "carry_out", "diagnose_cases", "judge_cases"]
-
 
 @dataclass(frozen=True)
 class Outcome:

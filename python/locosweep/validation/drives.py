@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["KINDS", "Shape", "draw_shape", "sample_times"]
-
 KINDS = ("steps", "staircase", "ramp", "sine", "chirp", "multisine", "gait", "triangle")
 
 

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Effect = tuple[str, str, dict[str, float]]
 
-__all__ = ["COARSE", "FINE", "Drive", "Experiment", "World"]
-
 FINE = 1e-5
 """Step of the measured runs, s."""
 COARSE = 5e-4

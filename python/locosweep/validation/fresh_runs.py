@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["fresh_shrink"]
-
 
 def _started(run: Run, start: tuple[float, float]) -> Run:
     """Return a run that is replayed from where its head really started."""

@@ -8,8 +8,6 @@ from typing import Any
 
 from locosweep.simulation.replay import effects
 
-__all__ = ["CONTAINS", "SURE_TWIN", "Judged", "judge"]
-
 SURE_TWIN = 2.0
 """A rival nearer than this many standard deviations cannot be told from the truth."""
 

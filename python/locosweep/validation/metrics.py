@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from locosweep.validation.judge import Judged
 
-__all__ = ["Figure", "calibration", "confusion", "figures", "power", "splits", "wilson"]
-
 PLAIN = 10.0
 """Size from which a cause must be named, in standard deviations."""
 _RESAMPLES = 1000

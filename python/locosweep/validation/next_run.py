@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from locosweep.validation.cases import Case
     from locosweep.validation.experiment import Effect
 
-__all__ = ["NextRun", "carried_out"]
-
 
 @dataclass(frozen=True)
 class NextRun:

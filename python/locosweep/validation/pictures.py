@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from locosweep.validation.judge import Judged
     from locosweep.validation.metrics import Figure
 
-__all__ = ["PICTURES", "plot_calibration", "plot_confusion", "plot_power", "plot_shrink"]
-
 _LAST = ("several", "unexplained", "none", "error")
 
 

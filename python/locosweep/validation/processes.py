@@ -16,8 +16,6 @@ from locosweep import _core
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["code_digest", "pool_of"]
-
 _PACKAGE = Path(__file__).parents[1]
 
 

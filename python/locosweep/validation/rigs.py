@@ -12,8 +12,6 @@ from locosweep.files.channels import CHANNELS
 if TYPE_CHECKING:
     from numpy.random import Generator
 
-__all__ = ["Rig", "Sensors", "draw_rig", "log_uniform", "rounded"]
-
 
 def log_uniform(rng: Generator, low: float, high: float) -> float:
     """Draw a number whose logarithm is uniform."""

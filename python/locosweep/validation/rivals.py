@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from locosweep.validation.experiment import Effect
     from locosweep.validation.laws import Scale
 
-__all__ = ["Rival", "refined_step", "rivals_between", "rivals_of"]
-
 
 @dataclass(frozen=True)
 class Rival:

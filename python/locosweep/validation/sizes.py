@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["ALIKE", "Nuisances", "rival_distances"]
-
 ALIKE = 3.0
 """Causes nearer than this cannot be told apart."""
 _RIGID = {

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from locosweep.validation.judge import Judged
 from locosweep.validation.metrics import Figure
 
-__all__ = ["as_json", "as_text", "wrong_cases"]
-
 
 def _number(value: float) -> str:
     return "-" if math.isnan(value) else f"{value:.3f}"
