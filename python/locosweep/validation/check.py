@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import time
-from concurrent.futures import as_completed
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +12,7 @@ from locosweep.validation.case_files import SEAL, digest, read_truth, runs_file
 from locosweep.validation.fresh_runs import fresh_shrink
 from locosweep.validation.judge import Judged, judge
 from locosweep.validation.next_run import NextRun, carried_out
-from locosweep.validation.processes import code_digest, pool_of
+from locosweep.validation.processes import code_digest, over_processes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -68,18 +67,8 @@ def diagnose_cases(
     if not (out / SEAL).exists():
         raise FileNotFoundError(out / SEAL)
     code = code_digest("diagnosis", "files", "simulation", engine=True)
-    found: dict[str, Outcome] = {}
-    with pool_of(processes) as pool:
-        waiting = [
-            pool.submit(_diagnose, out / name, out / "diagnoses" / name, seed, code)
-            for name in names
-        ]
-        for done, future in enumerate(as_completed(waiting), 1):
-            outcome = future.result()
-            found[outcome.name] = outcome
-            if progress is not None:
-                progress(done, len(waiting))
-    return [found[name] for name in names]
+    calls = [(out / name, out / "diagnoses" / name, seed, code) for name in names]
+    return over_processes(_diagnose, calls, processes, progress)
 
 
 def _judge(out: Path, outcome: Outcome) -> Judged:
@@ -130,15 +119,9 @@ def carry_out(
     Only where a class of one effect holds the true one and others.
     """
     names = [c.case for c in judged if c.kind == "one" and c.status == "ambiguous" and c.right]
-    found: dict[str, NextRun] = {}
-    with pool_of(processes) as pool:
-        waiting = [pool.submit(_carry_out, out, name, seed) for name in names[:count]]
-        for done, future in enumerate(as_completed(waiting), 1):
-            run = future.result()
-            if run is not None:
-                found[run.case] = run
-            if progress is not None:
-                progress(done, len(waiting))
+    calls = [(out, name, seed) for name in names[:count]]
+    tried = over_processes(_carry_out, calls, processes, progress)
+    found = {run.case: run for run in tried if run is not None}
     return [
         replace(c, next_resolves=found[c.case].resolves, next_possible=found[c.case].possible)
         if c.case in found

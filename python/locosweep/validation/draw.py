@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-from concurrent.futures import as_completed
 from typing import TYPE_CHECKING
 
 from locosweep.validation.case_files import case_name, seal, write_case
 from locosweep.validation.cases import draw_case
-from locosweep.validation.processes import code_digest, pool_of
+from locosweep.validation.processes import code_digest, over_processes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -51,12 +50,7 @@ def draw_cases(
     wanted = [(i, False) for i in range(cases)] + [(i, True) for i in range(gap_free)]
     modules = (f"validation/{name}.py" for name in _DRAWING)
     code = code_digest(*modules, "diagnosis/effects", "files/channels.py", engine=False)
-    with pool_of(processes) as pool:
-        waiting = [pool.submit(_draw, seed, i, free, out, code) for i, free in wanted]
-        for done, future in enumerate(as_completed(waiting), 1):
-            future.result()
-            if progress is not None:
-                progress(done, len(waiting))
-    names = [case_name(i, gap_free=free) for i, free in wanted]
+    calls = [(seed, index, free, out, code) for index, free in wanted]
+    names = over_processes(_draw, calls, processes, progress)
     seal(out, names)
     return names
