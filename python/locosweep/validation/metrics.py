@@ -74,15 +74,16 @@ class _Target:
 
 
 def _at_least(bar: float) -> _Target:
-    return _Target(f">= {bar:.2f}", lambda figure: figure.value >= bar)
+    return _Target(f"at least {bar:.2f}", lambda figure: figure.value >= bar)
 
 
 def _at_most(bar: float) -> _Target:
-    return _Target(f"<= {bar:.2f}", lambda figure: figure.value <= bar)
+    return _Target(f"at most {bar:.2f}", lambda figure: figure.value <= bar)
 
 
 _FALSE_POSITIVES = _Target(
-    "<= 0.03, upper bound <= 0.045", lambda figure: figure.value <= 0.03 and figure.high <= 0.045
+    "at most 0.03, upper bound at most 0.045",
+    lambda figure: figure.value <= 0.03 and figure.high <= 0.045,
 )
 _UNBIASED = _Target("within 0.02", lambda figure: abs(figure.value) <= 0.02)
 _COVERED = _Target("0.85 to 0.95", lambda figure: 0.85 <= figure.value <= 0.95)
@@ -182,7 +183,7 @@ def figures(judged: Sequence[Judged]) -> list[Figure]:
         _share("two effects: both correct", (c.right for c in pairs), _at_least(0.85)),
         _share("two effects: at least one correct", (c.one_right for c in pairs), _at_least(0.98)),
         _share(
-            "cause outside the list: unexplained",
+            "cause outside the list: `unexplained`",
             (c.status == "unexplained" for c in outside),
             _at_least(0.9),
         ),
@@ -233,11 +234,11 @@ def figures(judged: Sequence[Judged]) -> list[Figure]:
             _at_least(0.9),
         ),
         _share(
-            "next experiment resolves the rivals",
+            "next experiment separates the rivals, where some run of the menu would",
             (c.next_resolves for c in judged if c.next_possible),
             _at_least(0.9),
         ),
-        _share("some experiment could", (c.next_possible for c in judged)),
+        _share("some run of the menu would separate the rivals", (c.next_possible for c in judged)),
         _statistic(
             "processor time of a diagnosis, median [s]",
             [c.seconds for c in judged if math.isfinite(c.seconds)],
