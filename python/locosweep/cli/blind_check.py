@@ -121,6 +121,4 @@ def _write(
     for name, content in lists.items():
         write_text(out / name, content + "\n")
     for name, draw in PICTURES.items():
-        figure = draw(judged).get_figure(root=True)
-        if figure is not None:
-            save_figure(figure, out / name, command=command)
+        save_figure(draw(judged), out / name, command=command)
