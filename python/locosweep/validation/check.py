@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Outcome:
-    """Where a diagnosis lies and what it cost."""
+    """Name, processor time and error of a diagnosis."""
 
     name: str
     seconds: float
@@ -29,7 +29,7 @@ class Outcome:
 
 
 def _diagnose(folder: Path, kept: Path, seed: int, code: str) -> Outcome:
-    """Diagnose one case from its two files; what is there of the same code is kept."""
+    """Diagnose one case from its two files; keep a diagnosis that the same code has made."""
     from locosweep.diagnosis.pipeline import diagnose
     from locosweep.diagnosis.report.model_file import write_augmented
 
