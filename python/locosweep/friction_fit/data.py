@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,8 +13,7 @@ from locosweep.errors import DataFileError, InputError
 from locosweep.files.columns import check_units, number_columns, read_frame, rows_by_run
 
 if TYPE_CHECKING:
-    import os
-    from collections.abc import Collection
+    from collections.abc import Collection, Mapping
 
     import polars as pl
     from numpy.typing import NDArray
@@ -102,7 +101,8 @@ def read_friction(
     """
     columns, units = dict(columns or {}), dict(units or {})
     check_units(units, _NUMBERS)
-    name, frame, others = _frame(data, columns)
+    frame, others = read_frame(data, tuple(COLUMNS), ("t",), columns)
+    name = str(Path(data)) if isinstance(data, str | os.PathLike) else "data"
     for either in (("x", "v"), ("force", "drive")):
         if not set(either) & set(frame.columns):
             there = ", ".join([*frame.columns, *others][:20])
@@ -122,28 +122,3 @@ def read_friction(
         rest = {column: values[rows] for column, values in numbers.items() if column != "t"}
         found.append(FrictionRun(label, numbers["t"][rows], rest))
     return found, notices
-
-
-def _frame(
-    data: str | os.PathLike[str] | pl.DataFrame | Mapping[str, object], columns: dict[str, str]
-) -> tuple[str, pl.DataFrame, list[str]]:
-    import polars as pl
-
-    if isinstance(data, pl.DataFrame | Mapping):
-        try:
-            frame = data if isinstance(data, pl.DataFrame) else pl.DataFrame(dict(data))
-        except (pl.exceptions.PolarsError, TypeError, ValueError) as error:
-            first = (str(error).splitlines() or [type(error).__name__])[0]
-            raise InputError(f"data: not columns of one length: {first}") from None
-        theirs = {columns.get(name, name): name for name in COLUMNS}
-        for given in (*(columns[n] for n in columns), columns.get("t", "t")):
-            if given not in frame.columns:
-                there = ", ".join(frame.columns[:20])
-                raise InputError(f"data: no column {given}: there are {there}")
-        if frame.height == 0:
-            raise InputError("data: no rows")
-        present = {given: theirs[given] for given in frame.columns if given in theirs}
-        others = [given for given in frame.columns if given not in theirs]
-        return "data", frame.select(list(present)).rename(present), others
-    frame, others = read_frame(data, tuple(COLUMNS), ("t",), columns)
-    return str(Path(data)), frame, others
