@@ -36,14 +36,8 @@ _NUMBERS = tuple(COLUMNS)[1:]
 class FrictionRun:
     """One measured run as it stands in the file, in SI units.
 
-    Attributes
-    ----------
-    label : str
-        Its name.
-    t : ndarray
-        Times in s, strictly rising, shape (n,).
-    columns : dict of str to ndarray
-        What was measured beside time, shape (n,) each; NaN where a value is missing.
+    Arrays have the shape (n,): times `t`, strictly rising, and `columns` by name, NaN
+    where a value is missing.
     """
 
     label: str
