@@ -113,11 +113,8 @@ class GaitSpec(SpecFile):
         return toml.write(document)
 
     @classmethod
-    def _of(cls, document: dict[str, Any]) -> Self:
-        return cls(*_read(document))
-
-    def _beside(self, folder: Path) -> Self:
-        return replace(self, folder=folder)
+    def _of(cls, document: dict[str, Any], folder: Path) -> Self:
+        return cls(*_read(document), folder)
 
     def _moved(self, folder: Path) -> Self:
         return replace(self, robot=toml.moved(self.robot, self.folder, folder), folder=folder)

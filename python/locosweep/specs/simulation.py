@@ -83,12 +83,8 @@ class Simulation:
         # Only simulations of whole robots take a gait.
         return found if self.gait is None else {**found, "gait": self.gait}
 
-    def beside(self, folder: Path) -> Simulation:
-        """Return the same, its drive file counted from a folder."""
-        return replace(self, folder=folder)
-
     def moved(self, folder: Path) -> Simulation:
-        """Return the same drive file, told from another folder."""
+        """Return the same choice, its drive file relative to another folder."""
         return replace(self, drive_file=moved(self.drive_file, self.folder, folder), folder=folder)
 
 
