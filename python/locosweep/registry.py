@@ -7,31 +7,14 @@ from functools import cache
 from typing import TYPE_CHECKING, TypeVar
 
 from locosweep import _core
-from locosweep._core import Drive, Law, Parameter, Quantity
+from locosweep._core import Drive as Drive
+from locosweep._core import Law as Law
+from locosweep._core import Parameter as Parameter
+from locosweep._core import Quantity as Quantity
 from locosweep.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
-
-__all__ = [
-    "Drive",
-    "Law",
-    "Parameter",
-    "Quantity",
-    "Status",
-    "drive",
-    "drives",
-    "law",
-    "laws",
-    "methods",
-    "parameter",
-    "parameters",
-    "quantities",
-    "quantity",
-    "reductions",
-    "unknown",
-]
-
 
 _Record = TypeVar("_Record", Parameter, Quantity, Law, Drive)
 

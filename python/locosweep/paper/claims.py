@@ -38,18 +38,9 @@ DRIVE = 0.85
 
 @dataclass(frozen=True)
 class Row:
-    """One claim of the paper and what comes of it.
+    """One claim of the paper, its source, the paper's value and ours with units, and the verdict.
 
-    Attributes
-    ----------
-    claim, source : str
-        What the paper states, and where.
-    paper, ours : str
-        Its value and the one computed here, with units.
-    verdict : {"agrees", "differs", "ambiguous in the paper"}
-        The last one where the text allows readings that disagree.
-    note : str
-        The rule of the verdict, or what helps to judge it.
+    A verdict is ambiguous where the text allows readings that disagree; `note` gives its rule.
     """
 
     claim: str

@@ -89,25 +89,10 @@ class Simulation:
 
 
 def read_drive(path: str | os.PathLike[str]) -> Samples:
-    r"""Read the samples of a drive from a CSV file.
+    r"""Read times [s] and values of a drive: the columns t and drive of CSV or Parquet.
 
-    Parameters
-    ----------
-    path : path-like
-        CSV or Parquet with the columns ``t`` (s, rising) and ``drive``; others are
-        left alone.
-
-    Returns
-    -------
-    tuple of ndarray
-        Times in s and values of the drive.
-
-    Raises
-    ------
-    DataFileError
-        No such file, a column missing, a cell that is no finite number, times
-        that do not rise; names the file, the row (the first below the names is 1)
-        and the column.
+    DataFileError names file, row (the first below the names is 1) and column of a cell that
+    is missing or no finite number, or of times that do not rise.
 
     Examples
     --------

@@ -189,13 +189,7 @@ def seal(out: Path, names: Iterable[str]) -> Path:
 
 
 def read_truth(out: Path, name: str) -> dict[str, Any]:
-    """Open a sealed truth.
-
-    Raises
-    ------
-    DataFileError
-        It is not what was sealed.
-    """
+    """Open a sealed truth; DataFileError if it was altered since."""
     sealed = json.loads((out / SEAL).read_text())
     for file, known in sealed[name].items():
         path = out / "sealed" / name / file

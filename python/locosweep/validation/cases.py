@@ -38,18 +38,9 @@ _NO_SENSORS = Sensors(1.0, 1.0)
 
 @dataclass(frozen=True)
 class Case:
-    """One case, before noise.
+    """One case, before noise: runs for the diagnosis, fresh ones, their reality, the truth.
 
-    Attributes
-    ----------
-    kind : str
-        Of `KINDS_OF_CASE`.
-    experiment, check : Experiment
-        Runs that the diagnosis gets, and fresh ones of the same reality.
-    world : World
-        What is really going on.
-    truth : dict
-        What is written of it.
+    `kind` is one of `KINDS_OF_CASE`; `check` are fresh runs of the same `world`.
     """
 
     kind: str
@@ -246,16 +237,9 @@ def _pick(rng: Generator, rig: Rig, channels: tuple[str, ...], count: int) -> li
 
 
 def draw_case(seed: int, index: int, *, gap_free: bool = False, threads: int = 1) -> Case:
-    """Draw one case.
+    """Draw one case of a seed; it does not depend on `threads`, those of the reality.
 
-    Parameters
-    ----------
-    seed, index : int
-        Of the check and of the case.
-    gap_free : bool
-        A case without a gap and with exactly the nominal values.
-    threads : int
-        For the reality; the case does not depend on it.
+    With `gap_free` the case has no gap and exactly the nominal values.
     """
     rng = np.random.default_rng([seed, int(gap_free), index])
     kind = str(rng.choice(list(KINDS_OF_CASE), p=list(KINDS_OF_CASE.values())))

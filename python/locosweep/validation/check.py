@@ -90,13 +90,7 @@ def _judge(out: Path, outcome: Outcome) -> Judged:
 
 
 def judge_cases(out: Path, outcomes: Sequence[Outcome]) -> list[Judged]:
-    """Open the truths, after the last diagnosis, and judge each.
-
-    Raises
-    ------
-    DataFileError
-        A truth is not what was sealed.
-    """
+    """Open the truths, after the last diagnosis, and judge each verdict."""
     return [_judge(out, outcome) for outcome in outcomes]
 
 

@@ -29,18 +29,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class NextRun:
-    """What a proposed run would have told.
+    """Outcome of the run that a report proposes; empty `proposed` where no run would do.
 
-    Attributes
-    ----------
-    case : str
-        The case.
-    proposed : str
-        Run of the menu that the report proposes; empty where it says that none would do.
-    resolves : bool
-        Whether that run tells the true effect from every other one of its class.
-    possible : bool
-        Whether any run of the menu does.
+    It `resolves` a class if it separates the true effect from every other one of it; that is
+    `possible` if any run of the menu does.
     """
 
     case: str

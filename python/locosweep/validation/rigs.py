@@ -25,18 +25,9 @@ def rounded(value: float, digits: int = 3) -> float:
 
 @dataclass(frozen=True)
 class Sensors:
-    """Noise and steps of the sensors, and which of them there are.
+    """Noise and steps of the sensors, SI; `position_*` are those of x and x_rear.
 
-    Attributes
-    ----------
-    position_noise, position_resolution : float
-        m or rad; of x and x_rear.
-    force_noise, velocity_noise, power_noise : float
-        N or N m, m/s or rad/s, W.
-    channels : tuple of str
-        Measured beside x.
-    stated : tuple of str
-        Which of the numbers the nominal file tells.
+    `channels` are measured beside x; the nominal file gives the numbers named in `stated`.
     """
 
     position_noise: float

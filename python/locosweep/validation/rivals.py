@@ -42,14 +42,9 @@ class Rival:
 
 
 def rivals_of(k: Scale, *, as_force: bool) -> list[Rival]:
-    """Laws of all causes over a grid of what is not their strength.
+    """List laws of all causes over a grid of the numbers beside their strength.
 
-    Parameters
-    ----------
-    k : Scale
-        Of the rig.
-    as_force : bool
-        Whether the nominal model gives its Coulomb level as a force.
+    `as_force`: the nominal model gives its Coulomb level as a force.
     """
     found = []
     for record in effects():

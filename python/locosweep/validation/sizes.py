@@ -42,18 +42,9 @@ _FURTHEST = 8.0
 
 
 class Nuisances:
-    """What is projected out of differences between worlds.
+    """Freedoms of a fit that are projected out of differences between worlds.
 
-    Parameters
-    ----------
-    experiment : Experiment
-        Rig and drives.
-    scale : Scale
-        Speeds for the nudges.
-    world : World
-        Where the sensitivities are taken.
-    threads : int
-        For the reality.
+    Sensitivities are those at `world`; `scale` gives the speeds of their steps.
     """
 
     def __init__(self, experiment: Experiment, scale: Scale, world: World, threads: int) -> None:
@@ -155,7 +146,7 @@ def rival_distances(
     absent: Sequence[str] = (),
     most: float = np.inf,
 ) -> dict[str, float]:
-    """Measure how near each cause, refitted, comes to a gap.
+    """Measure the part of a gap that each cause, refitted, leaves, in standard deviations.
 
     Parameters
     ----------
@@ -164,20 +155,13 @@ def rival_distances(
     scale : Scale
         Of the rig.
     gap : ndarray
-        The projected difference that rivals try to copy.
-    own : tuple of str, str and dict, optional
-        The effect that makes it.
+        Projected difference that rivals try to copy, made by the effect `own`.
     beside : sequence of ndarray
-        Projected sensitivities of effects that stay and are refitted as well.
+        Projected sensitivities of further effects, refitted as well.
     absent : sequence of str
         Causes that have no meaning on the rig, or are already in the world.
     most : float
         Size of the gap by a refit beyond first order: no rival leaves more.
-
-    Returns
-    -------
-    dict of str to float
-        What each cause leaves of the gap, in standard deviations.
     """
     as_force = bool(np.isnan(scale.mu))
     atoms = [a for a in rivals_of(scale, as_force=as_force) if a.cause not in absent]
