@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import called, fixed, on_terminal, values_of
+from locosweep.cli.options import called, fixed, on_terminal, show, values_of
 from locosweep.cli.simulate_runs import replay
 from locosweep.cli.simulation_options import refuse_beside, refuse_idle, simulation_options
 from locosweep.errors import InputError
-from locosweep.files.strict_json import as_json
+from locosweep.files.strict_json import plain
 
 if TYPE_CHECKING:
     from locosweep.simulation.trajectories import Trajectories
@@ -73,8 +73,8 @@ def simulate(
     plot_file: Path | None,
     model: Path | None,
     runs: Path | None,
-    columns: tuple[str, ...],
-    units: tuple[str, ...],
+    columns: dict[str, str],
+    units: dict[str, str],
     threads: int | None,
     json_: bool,
 ) -> None:
@@ -130,9 +130,8 @@ def simulate(
         from locosweep.plot.save import save_figure
 
         save_figure(figure, plot_file, command=called(ctx))
-    files = [str(path) for path in (out, plot_file) if path is not None]
-    report = {"files": files, **_summary(run), "energy_residual": open_share}
-    click.echo(as_json(report) if json_ else "\n".join(files))
+    files = [path for path in (out, plot_file) if path is not None]
+    show(json_, {"files": files, **_summary(run), "energy_residual": open_share}, *files)
     if open_share > _OPEN:
         aim = "tolerance" if run.method == _ADAPTIVE else "time_step"
         text = f"the energy ledger leaves {open_share:.2g} of the work open: with a smaller {aim}"
@@ -164,8 +163,7 @@ def _save(run: Trajectories, out: Path) -> None:
     from locosweep.files.atomic import write_frame
 
     about = {key: value for key, value in _summary(run).items() if key != "curves"}
-    text = json.dumps(json.loads(as_json(about)))
-    write_frame(out, run.to_polars(), {"locosweep.motion": text})
+    write_frame(out, run.to_polars(), {"locosweep.motion": json.dumps(plain(about))})
 
 
 def _summary(run: Trajectories) -> dict[str, object]:
