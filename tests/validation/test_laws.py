@@ -10,20 +10,34 @@ from locosweep.simulation.replay import effects
 from locosweep.validation.laws import CAUSES, LAWS, OUTSIDE, Scale, draw_cause
 
 SCALE = Scale(
-    level=0.6, force=2.0, mass=0.3, grip=8.8, speed=0.2, travel=0.1,
-    low=-0.05, high=0.08, duration=1.0, mu=0.2,
-)  # fmt: skip
+    level=0.6,
+    force=2.0,
+    mass=0.3,
+    grip=8.8,
+    speed=0.2,
+    travel=0.1,
+    low=-0.05,
+    high=0.08,
+    duration=1.0,
+    mu=0.2,
+)
 RIG = {
-    "segments": 4.0, "mass": 0.3, "gravity": 9.81, "mu_coulomb": 0.2,
-    "viscous": 0.0, "slope_deg": 0.0, "gain": 1.0, "limit": np.inf,
-}  # fmt: skip
+    "segments": 4.0,
+    "mass": 0.3,
+    "gravity": 9.81,
+    "mu_coulomb": 0.2,
+    "viscous": 0.0,
+    "slope_deg": 0.0,
+    "gain": 1.0,
+    "limit": np.inf,
+}
 BENCH = {**{k: v for k, v in RIG.items() if k != "mu_coulomb"}, "coulomb_force": 0.6}
 T = np.arange(0.0, 1.0, 0.01)
 RUN = (T, 1.5 * np.sin(2 * np.pi * T), 0.0)
 
 
 def position(rig: dict[str, float], *laws: tuple[str, str, dict[str, float]]) -> np.ndarray:
-    ((x, *_),) = _core.reality_run([RUN], [(0, rig, list(laws), (0.0, 0.0), 5e-4, 1)], 1)  # fmt: skip
+    ((x, *_),) = _core.reality_run([RUN], [(0, rig, list(laws), (0.0, 0.0), 5e-4, 1)], 1)
     return np.asarray(x)
 
 
