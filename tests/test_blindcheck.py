@@ -341,10 +341,10 @@ def test_waves_between_the_lengths_of_the_grid_are_found(share: float) -> None:
     wave = {"a": 0.004, "L": share * scale.travel, "p": 0.7}
     gap = nuisances.differences([(("position_dependent_friction", "law", wave),)])[0]
     assert np.linalg.norm(gap) > 20.0
-    left = rival_distances(nuisances, scale, gap)
+    left = rival_distances(nuisances, gap)
     assert left["position_dependent_friction"] < max(0.05 * np.linalg.norm(gap), ALIKE)
     assert max(left.values()) <= np.linalg.norm(gap) + 1e-9
-    nearer = rival_distances(nuisances, scale, gap, most=ALIKE)
+    nearer = rival_distances(nuisances, gap, most=ALIKE)
     assert max(nearer.values()) <= ALIKE
 
 

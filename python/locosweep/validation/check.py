@@ -45,7 +45,7 @@ def _diagnose(folder: Path, kept: Path, seed: int, code: str) -> Outcome:
     try:
         found = diagnose(runs, nominal, seed=seed, threads=1)
     except Exception as problem:
-        # What a diagnosis fails with is a verdict on it, not on the check.
+        # The error of a diagnosis is a verdict on it, not on the check.
         error = f"{type(problem).__name__}: {' '.join(str(problem).split())}"[:300]
     seconds = time.process_time() - begin
     if not error:

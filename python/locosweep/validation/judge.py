@@ -9,7 +9,7 @@ from typing import Any
 from locosweep.simulation.replay import effects
 
 SURE_TWIN = 2.0
-"""A rival nearer than this many standard deviations cannot be told from the truth."""
+"""Standard deviations below which a rival is certainly indistinguishable from the truth."""
 
 CONTAINS = {
     record.name: {wider.name for wider in effects() if record.name in wider.contains}

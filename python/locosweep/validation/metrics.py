@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 PLAIN = 10.0
 """Size from which a cause must be named, in standard deviations."""
 _RESAMPLES = 1000
-"""Of a bootstrap interval: what Efron and Tibshirani (1993) advise for percentiles."""
+"""Resamples of a bootstrap interval, as Efron and Tibshirani (1993) advise for percentiles."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def wilson(hits: int, count: int) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class _Target:
-    """What a figure must reach, in words and as a condition."""
+    """A bound for a figure, in words and as a condition."""
 
     text: str
     reached: Callable[[Figure], bool]
@@ -292,7 +292,7 @@ def splits(judged: Sequence[Judged]) -> dict[str, list[Figure]]:
 def confusion(judged: Sequence[Judged]) -> dict[tuple[str, str], int]:
     """Count pairs of truth and verdict over single effects, disturbances and no gap.
 
-    Names that the data cannot tell apart count as the truth.
+    Names that the data cannot separate from the truth count as the truth.
     """
     counts: Counter[tuple[str, str]] = Counter()
     for case in judged:

@@ -71,7 +71,7 @@ class Rig:
 
     @property
     def rotary(self) -> bool:
-        """Whether x is an angle."""
+        """True on a bench where x is an angle."""
         return "gravity_torque" in self.nominal
 
     @property
@@ -133,7 +133,7 @@ def draw_rig(rng: Generator, *, exact: bool) -> Rig:
     if rng.random() < 0.3:
         nominal["viscous"] = rounded(level / speed * rng.uniform(0.02, 0.4), 2)
     uncertainty = {}
-    # Drawn either way, so that what follows is the same.
+    # Drawn even if unused, so that what follows is the same.
     table, which = rng.random(), rng.random(4)
     sizes = [rng.uniform(0.005, 0.03), rng.uniform(0.01, 0.08), rng.uniform(0.005, 0.03)]
     clock = log_uniform(rng, 5e-4, 5e-3)

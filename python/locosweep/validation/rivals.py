@@ -1,4 +1,4 @@
-"""Directions in which every cause can go when it copies another."""
+"""Candidate laws of every cause as copies of another cause."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Rival:
         return self.cause, self.form, self.at(s)
 
     def allows(self, s: float) -> bool:
-        """Whether a strength makes sense: sensors and drives act late, not early."""
+        """Return whether a strength makes sense: sensors and drives act late, not early."""
         return s >= 0.0 or not self.one_sided
 
 

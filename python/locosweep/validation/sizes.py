@@ -1,4 +1,4 @@
-"""How large a cause is on given runs, and which other causes look the same there.
+"""Size of a cause on given runs, and its distances from all other causes.
 
 Sizes are lengths of whitened vectors, in standard deviations of the noise, after what
 a fit may shift freely is projected out: start offset and start velocity of each run,
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 ALIKE = 3.0
-"""Causes nearer than this cannot be told apart."""
+"""Standard deviations below which causes are indistinguishable."""
 _RIGID = {
     "transmission_backlash": "transmission_compliance",
     "transmission_compliance": "transmission_backlash",
 }
-"""Causes that are one where nothing gives way: a mass more on the side of the drive."""
+"""Causes that are the same at a rigid joint: a further mass on the side of the drive."""
 _FINER = 4
 """Times that values on either side of the best one are tried."""
 _NO_PLAY = 1e-9
@@ -48,7 +48,7 @@ class Nuisances:
     """
 
     def __init__(self, experiment: Experiment, scale: Scale, world: World, threads: int) -> None:
-        self.experiment, self.world, self.threads = experiment, world, threads
+        self.experiment, self.scale, self.world, self.threads = experiment, scale, world, threads
         nudge = 0.01 * scale.speed
         names = list(experiment.rig.uncertainty)
         worlds = [world, World(world.shifts, world.effects, nudge)]
@@ -73,21 +73,20 @@ class Nuisances:
         channels = ("x", *self.experiment.sensors.channels)
         for drive in self.experiment.drives:
             size = drive.t.size * len(channels)
-            place = slice(at, at + size)
+            rows = slice(at, at + size)
             offset = np.zeros(size)
             offset[: drive.t.size] = 1.0
             columns = [offset]
-            if np.linalg.norm(moved[place]) > 0.0:
-                columns.append(moved[place])
-            bases.append((place, np.linalg.qr(np.array(columns).T)[0]))
+            if np.linalg.norm(moved[rows]) > 0.0:
+                columns.append(moved[rows])
+            bases.append((rows, np.linalg.qr(np.array(columns).T)[0]))
             at += size
         return bases
 
     def _per_run(self, vector: Floats) -> Floats:
         vector = vector.copy()
-        for place, basis in self._runs:
-            part = vector[place]
-            vector[place] = part - basis @ (basis.T @ part)
+        for rows, basis in self._runs:
+            vector[rows] -= basis @ (basis.T @ vector[rows])
         return vector
 
     def left(self, vector: Floats) -> Floats:
@@ -138,7 +137,6 @@ class Nuisances:
 
 def rival_distances(
     nuisances: Nuisances,
-    scale: Scale,
     gap: Floats,
     *,
     own: Effect | None = None,
@@ -152,8 +150,6 @@ def rival_distances(
     ----------
     nuisances : Nuisances
         At the world that the rivals are added to.
-    scale : Scale
-        Of the rig.
     gap : ndarray
         Projected difference that rivals try to copy, made by the effect `own`.
     beside : sequence of ndarray
@@ -163,6 +159,7 @@ def rival_distances(
     most : float
         Size of the gap by a refit beyond first order: no rival leaves more.
     """
+    scale = nuisances.scale
     as_force = bool(np.isnan(scale.mu))
     atoms = [a for a in rivals_of(scale, as_force=as_force) if a.cause not in absent]
     basis = np.linalg.qr(np.array(beside).T)[0] if len(beside) else np.zeros((gap.size, 0))
