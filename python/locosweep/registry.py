@@ -107,7 +107,7 @@ def laws() -> list[Law]:
 
 
 def drives() -> list[Drive]:
-    """List all drives: forces that the actuator is told to give over time.
+    """List all drives: commanded forces of the actuator over time.
 
     Examples
     --------

@@ -196,6 +196,6 @@ def _lines(found: Distinction) -> list[str]:
         else:
             near = found.rivals(row["effect"])
             more = f" and {len(near) - _MOST_RIVALS} more" if len(near) > _MOST_RIVALS else ""
-            told = ", ".join(near[:_MOST_RIVALS]) + more or "-"
-            lines.append(f"{row['effect']:<{wide}}  {row['seen_from']:<{room}}  {told}")
+            rivals = ", ".join(near[:_MOST_RIVALS]) + more or "-"
+            lines.append(f"{row['effect']:<{wide}}  {row['seen_from']:<{room}}  {rivals}")
     return lines

@@ -98,7 +98,7 @@ def _markdown(spec: Path, run: GaitRun) -> str:
     ]
     for name, value, unit, meaning in run.summary.iter_rows():
         lines.append(f"| {name} | {value:.6g} | {unit} | {meaning} |")
-    slips = ", ".join(f"{1000 * way:.4g}" for way in run.slip)
+    slips = ", ".join(f"{1000 * slip:.4g}" for slip in run.slip)
     lines += ["", f"Sliding backward per cycle, from the head, in mm: {slips}.", ""]
     lines += ["| Parameter | Value | Unit |", "| --- | --- | --- |"]
     for name, record in gait_parameters().items():

@@ -229,7 +229,7 @@ def check_rising(where: str, times: NDArray[np.float64], rows: NDArray[np.intp])
 def rows_by_run(
     path: str, frame: pl.DataFrame, t: NDArray[np.float64], wanted: Collection[str] | None = None
 ) -> Iterator[tuple[str, str, NDArray[np.intp]]]:
-    """Yield label, place for messages and rows of every run, in the order of their first rows.
+    """Yield label, name in messages and rows of every run, in the order of their first rows.
 
     Raises
     ------

@@ -36,7 +36,7 @@ _REST = 3.0
 _MOST_REST = 0.25
 """Largest rest speed, as a share of the usual speed."""
 _LONG_REST = 5
-"""Samples of a rest whose end tells what friction held."""
+"""Samples from which on a rest counts, whose end shows the break-away force."""
 _SPREAD = 0.1
 """Relative range from which the load differs between samples."""
 

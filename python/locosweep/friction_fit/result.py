@@ -52,24 +52,24 @@ class FittedLaw:
     law : str
         Its name in the registry.
     load : str
-        How its levels follow the load: constant, proportional or affine.
+        Dependence of its levels on the load: constant, proportional or affine.
     offset, gain : bool
-        Whether the force sensor has a fitted offset, and a fitted share of the load.
+        The force sensor has a fitted offset, or a fitted share of the load.
     parameters : dict of str to FittedParameter
         By name.
     rms, held_out_rms : float
         Root mean square [N] of what is left of the samples fitted to, and of samples
         held out.
     sigmas : float
-        How far it is behind the best one on samples held out, in standard deviations.
+        Distance behind the best one on samples held out, in standard deviations.
     tied : bool
-        Whether it cannot be told from the best one there.
+        Indistinguishable from the best one there.
     memory : float
         Samples that carry as much as one independent one.
     freedom : float
         Independent pieces of data beyond the parameters.
     settled : bool
-        Whether the search came to rest.
+        The search converged.
     normal : float
         Normal force [N] that `constant` levels count under.
     predicted, held_out : ndarray
@@ -144,9 +144,9 @@ class FrictionFit:
     laws : list of FittedLaw
         All, by what is left on samples held out.
     equal : list of FittedLaw
-        Cannot be told from the chosen one, with as few parameters.
+        Indistinguishable from the chosen one, with as few parameters.
     no_better : list of FittedLaw
-        Cannot be told from it either, with more parameters.
+        Indistinguishable too, with more parameters.
     status : str
         "chosen": no law with as few parameters ties; "tie": some do.
     summary : str

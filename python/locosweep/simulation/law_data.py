@@ -178,7 +178,7 @@ def behaviour_of(name: str, **parameters: float) -> Behaviour:
     scale = level_of(record, parameters)
     used = {p.name for p in record.parameters}
     if not scale > 0:
-        raise InputError("friction coefficients are 0: behaviour is told relative to that level")
+        raise InputError("friction coefficients are 0: behaviour is relative to that level")
     if record.kind == "bristle":
         return _presliding(name, given, scale)
     if record.kind == "smooth":
