@@ -10,7 +10,6 @@ from locosweep.cli import options
 from locosweep.cli.options import meter, show
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
     from pathlib import Path
 
     from locosweep.diagnosis.report.result import Diagnosis
@@ -66,7 +65,7 @@ def diagnose(
     found = diagnose_runs(
         runs,
         nominal,
-        holdout=_labels(holdout),
+        holdout=[label for text in holdout for label in text.split(",") if label] or None,
         max_effects=max_effects,
         seed=seed,
         columns=columns,
@@ -84,11 +83,6 @@ def diagnose(
             click.echo(f"locosweep: note: {' '.join(warning.split())}", err=True)
     report = None if quiet else out / "report.html"
     show(json_, {"verdict": found.report["verdict"], "out": out}, *_verdict(found), report)
-
-
-def _labels(given: Iterable[str]) -> list[str] | None:
-    labels = [label for text in given for label in text.split(",") if label]
-    return labels or None
 
 
 def _verdict(found: Diagnosis) -> tuple[str, str]:

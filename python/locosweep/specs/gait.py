@@ -124,13 +124,6 @@ _WORDS = ("schedule", "robot")
 """Keys of [gait] that are no parameters."""
 
 
-def _tables() -> list[str]:
-    return [
-        "gait",
-        *dict.fromkeys(r.table for r in gait_parameters().values() if r.table != "gait"),
-    ]
-
-
 def _check_schedule(name: str) -> None:
     names = [gait.name for gait in gaits()]
     if name not in names:
@@ -150,7 +143,7 @@ def _read(
     document: dict[str, Any],
 ) -> tuple[str, dict[str, float | tuple[float, ...]], str | None]:
     """Return schedule, values and robot file."""
-    tables = _tables()
+    tables = list(dict.fromkeys(["gait", *(r.table for r in gait_parameters().values())]))
     toml.check_keys("key or table", document, ["format", *tables])
     toml.check_format(document, _FORMAT)
     values: dict[str, float | tuple[float, ...]] = {}
@@ -173,17 +166,12 @@ def _read(
         _check_schedule(words["schedule"])
     except InputError as error:
         raise InputError(f"[gait] schedule: {error}") from None
-    if "robot" not in words:
-        _complete(values)
-    _lengths(values)
-    return words["schedule"], values, words.get("robot")
-
-
-def _complete(values: dict[str, float | tuple[float, ...]]) -> None:
     for name, record in gait_parameters().items():
-        if record.parameter.default is None and name not in values:
+        if record.parameter.default is None and name not in values and "robot" not in words:
             allowed = record.parameter.allowed
             raise InputError(f"[{record.table}] {record.key} is missing: allowed is {allowed}")
+    _lengths(values)
+    return words["schedule"], values, words.get("robot")
 
 
 def _lengths(values: dict[str, float | tuple[float, ...]]) -> None:

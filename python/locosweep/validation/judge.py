@@ -6,6 +6,7 @@ import itertools
 from dataclasses import dataclass
 from typing import Any
 
+from locosweep.simulation.replay import effect as record_of
 from locosweep.simulation.replay import effects
 
 SURE_TWIN = 2.0
@@ -147,17 +148,12 @@ def _errors(truth: dict[str, Any], report: dict[str, Any]) -> tuple[float, ...]:
     for effect in truth["effects"]:
         found = rows[0]["parameters"].get(effect["name"], {})
         known = effect["parameters"]
-        for name in _judged(effect["name"]):
+        # Of an effect's parameters data determine those that are judged.
+        for name in (fit.name for fit in record_of(effect["name"]).fits if fit.judged):
             value = found.get(name, {}).get("value")
             if value is not None and known.get(name):
                 errors.append(abs(value - known[name]) / abs(known[name]))
     return tuple(errors)
-
-
-def _judged(name: str) -> list[str]:
-    """Return the parameters of an effect that data determine well enough to be judged."""
-    return [fit.name for record in effects() if record.name == name
-            for fit in record.fits if fit.judged]  # fmt: skip
 
 
 def window_share(truth: dict[str, Any], report: dict[str, Any]) -> float | None:
@@ -217,9 +213,8 @@ def judge(
     named = status in ("explained", "ambiguous")
     site = None
     if names and named:
-        sites = {record.name: record.site for record in effects()}
-        known = {sites[a] for e in truth["effects"] for a in e["accepted"]}
-        site = report["where"]["site"] in known
+        sites = {record_of(name).site for e in truth["effects"] for name in e["accepted"]}
+        site = report["where"]["site"] in sites
     interval = report["gap"]["shrink_ci"]
     return Judged(
         **common,

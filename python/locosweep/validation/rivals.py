@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from locosweep.diagnosis.effects.catalogue import parameters_at
 from locosweep.diagnosis.effects.formula import numbers
-from locosweep.simulation.replay import effects
+from locosweep.simulation.replay import effect, effects
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -60,7 +60,7 @@ def rivals_of(k: Scale, *, as_force: bool) -> list[Rival]:
 
 def rivals_between(rival: Rival, factor: float, k: Scale) -> list[Rival]:
     """Return the rivals on either side of one, its refined number a factor smaller and larger."""
-    record = next(record for record in effects() if record.name == rival.cause)
+    record = effect(rival.cause)
     if record.refined is None or rival.refined is None:
         return []
     tried = [{record.refined: rival.refined / factor}, {record.refined: rival.refined * factor}]
@@ -69,7 +69,7 @@ def rivals_between(rival: Rival, factor: float, k: Scale) -> list[Rival]:
 
 def refined_step(cause: str) -> float:
     """Return the factor between neighbours in the grid of a refined number."""
-    record = next(record for record in effects() if record.name == cause)
+    record = effect(cause)
     formula = dict(record.over)[str(record.refined)]
     # A factor does not depend on the rig: on one whose sizes are all 1 it is free of rounding.
     first, second = numbers(formula, _Ones())[:2].tolist()
