@@ -55,26 +55,10 @@ def read_friction(
 ) -> tuple[list[FrictionRun], list[str]]:
     """Read measured friction from a file, a frame or arrays, one row a sample.
 
-    Parameters
-    ----------
-    data : path-like, polars.DataFrame or mapping of arrays
-        CSV or Parquet with the columns ``t``, ``x`` or ``v``, and ``force`` or
-        ``drive``; optional are ``run`` and ``load``.
-    mass : float, optional
-        Moving mass in kg, needed where ``drive`` stands in for ``force``.
-    columns : mapping of str to str, optional
-        Their name of a column by ours.
-    units : mapping of str to str, optional
-        Unit of a column, for instance ``{"x": "mm"}``; SI where not given.
-    runs : collection of str, optional
-        Labels of the runs to take; all where not given.
-
-    Returns
-    -------
-    runs : list of FrictionRun
-        In the order of their first rows.
-    notices : list of str
-        What was not as expected but could be read all the same.
+    Columns are those of `COLUMNS`: ``t``, ``x`` or ``v``, ``force`` or with a mass [kg]
+    ``drive``, and optionally ``run`` and ``load``. `columns` maps our names to those of the
+    data, `units` gives units other than SI, `runs` the labels of the runs to take. Returns
+    the runs in the order of their first rows, and notices of what was unexpected but readable.
 
     Raises
     ------
