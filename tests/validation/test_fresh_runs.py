@@ -12,7 +12,7 @@ import pytest
 from locosweep.files.robot import load_robot
 from locosweep.files.runs import Run
 from locosweep.simulation.replay import replay_runs
-from locosweep.validation.fresh_runs import fresh_shrink
+from locosweep.validation.fresh_runs import fresh_reduction
 
 NOMINAL = """\
 [robot]
@@ -47,21 +47,21 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
-def shrink(folder: Path, model: str, channel: str = "x") -> float | None:
+def reduction(folder: Path, model: str, channel: str = "x") -> float | None:
     files = (folder / name for name in ("check.csv", "nominal.toml", f"{model}.toml"))
-    return fresh_shrink(*files, channel, TRUTH)
+    return fresh_reduction(*files, channel, TRUTH)
 
 
 def test_the_true_model_takes_all_of_the_gap(folder: Path) -> None:
-    assert shrink(folder, "real") == pytest.approx(1.0, abs=1e-6)
+    assert reduction(folder, "real") == pytest.approx(1.0, abs=1e-6)
 
 
 def test_the_nominal_model_takes_nothing(folder: Path) -> None:
-    assert shrink(folder, "nominal") == 0.0
+    assert reduction(folder, "nominal") == 0.0
 
 
 def test_half_the_effect_takes_a_part(folder: Path) -> None:
-    part = shrink(folder, "half")
+    part = reduction(folder, "half")
     assert part is not None
     assert 0.2 < part < 0.8
 
@@ -70,4 +70,4 @@ def test_half_the_effect_takes_a_part(folder: Path) -> None:
 def test_a_channel_that_is_not_measured_or_not_replayed_has_none(
     folder: Path, channel: str
 ) -> None:
-    assert shrink(folder, "real", channel) is None
+    assert reduction(folder, "real", channel) is None

@@ -14,7 +14,7 @@ from locosweep.files.columns import checksum
 from locosweep.friction_fit.data import read_friction
 from locosweep.friction_fit.prepare import Prepared, fitted_only, prepare
 from locosweep.friction_fit.result import FittedLaw, FittedParameter, FrictionFit
-from locosweep.friction_fit.verdict import choose, left_over, schwarz, shrink_of, summary_of
+from locosweep.friction_fit.verdict import choose, explained_share, left_over, schwarz, summary_of
 from locosweep.registry import laws as all_laws
 from locosweep.registry import unknown
 
@@ -148,7 +148,7 @@ def fit_friction(
     outcomes += run(job, candidates[len(outcomes) :])
     fitted = _ranked(ready, candidates, outcomes)
     chosen, equal, no_better = choose(ready, fitted)
-    shrink, left = shrink_of(ready, chosen), left_over(ready, chosen)
+    shrink, left = explained_share(ready, chosen), left_over(ready, chosen)
     source = data if isinstance(data, str | os.PathLike) else None
     return FrictionFit(
         chosen=chosen,

@@ -64,7 +64,7 @@ def _not_refuted(data: Prepared, laws: list[FittedLaw]) -> list[FittedLaw]:
     ]
 
 
-def shrink_of(data: Prepared, law: FittedLaw) -> float:
+def explained_share(data: Prepared, law: FittedLaw) -> float:
     """Return the share of the force's spread on held-out samples that a law explains."""
     seen = np.isfinite(law.held_out)
     force = data.column("force")[seen]

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from locosweep.validation.case_files import SEAL, digest, read_truth, runs_file
-from locosweep.validation.fresh_runs import fresh_shrink
+from locosweep.validation.fresh_runs import fresh_reduction
 from locosweep.validation.judge import Judged, judge
 from locosweep.validation.next_run import NextRun, carried_out
 from locosweep.validation.processes import code_digest, over_processes
@@ -79,7 +79,7 @@ def _judge(out: Path, outcome: Outcome) -> Judged:
     report: dict[str, Any] = json.loads((kept / "report.json").read_text())
     fresh = None
     if report["verdict"]["status"] in ("explained", "ambiguous") and truth["kind"] != "none":
-        fresh = fresh_shrink(
+        fresh = fresh_reduction(
             out / "sealed" / outcome.name / "check.csv",
             out / outcome.name / "nominal.toml",
             kept / "augmented.toml",

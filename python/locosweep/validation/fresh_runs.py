@@ -32,7 +32,7 @@ def _rmse(model: Path, runs: list[Run], starts: list[tuple[float, float]], chann
     return float(np.sqrt(np.nanmean(rest**2)))
 
 
-def fresh_shrink(
+def fresh_reduction(
     check: Path, nominal: Path, augmented: Path, channel: str, truth: dict[str, Any]
 ) -> float | None:
     """Replay fresh runs through both models; 1 - rmse after / rmse before.

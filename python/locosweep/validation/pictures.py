@@ -77,7 +77,7 @@ def plot_calibration(judged: Sequence[Judged]) -> Canvas:
     return figure
 
 
-def plot_shrink(judged: Sequence[Judged]) -> Canvas:
+def plot_reduction(judged: Sequence[Judged]) -> Canvas:
     """Draw the claimed validation error reduction over that on fresh runs."""
     figure = style.figure(4.8, 4.6)
     ax = figure.subplots()
@@ -129,6 +129,6 @@ PICTURES = {
     "confusion.png": plot_confusion,
     "power.png": plot_power,
     "calibration.png": plot_calibration,
-    "shrink.png": plot_shrink,
+    "shrink.png": plot_reduction,
 }
 """Functions that draw the pictures, by file name."""

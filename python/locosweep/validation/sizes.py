@@ -161,7 +161,7 @@ def rival_distances(
     """
     scale = nuisances.scale
     as_force = bool(np.isnan(scale.mu))
-    atoms = [a for a in rivals_of(scale, as_force=as_force) if a.cause not in absent]
+    rivals = [a for a in rivals_of(scale, as_force=as_force) if a.cause not in absent]
     basis = np.linalg.qr(np.array(beside).T)[0] if len(beside) else np.zeros((gap.size, 0))
 
     def off(vector: Floats) -> Floats:
@@ -175,7 +175,7 @@ def rival_distances(
         return best
 
     def responses(strengths: list[tuple[Rival, float]]) -> list[Floats]:
-        effects = [(atom.effect(s),) for atom, s in strengths]
+        effects = [(rival.effect(s),) for rival, s in strengths]
         return [off(d) for d in nuisances.differences(effects)]
 
     if own and own[0] in _RIGID:
@@ -183,11 +183,11 @@ def rival_distances(
         rigid = nuisances.differences([(("transmission_backlash", "law", stiff),)])[0]
         cause = _RIGID[own[0]]
         best[cause] = min(best[cause], float(np.linalg.norm(gap - off(rigid))))
-    left = _refitted(atoms, gap, responses)
-    for cause in dict.fromkeys(atom.cause for atom in atoms if atom.refined is not None):
+    left = _refitted(rivals, gap, responses)
+    for cause in dict.fromkeys(rival.cause for rival in rivals if rival.refined is not None):
         _between(left, cause, scale, lambda finer: _refitted(finer, gap, responses))
-    for atom, rest in left.items():
-        best[atom.cause] = min(best[atom.cause], rest)
+    for rival, rest in left.items():
+        best[rival.cause] = min(best[rival.cause], rest)
     return best
 
 
@@ -200,7 +200,7 @@ def _between(
     """Look between the values of a refined number, nearer and nearer the best one."""
     factor = refined_step(cause)
     for _ in range(_FINER):
-        own = {atom.refined: atom for atom in left if atom.cause == cause}
+        own = {rival.refined: rival for rival in left if rival.cause == cause}
         if not own:
             return
         best = min(own.values(), key=left.__getitem__)
@@ -211,7 +211,7 @@ def _between(
 
 
 def _refitted(
-    atoms: Sequence[Rival],
+    rivals: Sequence[Rival],
     gap: Floats,
     responses: Callable[[list[tuple[Rival, float]]], list[Floats]],
 ) -> dict[Rival, float]:
@@ -219,19 +219,19 @@ def _refitted(
     size = float(np.linalg.norm(gap))
     start = 0.01
     strength: dict[Rival, float] = {}
-    for atom, seen in zip(atoms, responses([(a, start) for a in atoms]), strict=True):
+    for rival, seen in zip(rivals, responses([(a, start) for a in rivals]), strict=True):
         norm = float(np.linalg.norm(seen))
         # As strong as the gap, as far as one may take the response to be straight.
         if norm > 0.0:
-            strength[atom] = start * float(np.clip(size / norm, 1e-3, 30.0))
+            strength[rival] = start * float(np.clip(size / norm, 1e-3, 30.0))
     visible = list(strength)
     left = dict.fromkeys(visible, size)
     current = dict(zip(visible, responses([(a, strength[a]) for a in visible]), strict=True))
     for again in (True, True, True, False):
         moves: list[tuple[Rival, float]] = []
         groups: dict[str, list[Rival]] = {}
-        for atom in visible:
-            groups.setdefault(atom.group, []).append(atom)
+        for rival in visible:
+            groups.setdefault(rival.group, []).append(rival)
         for members in groups.values():
             columns = np.array([current[a] for a in members]).T
             factors = np.linalg.lstsq(columns, gap, rcond=1e-9)[0]
@@ -239,16 +239,16 @@ def _refitted(
             # Several span a plane of directions; of one, the law itself has to do.
             rest = fitted if len(members) > 1 else float(np.linalg.norm(gap - columns[:, 0]))
             near = fitted < max(0.5 * size, 4.0 * ALIKE)
-            for atom, factor in zip(members, factors, strict=True):
-                left[atom] = min(left[atom], rest)
-                moved = float(strength[atom] * np.clip(factor, -4.0, 4.0))
-                if near and atom.allows(moved) and abs(moved) > 1e-7 and abs(factor - 1.0) > 0.01:
-                    moves.append((atom, moved))
+            for rival, factor in zip(members, factors, strict=True):
+                left[rival] = min(left[rival], rest)
+                moved = float(strength[rival] * np.clip(factor, -4.0, 4.0))
+                if near and rival.allows(moved) and abs(moved) > 1e-7 and abs(factor - 1.0) > 0.01:
+                    moves.append((rival, moved))
         if not (moves and again):
             break
-        for (atom, s), seen in zip(moves, responses(moves), strict=True):
+        for (rival, s), seen in zip(moves, responses(moves), strict=True):
             if np.linalg.norm(seen) > 0.0:
-                strength[atom], current[atom] = s, seen
+                strength[rival], current[rival] = s, seen
             else:
-                visible.remove(atom)
+                visible.remove(rival)
     return left
