@@ -48,8 +48,9 @@ def draw_cases(
 ) -> list[str]:
     """Draw cases into a folder and seal their truths; those that are there are kept."""
     wanted = [(i, False) for i in range(cases)] + [(i, True) for i in range(gap_free)]
-    modules = (f"validation/{name}.py" for name in _DRAWING)
-    code = code_digest(*modules, "diagnosis/effects", "files/channels.py", engine=False)
+    modules = [f"validation/{name}.py" for name in _DRAWING]
+    files = (*modules, "diagnosis/effects", "files/channels.py", "files/toml.py")
+    code = code_digest(*files, engine=False)
     calls = [(seed, index, free, out, code) for index, free in wanted]
     names = over_processes(_draw, calls, processes, progress)
     seal(out, names)
