@@ -25,7 +25,7 @@ from locosweep.validation import next_run as nextrun
 from locosweep.validation.cases import Case, draw_case, scale_of_runs
 from locosweep.validation.experiment import COARSE, World
 from locosweep.validation.judge import Judged, judge, window_share
-from locosweep.validation.law_table import Scale
+from locosweep.validation.laws import Scale
 from locosweep.validation.sizes import ALIKE, Nuisances, rival_distances
 
 
@@ -190,7 +190,7 @@ def test_figures_are_what_the_cases_say() -> None:
     assert rows["one effect: exact name, where the class has one member"].value == 0.97
     assert rows["two effects: both correct"].value == 0.9
     assert rows["two effects: at least one correct"].value == 1.0
-    assert rows["cause outside the list: unexplained"].value == 0.92
+    assert rows["cause outside the list: `unexplained`"].value == 0.92
     assert rows["cause outside the list: a wrong name"].met is False
     assert rows["detection rate, d >= 10"].value == 1.0
     assert rows[
@@ -225,10 +225,9 @@ def test_json_holds_no_infinities() -> None:
 @pytest.mark.parametrize("name", sorted(pictures.PICTURES))
 def test_pictures_draw_any_outcome(name: str, tmp_path: Path) -> None:
     for judged in (made_up(), made_up()[:3], []):
-        ax = pictures.PICTURES[name](judged)
-        figure = ax.get_figure(root=True)
-        assert figure is not None
+        figure = pictures.PICTURES[name](judged)
         figure.savefig(tmp_path / name)
+        ax = figure.axes[0]
         assert ax.get_xlabel()
         assert ax.get_ylabel()
 
@@ -342,10 +341,10 @@ def test_waves_between_the_lengths_of_the_grid_are_found(share: float) -> None:
     wave = {"a": 0.004, "L": share * scale.travel, "p": 0.7}
     gap = nuisances.differences([(("position_dependent_friction", "law", wave),)])[0]
     assert np.linalg.norm(gap) > 20.0
-    left = rival_distances(nuisances, scale, gap)
+    left = rival_distances(nuisances, gap)
     assert left["position_dependent_friction"] < max(0.05 * np.linalg.norm(gap), ALIKE)
     assert max(left.values()) <= np.linalg.norm(gap) + 1e-9
-    nearer = rival_distances(nuisances, scale, gap, most=ALIKE)
+    nearer = rival_distances(nuisances, gap, most=ALIKE)
     assert max(nearer.values()) <= ALIKE
 
 

@@ -10,7 +10,7 @@ class InputError(LocosweepError, ValueError):
 
 
 class DataFileError(InputError):
-    """A file is not what it should be; the message names file, place and reason."""
+    """A file is not what it should be; the message names file, position and reason."""
 
 
 class SolveError(LocosweepError, RuntimeError):

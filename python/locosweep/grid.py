@@ -116,6 +116,6 @@ def real_array(name: str, value: Any) -> NDArray[np.float64]:
     except ValueError as error:
         raise InputError(f"{name} is not an array of numbers: {error}") from None
     if array.dtype.kind not in "iuf":
-        told = f"has type {array.dtype}" if array.ndim else f"is {value!r}"
-        raise InputError(f"{name} {told}: allowed is a number, or several")
+        fault = f"has type {array.dtype}" if array.ndim else f"is {value!r}"
+        raise InputError(f"{name} {fault}: allowed is a number, or several")
     return array.astype(np.float64, order="C", copy=True)

@@ -11,17 +11,9 @@ if TYPE_CHECKING:
 
 
 def spec_hash(*results: Result) -> str:
-    """Hash what was asked for: axes, fixed values and outputs, not the values.
+    """Hash the requests of results, in order: axes, fixed values and outputs, not the values.
 
-    Parameters
-    ----------
-    *results : Result
-        One result, or all that went into one picture, in order.
-
-    Returns
-    -------
-    str
-        SHA-256 over canonical JSON, 64 hexadecimal digits.
+    Returns a SHA-256 over canonical JSON, 64 hexadecimal digits.
 
     Examples
     --------

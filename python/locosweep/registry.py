@@ -7,31 +7,14 @@ from functools import cache
 from typing import TYPE_CHECKING, TypeVar
 
 from locosweep import _core
-from locosweep._core import Drive, Law, Parameter, Quantity
+from locosweep._core import Drive as Drive
+from locosweep._core import Law as Law
+from locosweep._core import Parameter as Parameter
+from locosweep._core import Quantity as Quantity
 from locosweep.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
-
-__all__ = [
-    "Drive",
-    "Law",
-    "Parameter",
-    "Quantity",
-    "Status",
-    "drive",
-    "drives",
-    "law",
-    "laws",
-    "methods",
-    "parameter",
-    "parameters",
-    "quantities",
-    "quantity",
-    "reductions",
-    "unknown",
-]
-
 
 _Record = TypeVar("_Record", Parameter, Quantity, Law, Drive)
 
@@ -124,7 +107,7 @@ def laws() -> list[Law]:
 
 
 def drives() -> list[Drive]:
-    """List all drives: forces that the actuator is told to give over time.
+    """List all drives: commanded forces of the actuator over time.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Every module of the diagnosis is imported by a test file, by name."""
+"""Every module of the diagnosis and of its validation is imported by a test file, by name."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 
 TESTS = Path(__file__).parents[1]
 PACKAGE = TESTS.parent / "python" / "locosweep"
+ROOMS = ("diagnosis", "validation")
 
 
 def imported(text: str) -> set[str]:
@@ -21,8 +22,9 @@ def imported(text: str) -> set[str]:
 
 
 def modules() -> set[str]:
-    """Modules of the diagnosis; front doors only gather names."""
-    paths = (path.relative_to(PACKAGE.parent) for path in (PACKAGE / "diagnosis").rglob("*.py"))
+    """Modules of both rooms; front doors only gather names."""
+    files = (path for room in ROOMS for path in (PACKAGE / room).rglob("*.py"))
+    paths = (path.relative_to(PACKAGE.parent) for path in files)
     return {".".join(p.with_suffix("").parts) for p in paths if p.name != "__init__.py"}
 
 

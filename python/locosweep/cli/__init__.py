@@ -41,8 +41,6 @@ from locosweep.errors import Cancelled, InputError, SolveError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["main"]
-
 _INTERNAL, _INPUT, _INTERRUPTED, _TERMINATED = 1, 2, 130, 143
 _pressed = threading.Event()
 """Set by Ctrl-C."""

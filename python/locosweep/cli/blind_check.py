@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import called, meter
+from locosweep.cli.options import called, meter, show
 from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ def blind_check(
     if not quiet:
         click.echo(f"truths sealed: {out / SEAL}, sha256 {sealed}", err=True)
     if draw_only:
-        click.echo(as_json({"cases": len(names), "sealed": sealed}) if json_ else str(out))
+        show(json_, {"cases": len(names), "sealed": sealed}, out)
         return
     outcomes = diagnose_cases(
         out,
@@ -104,9 +104,8 @@ def blind_check(
     found = tables_as_json(judged, about)
     text, wrong = as_text(judged), wrong_cases(judged)
     _write(out, as_json(found), text, wrong, judged, command)
-    click.echo(as_json(found) if json_ else text)
-    if not json_:
-        click.echo(f"{len(wrong)} of {len(judged)} verdicts are wrong: {out / 'wrong.txt'}")
+    count = f"{len(wrong)} of {len(judged)} verdicts are wrong: {out / 'wrong.txt'}"
+    show(json_, found, text, count)
 
 
 def _write(
@@ -121,6 +120,4 @@ def _write(
     for name, content in lists.items():
         write_text(out / name, content + "\n")
     for name, draw in PICTURES.items():
-        figure = draw(judged).get_figure(root=True)
-        if figure is not None:
-            save_figure(figure, out / name, command=command)
+        save_figure(draw(judged), out / name, command=command)

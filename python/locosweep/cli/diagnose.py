@@ -7,11 +7,9 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import meter, pairs
-from locosweep.files.strict_json import as_json
+from locosweep.cli.options import meter, show
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
     from pathlib import Path
 
     from locosweep.diagnosis.report.result import Diagnosis
@@ -45,8 +43,8 @@ def diagnose(
     seed: int,
     force: bool,
     quiet: bool,
-    columns: tuple[str, ...],
-    units: tuple[str, ...],
+    columns: dict[str, str],
+    units: dict[str, str],
     threads: int | None,
     json_: bool,
 ) -> None:
@@ -61,18 +59,17 @@ def diagnose(
     from locosweep.files.folder import check_folder
 
     check_folder(out, force=force)
-    named, of = pairs("--column", columns), pairs("--unit", units)
     from locosweep.diagnosis.pipeline import diagnose as diagnose_runs
 
     bar = meter("diagnose", quiet=quiet)
     found = diagnose_runs(
         runs,
         nominal,
-        holdout=_labels(holdout),
+        holdout=[label for text in holdout for label in text.split(",") if label] or None,
         max_effects=max_effects,
         seed=seed,
-        columns=named,
-        units=of,
+        columns=columns,
+        units=units,
         threads=threads,
         progress=None if bar is None else bar.say,
     )
@@ -84,20 +81,12 @@ def diagnose(
     if not quiet:
         for warning in found.warnings:
             click.echo(f"locosweep: note: {' '.join(warning.split())}", err=True)
-    if json_:
-        click.echo(as_json({"verdict": found.report["verdict"], "out": str(out)}))
-    else:
-        click.echo(_told(found, out, quiet=quiet))
+    report = None if quiet else out / "report.html"
+    show(json_, {"verdict": found.report["verdict"], "out": out}, *_verdict(found), report)
 
 
-def _labels(given: Iterable[str]) -> list[str] | None:
-    labels = [label for text in given for label in text.split(",") if label]
-    return labels or None
-
-
-def _told(found: Diagnosis, out: Path, *, quiet: bool) -> str:
-    """Return the verdict, and where its report lies."""
-    what = " + ".join(found.effects)
-    head = f"{found.status}{': ' if what else ''}{what} (probability {found.probability:.2f})"
-    lines = [head, " ".join(found.summary.split())]
-    return "\n".join(lines if quiet else [*lines, str(out / "report.html")])
+def _verdict(found: Diagnosis) -> tuple[str, str]:
+    """Return the verdict in a line, and its summary."""
+    effects = " + ".join(found.effects)
+    head = f"{found.status}{': ' if effects else ''}{effects}"
+    return f"{head} (probability {found.probability:.2f})", " ".join(found.summary.split())

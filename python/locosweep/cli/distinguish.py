@@ -11,10 +11,9 @@ import click
 
 from locosweep import registry
 from locosweep.cli import options
-from locosweep.cli.options import called, meter, pairs, values_of
+from locosweep.cli.options import called, meter, number, show, values_of
 from locosweep.cli.simulation_options import chosen
 from locosweep.errors import InputError
-from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
     from locosweep.diagnosis.design.distinguish import Distinction
@@ -49,10 +48,9 @@ _MOST_RIVALS = 4
     "channels", "--channel", multiple=True, metavar="NAME",
     help="What will be measured, of x, v, x_rear, force; repeat as needed; default x.",
 )  # fmt: skip
-@click.option(
-    "--noise", multiple=True, metavar="NAME=SD",
-    help="Noise of a channel; default from the file's [sensor] table.",
-)  # fmt: skip
+@options.pair_option(
+    "--noise", metavar="NAME=SD", text="Noise of a channel; default from the file's [sensor] table."
+)
 @click.option(
     "--size", default=10.0, show_default=True, metavar="SIGMAS", type=float,
     help="Length of each effect's signal in the matrix.",
@@ -72,7 +70,7 @@ def distinguish(
     samples: int,
     runs: Path | None,
     channels: tuple[str, ...],
-    noise: tuple[str, ...],
+    noise: dict[str, str],
     size: float,
     out: Path | None,
     plot_file: Path | None,
@@ -103,7 +101,7 @@ def distinguish(
         robot,
         planned,
         channels=channels or None,
-        noise={name: _number(name, text) for name, text in pairs("--noise", noise).items()},
+        noise={name: number(f"--noise {name}", text) for name, text in noise.items()},
         size=size,
         threads=threads,
         progress=meter("distinguish", "effects", quiet=quiet),
@@ -111,13 +109,13 @@ def distinguish(
     files = []
     if out is not None:
         _save(found, out)
-        files.append(str(out))
+        files.append(out)
     if plot_file is not None:
         from locosweep.plot.save import save_figure
 
         save_figure(found.plot(), plot_file, command=called(ctx))
-        files.append(str(plot_file))
-    click.echo(as_json(_report(found, files)) if json_ else _told(found, files))
+        files.append(plot_file)
+    show(json_, _report(found, files), *_lines(found), *files)
 
 
 def _planned(
@@ -158,14 +156,6 @@ def _planned(
     return found
 
 
-def _number(name: str, text: str) -> float:
-    try:
-        # Python also reads 1_000 and non-Latin digits; those are typing errors here.
-        return float(text) if text.isascii() and "_" not in text else float("none")
-    except ValueError:
-        raise InputError(f"--noise {name} is {text!r}: allowed is a number above 0") from None
-
-
 def _save(found: Distinction, out: Path) -> None:
     """Write the long table of pairs."""
     import polars as pl
@@ -183,18 +173,18 @@ def _save(found: Distinction, out: Path) -> None:
     write_frame(out, frame)
 
 
-def _report(found: Distinction, files: list[str]) -> dict[str, object]:
+def _report(found: Distinction, files: list[Path]) -> dict[str, object]:
     return {
         "files": files,
         "size": found.size,
         "noise": found.noise,
         "effects": found.to_polars().to_dicts(),
-        "names": list(found.names),
-        "distances": found.distances.tolist(),
+        "names": found.names,
+        "distances": found.distances,
     }
 
 
-def _told(found: Distinction, files: list[str]) -> str:
+def _lines(found: Distinction) -> list[str]:
     """Return the table for people: a line an effect."""
     rows = found.to_polars().to_dicts()
     wide = max(len(row["effect"]) for row in rows)
@@ -206,6 +196,6 @@ def _told(found: Distinction, files: list[str]) -> str:
         else:
             near = found.rivals(row["effect"])
             more = f" and {len(near) - _MOST_RIVALS} more" if len(near) > _MOST_RIVALS else ""
-            told = ", ".join(near[:_MOST_RIVALS]) + more or "-"
-            lines.append(f"{row['effect']:<{wide}}  {row['seen_from']:<{room}}  {told}")
-    return "\n".join([*lines, *files])
+            rivals = ", ".join(near[:_MOST_RIVALS]) + more or "-"
+            lines.append(f"{row['effect']:<{wide}}  {row['seen_from']:<{room}}  {rivals}")
+    return lines

@@ -7,16 +7,15 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import called, meter, pairs
+from locosweep.cli.options import called, meter, show
 from locosweep.errors import InputError
-from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
     from pathlib import Path
 
 
 def _labels(option: str, given: str | None) -> list[str]:
-    labels = [label.strip() for label in (given or "").split(",")] if given is not None else []
+    labels = [] if given is None else [label.strip() for label in given.split(",")]
     if any(not label for label in labels):
         raise InputError(f"{option} is '{given}': allowed is RUN or RUN,RUN,...")
     return labels
@@ -47,8 +46,8 @@ def friction(
     ctx: click.Context,
     data: Path,
     out: Path,
-    columns: tuple[str, ...],
-    units: tuple[str, ...],
+    columns: dict[str, str],
+    units: dict[str, str],
     runs: str | None,
     holdout: str | None,
     laws: tuple[str, ...],
@@ -71,7 +70,6 @@ def friction(
     """
     from locosweep.files.folder import check_folder
 
-    named, scaled = pairs("--column", columns), pairs("--unit", units)
     wanted = None if runs is None else _labels("--runs", runs)
     held = _labels("--holdout", holdout)
     check_folder(out, force=force)
@@ -84,8 +82,8 @@ def friction(
         holdout=held,
         laws=laws or None,
         runs=wanted,
-        columns=named,
-        units=scaled,
+        columns=columns,
+        units=units,
         seed=seed,
         threads=threads,
         progress=meter("friction", "fits", quiet=quiet),
@@ -95,7 +93,4 @@ def friction(
         return
     for notice in fit.notices:
         click.echo(f"locosweep: note: {notice}", err=True)
-    if json_:
-        click.echo(as_json({"files": [str(f) for f in files], **fit.to_dict()}))
-    else:
-        click.echo("\n".join([as_text(fit), "", *map(str, files)]))
+    show(json_, {"files": files, **fit.to_dict()}, as_text(fit), "", *files)

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import called
+from locosweep.cli.options import called, show
 from locosweep.errors import InputError, SolveError
-from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -41,15 +40,12 @@ def gait(ctx: click.Context, spec: Path, out: Path, force: bool, samples: int, j
     except (InputError, SolveError) as error:
         raise type(error)(f"{spec}: {error}") from None
     files = _write(ctx, spec, run, out)
-    told = _told(run)
-    if json_:
-        click.echo(as_json({"files": [str(f) for f in files], "summary": told, **run.results}))
-    else:
-        click.echo("\n".join([*map(str, files), told]))
+    summary = _summary(run)
+    show(json_, {"files": files, "summary": summary, **run.results}, *files, summary)
 
 
-def _told(run: GaitRun) -> str:
-    """Say what the robot does in one line."""
+def _summary(run: GaitRun) -> str:
+    """Return speed, slip, anchor reserve and power in one line."""
     from locosweep.plot.style import with_unit
 
     count = run.x.shape[1]
@@ -71,16 +67,15 @@ def _write(ctx: click.Context, spec: Path, run: GaitRun, out: Path) -> list[Path
     from locosweep.plot.save import save_figure
 
     make_folder(out)
-    told = _told(run)
-    title = told.replace(", anchors", ",\nanchors")
+    title = _summary(run).replace(", anchors", ",\nanchors")
     pictures = {
         "spacetime.png": space_time_figure(run, title),
         "forces.png": force_power(run, title),
     }
     files = []
     for name, figure in pictures.items():
-        save_figure(figure, out / name, command=called(ctx))
         files.append(out / name)
+        save_figure(figure, files[-1], command=called(ctx))
     write_text(out / "summary.md", _markdown(spec, run))
     write_frame(out / "summary.csv", run.summary)
     write_frame(out / "trace.parquet", run.to_polars())
@@ -94,7 +89,7 @@ def _markdown(spec: Path, run: GaitRun) -> str:
     lines = [
         f"# Gait {run.gait}",
         "",
-        f"{_told(run)}.",
+        f"{_summary(run)}.",
         "",
         f"Computed by locosweep {_core.version()} from {spec.name}.",
         "",
@@ -103,7 +98,7 @@ def _markdown(spec: Path, run: GaitRun) -> str:
     ]
     for name, value, unit, meaning in run.summary.iter_rows():
         lines.append(f"| {name} | {value:.6g} | {unit} | {meaning} |")
-    slips = ", ".join(f"{1000 * way:.4g}" for way in run.slip)
+    slips = ", ".join(f"{1000 * slip:.4g}" for slip in run.slip)
     lines += ["", f"Sliding backward per cycle, from the head, in mm: {slips}.", ""]
     lines += ["| Parameter | Value | Unit |", "| --- | --- | --- |"]
     for name, record in gait_parameters().items():

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import fixed, on_terminal, paths, save_picture, summary
+from locosweep.cli.options import fixed, on_terminal, save_picture, show, summary
 from locosweep.cli.simulation_options import refuse_idle, simulation_options
-from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -91,8 +90,7 @@ def heatmap(
     if data is not None:
         result.save(data)
     save_picture(ctx, figure, out, result)
-    report = {"file": str(out), "data": None if data is None else str(data), **summary(result)}
-    click.echo(as_json(report) if json_ else paths(out, data))
+    show(json_, {"file": out, "data": data, **summary(result)}, out, data)
 
 
 def _heatmap(result: Result, x: str, y: str, *, star: bool) -> Figure:

@@ -10,10 +10,9 @@ import click
 from locosweep import registry
 from locosweep.cli import options
 from locosweep.cli.law_pages import markdown
-from locosweep.cli.options import called, fixed, meter
-from locosweep.cli.registry_lists import as_record, page, table
+from locosweep.cli.options import called, fixed, meter, show
+from locosweep.cli.registry_lists import as_record, names_of, page, table
 from locosweep.errors import InputError
-from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -53,22 +52,15 @@ def laws(
     if out is None and (robot is not None or settings):
         raise InputError("--robot and --set give values for pictures: allowed beside --out FOLDER")
     files = [] if out is None else _draw(ctx, out, some, name is None, robot, settings)
-    if json_:
-        records = [as_record(law, _LAW) for law in some] if name is None else _detail(some[0])
-        paths = [str(file) for file in files]
-        click.echo(as_json({"files": paths, "laws": records} if files else records))
-    elif files:
-        click.echo("\n".join(map(str, files)))
+    records = [as_record(law, _LAW) for law in some] if name is None else _detail(some[0])
+    if files:
+        show(json_, {"files": files, "laws": records}, *files)
     elif name is None:
-        rows = [(law.name, law.kind, law.meaning, _names(law)) for law in some]
-        click.echo(table(rows, ("law", "kind", "meaning", "parameters")))
-        click.echo("\nlocosweep laws NAME shows formula, source, limits, units and ranges of one.")
+        rows = [(law.name, law.kind, law.meaning, names_of(law.parameters)) for law in some]
+        more = "\nlocosweep laws NAME shows formula, source, limits, units and ranges of one."
+        show(json_, records, table(rows, ("law", "kind", "meaning", "parameters")), more)
     else:
-        click.echo(_page(some[0]))
-
-
-def _names(law: registry.Law) -> str:
-    return ", ".join(p.name for p in law.parameters)
+        show(json_, records, _page(some[0]))
 
 
 def _detail(law: registry.Law) -> dict[str, object]:

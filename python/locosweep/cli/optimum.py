@@ -11,10 +11,9 @@ import click
 
 from locosweep import registry
 from locosweep.cli import options
-from locosweep.cli.options import fixed
+from locosweep.cli.options import fixed, show
 from locosweep.cli.registry_lists import table
 from locosweep.errors import InputError
-from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
     from locosweep.specs.span import Span
@@ -65,18 +64,15 @@ def optimum(
     best = next((rival for rival in rivals if rival.ratio == 1.0), None)
     ties = [r.segments for r in rivals if best and r is not best and r.ratio >= 1.0 - _TIE]
     facts = _facts(best, values)
-    if json_:
-        report = {
-            "best": None if best is None else best.segments,
-            "ties": ties,
-            "velocity": None if best is None else best.velocity,
-            "facts": facts,
-            "rivals": [asdict(rival) for rival in rivals],
-            "fixed": values,
-        }
-        click.echo(as_json(report))
-        return
-    click.echo(_text(best, ties, facts, rivals))
+    report = {
+        "best": None if best is None else best.segments,
+        "ties": ties,
+        "velocity": None if best is None else best.velocity,
+        "facts": facts,
+        "rivals": [asdict(rival) for rival in rivals],
+        "fixed": values,
+    }
+    show(json_, report, _text(best, ties, facts, rivals))
 
 
 def _segments(text: str) -> Span:
@@ -167,16 +163,9 @@ def _text(
         rows.append(
             (name.removesuffix("_deg").replace("_", " "), number + unit, str(fact["meaning"]))
         )
-    losers = [
-        (
-            str(rival.segments),
-            "-" if rival.status != "ok" else f"{rival.velocity:.6g}",
-            "-" if rival.status != "ok" else f"{rival.ratio:.4f}",
-            "-" if rival.status != "ok" else f"{rival.phases:g}",
-            "-" if rival.status != "ok" else f"{rival.phase_time:.4g}",
-            rival.why,
-        )
-        for rival in rivals
-    ]
+    losers = []
+    for r in rivals:
+        numbers = [f"{r.velocity:.6g}", f"{r.ratio:.4f}", f"{r.phases:g}", f"{r.phase_time:.4g}"]
+        losers.append((str(r.segments), *(numbers if r.status == "ok" else "----"), r.why))
     heads = ("segments", "speed [m/s]", "of best", "phases", "phase time [s]", "why")
     return f"{table(rows, ('', '', ''), ' r').lstrip()}\n\n{table(losers, heads, 'rrrrr')}"

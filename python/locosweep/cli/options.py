@@ -13,6 +13,7 @@ from click.shell_completion import CompletionItem
 
 from locosweep import registry
 from locosweep.errors import InputError
+from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -68,7 +69,7 @@ class _Setting(click.ParamType[tuple[str, float]]):
         if not sign:
             self.fail(f"'{value}': allowed is NAME=VALUE", param, ctx)
         try:
-            return name, registry.parameter(name).check(_number(name, text))
+            return name, registry.parameter(name).check(number(name, text))
         except InputError as error:
             self.fail(str(error), param, ctx)
 
@@ -88,7 +89,8 @@ class _Axis(click.ParamType["Axis"]):
             self.fail(str(error), param, ctx)
 
 
-def _number(name: str, text: str) -> float:
+def number(name: str, text: str) -> float:
+    """Read a number; InputError says the name of what it is for."""
     # Python also reads 1_000 and non-Latin digits; those are typing errors here.
     if text.isascii() and "_" not in text:
         with contextlib.suppress(ValueError):
@@ -105,7 +107,7 @@ def _axis(text: str) -> Axis:
         raise InputError(f"'{text}': {forms}")
     record = registry.parameter(name)
     if ":" not in values:
-        return name, tuple(record.check(_number(name, part)) for part in values.split(","))
+        return name, tuple(record.check(number(name, part)) for part in values.split(","))
     parts = values.split(":")
     if len(parts) > 3:
         raise InputError(f"'{text}': {forms}")
@@ -119,7 +121,7 @@ def _axis(text: str) -> Axis:
         count = int(parts[2])
     elif not record.integer:
         raise InputError(f"'{text}': {name} is no whole number, give a count: {name}=LO:HI:COUNT")
-    span = Span(_number(name, parts[0]), _number(name, parts[1]), count)
+    span = Span(number(name, parts[0]), number(name, parts[1]), count)
     span.check(name)
     return name, span
 
@@ -198,13 +200,34 @@ robot_option = click.option(
 set_option = click.option(
     "settings", "--set", multiple=True, type=SETTING, help="Fix a parameter; repeat as needed."
 )
-column_option = click.option(
-    "columns", "--column", multiple=True, metavar="NAME=THEIRS",
-    help="Their name of a column of the data, for instance drive=tau.",
+
+
+def _pairs(_: click.Context, param: click.Parameter, given: tuple[str, ...]) -> dict[str, str]:
+    """Read a repeated option NAME=TEXT into a mapping."""
+    option = param.opts[-1]
+    found: dict[str, str] = {}
+    for text in given:
+        name, equals, value = text.partition("=")
+        if not (name and equals and value):
+            raise InputError(f"{option} {text!r}: allowed is NAME={option[2:].upper()}")
+        if name in found:
+            raise InputError(f"{option} gives {name} twice: allowed is once")
+        found[name] = value
+    return found
+
+
+def pair_option(*names: str, metavar: str, text: str) -> Callable[[_Command], _Command]:
+    """Return an option NAME=TEXT to repeat, which the command gets as a mapping."""
+    return click.option(*names, multiple=True, callback=_pairs, metavar=metavar, help=text)
+
+
+column_option = pair_option(
+    "columns", "--column", metavar="NAME=THEIRS",
+    text="Their name of a column of the data, for instance drive=tau.",
 )  # fmt: skip
-unit_option = click.option(
-    "units", "--unit", multiple=True, metavar="NAME=UNIT",
-    help="Unit of a column of the data, for instance x=mm.",
+unit_option = pair_option(
+    "units", "--unit", metavar="NAME=UNIT",
+    text="Unit of a column of the data, for instance x=mm.",
 )  # fmt: skip
 force_option = click.option("--force", is_flag=True, help="Write into a folder that is not empty.")
 threads_option = click.option(
@@ -230,19 +253,6 @@ def count_option(
     )  # fmt: skip
 
 
-def pairs(option: str, given: Iterable[str]) -> dict[str, str]:
-    """Read NAME=TEXT options into a mapping."""
-    found: dict[str, str] = {}
-    for text in given:
-        name, equals, value = text.partition("=")
-        if not (name and equals and value):
-            raise InputError(f"{option} {text!r}: allowed is NAME={option[2:].upper()}")
-        if name in found:
-            raise InputError(f"{option} gives {name} twice: allowed is once")
-        found[name] = value
-    return found
-
-
 def values_of(settings: Iterable[Axis]) -> dict[str, list[float]]:
     """Return the values of each ``--set NAME=VALUES``."""
     found: dict[str, list[float]] = {}
@@ -261,9 +271,10 @@ def save_picture(ctx: click.Context, figure: Figure, out: Path, result: Result) 
     save_figure(figure, out, command=called(ctx), spec=spec_hash(result))
 
 
-def paths(*files: Path | None) -> str:
-    """Return the paths of the files that were written, a line each."""
-    return "\n".join(str(path) for path in files if path is not None)
+def show(json_: bool, record: object, *lines: object) -> None:
+    """Print a record as JSON, or the lines that are not None."""
+    text = "\n".join(str(line) for line in lines if line is not None)
+    click.echo(as_json(record) if json_ else text)
 
 
 def called(ctx: click.Context) -> str:

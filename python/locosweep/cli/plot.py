@@ -8,9 +8,8 @@ from typing import Any
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import save_picture
+from locosweep.cli.options import save_picture, show
 from locosweep.errors import InputError
-from locosweep.files.strict_json import as_json
 
 
 @click.command(cls=options.SweepCommand)
@@ -74,4 +73,4 @@ def plot(
     if figure is None:
         raise AssertionError("axes without a figure")
     save_picture(ctx, figure, out, result)
-    click.echo(as_json({"file": str(out)}) if json_ else str(out))
+    show(json_, {"file": out}, out)

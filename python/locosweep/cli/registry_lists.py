@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from locosweep import registry
-from locosweep.cli.options import DRIVE, PARAMETER, QUANTITY, json_option
-from locosweep.files.strict_json import as_json
+from locosweep.cli.options import DRIVE, PARAMETER, QUANTITY, json_option, show
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -36,6 +35,11 @@ def as_record(record: object, names: Iterable[str]) -> dict[str, Any]:
     return found
 
 
+def names_of(records: Iterable[registry.Parameter]) -> str:
+    """Return the names of parameters as one text."""
+    return ", ".join(record.name for record in records)
+
+
 def page(
     record: registry.Law | registry.Quantity | registry.Drive, entries: Mapping[str, str]
 ) -> str:
@@ -59,18 +63,17 @@ _PARAMETER = ("name", "symbol", "unit", "meaning", "default", "range", "integer"
 @json_option
 def quantities(name: str | None, json_: bool) -> None:
     """List the quantities, or tell everything about one."""
-    some = registry.quantities() if name is None else [registry.quantity(name)]
-    if json_:
-        records = [as_record(record, _QUANTITY) for record in some]
-        click.echo(as_json(records if name is None else records[0]))
-    elif name is None:
+    if name is None:
+        some = registry.quantities()
         rows = [(q.name, q.unit, q.meaning) for q in some]
-        click.echo(table(rows, ("quantity", "unit", "meaning")))
-    else:
-        entries = as_record(some[0], ("unit", "symbol", "formula", "source", "limits"))
-        if some[0].simulated:
-            entries["law"] = "simulated: a friction law and a drive add their parameters"
-        click.echo(page(some[0], entries))
+        show(json_, [as_record(q, _QUANTITY) for q in some],
+             table(rows, ("quantity", "unit", "meaning")))  # fmt: skip
+        return
+    one = registry.quantity(name)
+    entries = as_record(one, ("unit", "symbol", "formula", "source", "limits"))
+    if one.simulated:
+        entries["law"] = "simulated: a friction law and a drive add their parameters"
+    show(json_, as_record(one, _QUANTITY), page(one, entries))
 
 
 def parameter_table(records: Iterable[registry.Parameter]) -> str:
@@ -88,13 +91,10 @@ def parameter_table(records: Iterable[registry.Parameter]) -> str:
 def parameters(name: str | None, json_: bool) -> None:
     """List the parameters: unit, default, what is allowed, key in a robot file."""
     some = registry.parameters() if name is None else [registry.parameter(name)]
-    if json_:
-        records = [as_record(record, _PARAMETER) for record in some]
-        for record in records:
-            record["file_key"] = ".".join(record["file_key"]) if record["file_key"] else None
-        click.echo(as_json(records if name is None else records[0]))
-    else:
-        click.echo(parameter_table(some))
+    records = [as_record(record, _PARAMETER) for record in some]
+    for record in records:
+        record["file_key"] = ".".join(record["file_key"]) if record["file_key"] else None
+    show(json_, records if name is None else records[0], parameter_table(some))
 
 
 @click.command()
@@ -102,7 +102,10 @@ def parameters(name: str | None, json_: bool) -> None:
 def reductions(json_: bool) -> None:
     """List the ways to fold an axis away."""
     known = registry.reductions()
-    click.echo(as_json(known) if json_ else table(known.items(), ("reduction", "meaning")))
+    show(json_, known, table(known.items(), ("reduction", "meaning")))
+
+
+_DRIVE = ("name", "meaning", "formula", "parameters")
 
 
 @click.command()
@@ -110,15 +113,14 @@ def reductions(json_: bool) -> None:
 @json_option
 def drives(name: str | None, json_: bool) -> None:
     """List the drives of a simulation, or tell everything about one."""
-    some = registry.drives() if name is None else [registry.drive(name)]
-    if json_:
-        records = [as_record(d, ("name", "meaning", "formula", "parameters")) for d in some]
-        click.echo(as_json(records if name is None else records[0]))
-    elif name is None:
-        rows = [(d.name, d.meaning, ", ".join(p.name for p in d.parameters)) for d in some]
-        click.echo(table(rows, ("drive", "meaning", "parameters")))
+    if name is None:
+        some = registry.drives()
+        rows = [(d.name, d.meaning, names_of(d.parameters)) for d in some]
+        show(json_, [as_record(d, _DRIVE) for d in some],
+             table(rows, ("drive", "meaning", "parameters")))  # fmt: skip
     else:
-        click.echo(page(some[0], {"formula": some[0].formula}))
+        one = registry.drive(name)
+        show(json_, as_record(one, _DRIVE), page(one, {"formula": one.formula}))
 
 
 @click.command()
@@ -126,19 +128,13 @@ def drives(name: str | None, json_: bool) -> None:
 def methods(json_: bool) -> None:
     """List the methods of simulation."""
     known = registry.methods()
-    click.echo(as_json(known) if json_ else table(known.items(), ("method", "meaning")))
+    show(json_, known, table(known.items(), ("method", "meaning")))
 
 
 @click.command()
 @json_option
 def statuses(json_: bool) -> None:
     """List the reasons for which a point has no value."""
-    if json_:
-        records = [
-            {"code": int(s), "name": s.name.lower(), "sentence": s.sentence}
-            for s in registry.Status
-        ]
-        click.echo(as_json(records))
-    else:
-        rows = [(str(int(s)), s.name.lower(), s.sentence) for s in registry.Status]
-        click.echo(table(rows, ("code", "status", "meaning"), "r"))
+    rows = [(str(int(s)), s.name.lower(), s.sentence) for s in registry.Status]
+    records = [{"code": int(code), "name": name, "sentence": text} for code, name, text in rows]
+    show(json_, records, table(rows, ("code", "status", "meaning"), "r"))

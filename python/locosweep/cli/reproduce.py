@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from locosweep.cli.options import json_option, meter, out_option, paths, robot_option
-from locosweep.files.strict_json import as_json
+from locosweep.cli.options import json_option, meter, out_option, robot_option, show
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -30,8 +29,7 @@ def reproduce(figures: str, out: Path, robot: Path | None, json_: bool) -> None:
         from locosweep.paper.gap import paper_gap
 
         written = paper_gap(out)
-        files = [str(path) for path in written]
-        click.echo(as_json({"files": files}) if json_ else paths(*written))
+        show(json_, {"files": written}, *written)
         return
     from locosweep.files.robot import load_robot
     from locosweep.paper import reproduce as paper
@@ -39,12 +37,9 @@ def reproduce(figures: str, out: Path, robot: Path | None, json_: bool) -> None:
     number = int(figures) if figures.isascii() and figures.isdigit() else figures
     held = None if robot is None else load_robot(robot)
     report = paper.reproduce(number, out, robot=held, progress=meter("reproduce", "files"))
-    if json_:
-        rows = [
-            {"claim": r.claim, "source": r.source, "paper": r.paper, "here": r.ours,
-             "verdict": r.verdict, "note": r.note}
-            for r in report.rows
-        ]  # fmt: skip
-        click.echo(as_json({"files": [str(file) for file in report.files], "claims": rows}))
-    else:
-        click.echo(paths(*report.files))
+    rows = [
+        {"claim": r.claim, "source": r.source, "paper": r.paper, "here": r.ours,
+         "verdict": r.verdict, "note": r.note}
+        for r in report.rows
+    ]  # fmt: skip
+    show(json_, {"files": report.files, "claims": rows}, *report.files)

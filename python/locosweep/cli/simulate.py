@@ -5,16 +5,16 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import called, fixed, on_terminal, values_of
+from locosweep.cli.options import called, fixed, on_terminal, show, values_of
 from locosweep.cli.simulate_runs import replay
 from locosweep.cli.simulation_options import refuse_beside, refuse_idle, simulation_options
 from locosweep.errors import InputError
-from locosweep.files.strict_json import as_json
+from locosweep.files.strict_json import plain
 
 if TYPE_CHECKING:
     from locosweep.simulation.trajectories import Trajectories
@@ -73,8 +73,8 @@ def simulate(
     plot_file: Path | None,
     model: Path | None,
     runs: Path | None,
-    columns: tuple[str, ...],
-    units: tuple[str, ...],
+    columns: dict[str, str],
+    units: dict[str, str],
     threads: int | None,
     json_: bool,
 ) -> None:
@@ -123,16 +123,19 @@ def simulate(
         progress=on_terminal(),
     )
     open_share = _open_share(run, simulation, threads)
-    figure = None if plot_file is None else _picture(run)
+    about = _summary(run)
     if out is not None:
-        _save(run, out)
-    if plot_file is not None and figure is not None:
-        from locosweep.plot.save import save_figure
+        from locosweep.files.atomic import write_frame
 
-        save_figure(figure, plot_file, command=called(ctx))
-    files = [str(path) for path in (out, plot_file) if path is not None]
-    report = {"files": files, **_summary(run), "energy_residual": open_share}
-    click.echo(as_json(report) if json_ else "\n".join(files))
+        header = plain({key: value for key, value in about.items() if key != "curves"})
+        write_frame(out, run.to_polars(), {"locosweep.motion": json.dumps(header)})
+    if plot_file is not None:
+        from locosweep.plot.save import save_figure
+        from locosweep.plot.trajectories import motion
+
+        save_figure(motion(run)[0], plot_file, command=called(ctx))
+    files = [path for path in (out, plot_file) if path is not None]
+    show(json_, {"files": files, **about, "energy_residual": open_share}, *files)
     if open_share > _OPEN:
         aim = "tolerance" if run.method == _ADAPTIVE else "time_step"
         text = f"the energy ledger leaves {open_share:.2g} of the work open: with a smaller {aim}"
@@ -151,21 +154,6 @@ def _open_share(run: Trajectories, simulation: Simulation, threads: int | None) 
     values = sweep(_LEDGER, Grid(**run.axes, **run.fixed), **options, threads=threads).values
     found = np.abs(values[np.isfinite(values)])
     return float(found.max()) if found.size else 0.0
-
-
-def _picture(run: Trajectories) -> Any:
-    from locosweep.plot.trajectories import motion
-
-    return motion(run)[0].get_figure(root=True)
-
-
-def _save(run: Trajectories, out: Path) -> None:
-    """Write the long table; a Parquet file also says what was simulated."""
-    from locosweep.files.atomic import write_frame
-
-    about = {key: value for key, value in _summary(run).items() if key != "curves"}
-    text = json.dumps(json.loads(as_json(about)))
-    write_frame(out, run.to_polars(), {"locosweep.motion": text})
 
 
 def _summary(run: Trajectories) -> dict[str, object]:

@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from locosweep.cli.options import meter, pairs
-from locosweep.files.strict_json import as_json
+from locosweep.cli.options import meter, show
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Mapping
     from pathlib import Path
 
 
@@ -19,10 +18,10 @@ def replay(
     runs: Path,
     out: Path,
     *,
-    columns: Iterable[str] = (),
-    units: Iterable[str] = (),
-    threads: int | None = None,
-    json_: bool = False,
+    columns: Mapping[str, str],
+    units: Mapping[str, str],
+    threads: int | None,
+    json_: bool,
 ) -> None:
     """Replay the runs and write what the sensors would read."""
     from locosweep.files.atomic import check_file_name, write_frame
@@ -32,13 +31,12 @@ def replay(
 
     check_file_name(out)
     robot = load_robot(model)
-    named = pairs("--column", columns)
     # A start may be given instead of measured: x is not needed to be driven.
-    measured, notices = load_runs(runs, named, pairs("--unit", units), needs=("t", "drive"))
+    measured, notices = load_runs(runs, columns, units, needs=("t", "drive"))
     for notice in notices:
         click.echo(f"locosweep: note: {notice}", err=True)
     frame = replay_runs(robot, measured, threads=threads, progress=meter("simulate"))
     write_frame(out, frame)
     effects = list(robot.effects)
-    report = {"file": str(out), "runs": len(measured), "rows": frame.height, "effects": effects}
-    click.echo(as_json(report) if json_ else str(out))
+    report = {"file": out, "runs": len(measured), "rows": frame.height, "effects": effects}
+    show(json_, report, out)

@@ -47,7 +47,7 @@ def simulation_options(*, gait: bool = False) -> Callable[[_Command], _Command]:
 
     def add(command: _Command) -> _Command:
         @functools.wraps(command)
-        def told(
+        def with_simulation(
             *arguments: Any,
             law: str | None,
             drive: str | None,
@@ -60,8 +60,8 @@ def simulation_options(*, gait: bool = False) -> Callable[[_Command], _Command]:
             return command(*arguments, simulation=simulation, **others)
 
         for option in reversed(options):
-            told = option(told)
-        return cast("_Command", told)
+            with_simulation = option(with_simulation)
+        return cast("_Command", with_simulation)
 
     return add
 

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import fixed, on_terminal, paths, summary
+from locosweep.cli.options import fixed, on_terminal, show, summary
 from locosweep.cli.simulation_options import refuse_beside, refuse_idle, simulation_options
 from locosweep.errors import InputError
-from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -91,8 +90,8 @@ def sweep(
     if out is not None:
         result = spec.run(threads=threads, progress=on_terminal())
         result.save(out)
-        report |= {"file": str(out), **summary(result)}
+        report |= {"file": out, **summary(result)}
     if save_spec is not None:
         spec.save(save_spec)
-        report["spec"] = str(save_spec)
-    click.echo(as_json(report) if json_ else paths(out, save_spec))
+        report["spec"] = save_spec
+    show(json_, report, out, save_spec)

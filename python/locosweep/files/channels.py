@@ -4,58 +4,33 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["CHANNELS", "OFFSETS", "PREDICTED", "REPLAYED", "Channel"]
-
 
 @dataclass(frozen=True)
 class Channel:
-    """What is known of a channel before it is measured.
-
-    Attributes
-    ----------
-    name : str
-        Its column in a file of runs.
-    meaning : str
-        For lists of columns.
-    words, symbol : str
-        For labels; the symbol is TeX.
-    unit, rotary_unit : str
-        SI, on a translational rig and on a rotary bench.
-    sensor : str
-        What `[sensor]` calls it: the keys are ``{sensor}_noise`` and, where its sensor
-        rounds, ``{sensor}_resolution``.
-    replayed : int or None
-        Its row in what a replay of the core returns; None where it is not replayed.
-    has_offset : bool
-        Whether fits may shift the start of each run within the noise.
-    from_rest : bool
-        Whether a replay counts it from where the run found it.
-    averaged : bool
-        Whether it is the mean over a sample that counts where samples are merged:
-        the drive, which is held, acts on it at once.
-    """
+    """Properties of a measured channel, a column of a file of runs."""
 
     name: str
     meaning: str
+    """For lists of columns."""
     words: str
     symbol: str
+    """TeX, for labels with `words`."""
     unit: str
+    """SI, on a translational rig; `rotary_unit` on a rotary bench."""
     rotary_unit: str
     sensor: str
+    """Name in `[sensor]`, with ``_noise`` and, where the sensor rounds, ``_resolution``."""
     replayed: int | None
+    """Row of the core's replay; None where the channel is not replayed."""
     has_offset: bool = False
+    """Fits may shift the start of each run within the noise."""
     from_rest: bool = False
+    """A replay counts it from its value at the start of the run."""
     averaged: bool = False
+    """Merged samples are averaged: the drive, which is held, acts on the channel at once."""
 
     def unit_on(self, *, rotary: bool) -> str:
-        """Return the unit on a rotary bench or on another rig.
-
-        Examples
-        --------
-        >>> from locosweep.files.channels import CHANNELS
-        >>> CHANNELS["force"].unit_on(rotary=True)
-        'N m'
-        """
+        """Return the unit on a rotary bench or on another rig."""
         return self.rotary_unit if rotary else self.unit
 
 

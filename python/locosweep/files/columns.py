@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,7 +14,7 @@ from locosweep.registry import unknown
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Collection, Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterator, Sequence
 
     import polars as pl
     from numpy.typing import NDArray
@@ -54,68 +55,70 @@ def checksum(path: str | os.PathLike[str]) -> str:
         raise DataFileError(f"{path}: {error.strerror or error}") from None
 
 
-def read_frame(
-    path: str | os.PathLike[str],
-    wanted: Collection[str],
-    needed: Collection[str],
-    columns: Mapping[str, str] | None = None,
-) -> tuple[pl.DataFrame, list[str]]:
-    """Read the wanted columns of a CSV or Parquet file.
-
-    Parameters
-    ----------
-    path : path-like
-        A name that ends in ``.parquet`` is Parquet, any other CSV.
-    wanted, needed : collection of str
-        Columns to read, and those that must be there.
-    columns : mapping of str to str, optional
-        Their name of a column, by ours.
-
-    Returns
-    -------
-    frame : polars.DataFrame
-        The wanted columns that are there, by our names. Those of a CSV are text.
-    others : list of str
-        Columns that were not read.
-
-    Raises
-    ------
-    DataFileError
-        No such file, not readable, empty, a column missing or there twice.
-    """
+def _file(path: Path) -> pl.DataFrame:
+    """Read a Parquet file, or any other as CSV, whose columns stay text."""
     import polars as pl
 
-    path, columns = Path(path), dict(columns or {})
-    for name in columns:
-        if name not in wanted:
-            raise InputError(f"column: {unknown('column', name, wanted)}")
     if not path.is_file():
         raise DataFileError(f"{path}: no such file")
-    theirs = {name: columns.get(name, name) for name in wanted}
     try:
         if path.suffix == ".parquet":
-            frame = pl.read_parquet(path)
-        else:
-            # As text: a number that is none is then found with its row.
-            frame = pl.read_csv(path, infer_schema=False, truncate_ragged_lines=False)
-            frame = frame.rename(str.strip)
+            return pl.read_parquet(path)
+        # As text: a number that is none is then found with its row.
+        frame = pl.read_csv(path, infer_schema=False, truncate_ragged_lines=False)
+        return frame.rename(str.strip)
     except pl.exceptions.NoDataError:
         raise DataFileError(f"{path}: empty, allowed is at least a line of names") from None
     except (OSError, pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
         first = str(error).splitlines()[0] if str(error) else type(error).__name__
         kind = "Parquet" if path.suffix == ".parquet" else "CSV"
         raise DataFileError(f"{path}: not a readable {kind} file: {first}") from None
+
+
+def _frame(data: pl.DataFrame | Mapping[str, object]) -> pl.DataFrame:
+    import polars as pl
+
+    try:
+        return data if isinstance(data, pl.DataFrame) else pl.DataFrame(dict(data))
+    except (pl.exceptions.PolarsError, TypeError, ValueError) as error:
+        first = (str(error).splitlines() or [type(error).__name__])[0]
+        raise InputError(f"data: not columns of one length: {first}") from None
+
+
+def read_frame(
+    data: str | os.PathLike[str] | pl.DataFrame | Mapping[str, object],
+    wanted: Collection[str],
+    needed: Collection[str],
+    columns: Mapping[str, str] | None = None,
+) -> tuple[pl.DataFrame, list[str]]:
+    """Return the wanted columns of a file, a frame or arrays by our names, and the others' names.
+
+    `needed` columns must be there; `columns` maps our names to those of the file. Refuses
+    what cannot be read, is empty, or lacks a column or has it twice: a file with
+    DataFileError, a frame with InputError.
+    """
+    import polars as pl
+
+    columns = dict(columns or {})
+    for name in columns:
+        if name not in wanted:
+            raise InputError(f"column: {unknown('column', name, wanted)}")
+    if isinstance(data, pl.DataFrame | Mapping):
+        path, frame, refused = "data", _frame(data), InputError
+    else:
+        path, frame, refused = str(Path(data)), _file(Path(data)), DataFileError
+    theirs = {name: columns.get(name, name) for name in wanted}
     for name in frame.columns:
         if name.removesuffix("_duplicated_0") in theirs.values() and name not in theirs.values():
             twice = name.removesuffix("_duplicated_0")
-            raise DataFileError(f"{path}: column {twice} is there twice")
+            raise refused(f"{path}: column {twice} is there twice")
     for name in (*needed, *columns):
         if theirs[name] not in frame.columns:
             hint = "" if theirs[name] == name else f" (given for {name})"
             there = ", ".join(frame.columns[:20])
-            raise DataFileError(f"{path}: no column {theirs[name]}{hint}: there are {there}")
+            raise refused(f"{path}: no column {theirs[name]}{hint}: there are {there}")
     if frame.height == 0:
-        raise DataFileError(f"{path}: no rows")
+        raise refused(f"{path}: no rows")
     present = {theirs[name]: name for name in wanted if theirs[name] in frame.columns}
     others = [name for name in frame.columns if name not in present]
     return frame.select(list(present)).rename(present), others
@@ -226,7 +229,7 @@ def check_rising(where: str, times: NDArray[np.float64], rows: NDArray[np.intp])
 def rows_by_run(
     path: str, frame: pl.DataFrame, t: NDArray[np.float64], wanted: Collection[str] | None = None
 ) -> Iterator[tuple[str, str, NDArray[np.intp]]]:
-    """Yield label, place for messages and rows of every run, in the order of their first rows.
+    """Yield label, name in messages and rows of every run, in the order of their first rows.
 
     Raises
     ------

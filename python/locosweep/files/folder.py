@@ -26,23 +26,7 @@ def make_folder(path: str | os.PathLike[str]) -> Path:
 
 
 def check_folder(path: str | os.PathLike[str], *, force: bool = False) -> Path:
-    """Refuse a folder that cannot be written, or is not empty unless `force`.
-
-    Parameters
-    ----------
-    path : path-like
-        The folder; it need not exist.
-    force : bool
-        Allow one that has files.
-
-    Returns
-    -------
-    Path
-
-    Raises
-    ------
-    InputError
-        Not a folder, not writable, or not empty.
+    """Refuse a folder that cannot be written, or that is not empty unless `force`.
 
     Examples
     --------
@@ -73,17 +57,10 @@ def check_folder(path: str | os.PathLike[str], *, force: bool = False) -> Path:
 def filling(
     path: str | os.PathLike[str], names: Collection[str], *, force: bool = False
 ) -> Iterator[Path]:
-    """Yield a temporary folder whose files come into `path` when all went well.
+    """Yield a temporary folder whose files replace those of `path` when all went well.
 
-    Parameters
-    ----------
-    path : path-like
-        Where the files go in the end.
-    names : collection of str
-        All names that a writer may use: those of an older writing that this one
-        has not are removed, so that no picture of another result is left.
-    force : bool
-        Allow a folder that has files; those under other names stay.
+    `names` are all names that a writer may use: older files of these names are removed, so
+    that no picture of another result is left; files under other names stay.
     """
     path = check_folder(path, force=force)
     there = path.exists()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from pathlib import PurePath
 from typing import Any
 
 
@@ -13,12 +14,14 @@ def as_json(value: object) -> str:
 
 
 def plain(value: Any) -> Any:
-    """Turn arrays and tuples into lists, and numbers that are not finite into None."""
+    """Return lists for arrays, text for paths, and None for numbers that are not finite."""
     if isinstance(value, dict):
         return {str(key): plain(one) for key, one in value.items()}
     if isinstance(value, list | tuple):
         return [plain(one) for one in value]
     if isinstance(value, float):
         return float(value) if math.isfinite(value) else None
+    if isinstance(value, PurePath):
+        return str(value)
     # Arrays and scalars of NumPy, which this does not import.
     return plain(value.tolist()) if hasattr(value, "tolist") else value

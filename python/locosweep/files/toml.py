@@ -119,7 +119,7 @@ def number(where: str, value: object, allowed: str = "a number") -> float:
 
 
 def value_of(where: str, record: Parameter, value: object) -> float:
-    """Return the value of a parameter within its range; messages name the place in the file."""
+    """Return the value of a parameter within its range; `where` is its name in messages."""
     found = number(where, value, record.allowed)
     try:
         return record.check(found)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,8 +13,7 @@ from locosweep.errors import DataFileError, InputError
 from locosweep.files.columns import check_units, number_columns, read_frame, rows_by_run
 
 if TYPE_CHECKING:
-    import os
-    from collections.abc import Collection
+    from collections.abc import Collection, Mapping
 
     import polars as pl
     from numpy.typing import NDArray
@@ -37,14 +36,8 @@ _NUMBERS = tuple(COLUMNS)[1:]
 class FrictionRun:
     """One measured run as it stands in the file, in SI units.
 
-    Attributes
-    ----------
-    label : str
-        Its name.
-    t : ndarray
-        Times in s, strictly rising, shape (n,).
-    columns : dict of str to ndarray
-        What was measured beside time, shape (n,) each; NaN where a value is missing.
+    Arrays have the shape (n,): times `t`, strictly rising, and `columns` by name, NaN
+    where a value is missing.
     """
 
     label: str
@@ -62,26 +55,10 @@ def read_friction(
 ) -> tuple[list[FrictionRun], list[str]]:
     """Read measured friction from a file, a frame or arrays, one row a sample.
 
-    Parameters
-    ----------
-    data : path-like, polars.DataFrame or mapping of arrays
-        CSV or Parquet with the columns ``t``, ``x`` or ``v``, and ``force`` or
-        ``drive``; optional are ``run`` and ``load``.
-    mass : float, optional
-        Moving mass in kg, needed where ``drive`` stands in for ``force``.
-    columns : mapping of str to str, optional
-        Their name of a column by ours.
-    units : mapping of str to str, optional
-        Unit of a column, for instance ``{"x": "mm"}``; SI where not given.
-    runs : collection of str, optional
-        Labels of the runs to take; all where not given.
-
-    Returns
-    -------
-    runs : list of FrictionRun
-        In the order of their first rows.
-    notices : list of str
-        What was not as expected but could be read all the same.
+    Columns are those of `COLUMNS`: ``t``, ``x`` or ``v``, ``force`` or with a mass [kg]
+    ``drive``, and optionally ``run`` and ``load``. `columns` maps our names to those of the
+    data, `units` gives units other than SI, `runs` the labels of the runs to take. Returns
+    the runs in the order of their first rows, and notices of what was unexpected but readable.
 
     Raises
     ------
@@ -102,7 +79,8 @@ def read_friction(
     """
     columns, units = dict(columns or {}), dict(units or {})
     check_units(units, _NUMBERS)
-    name, frame, others = _frame(data, columns)
+    frame, others = read_frame(data, tuple(COLUMNS), ("t",), columns)
+    name = str(Path(data)) if isinstance(data, str | os.PathLike) else "data"
     for either in (("x", "v"), ("force", "drive")):
         if not set(either) & set(frame.columns):
             there = ", ".join([*frame.columns, *others][:20])
@@ -122,28 +100,3 @@ def read_friction(
         rest = {column: values[rows] for column, values in numbers.items() if column != "t"}
         found.append(FrictionRun(label, numbers["t"][rows], rest))
     return found, notices
-
-
-def _frame(
-    data: str | os.PathLike[str] | pl.DataFrame | Mapping[str, object], columns: dict[str, str]
-) -> tuple[str, pl.DataFrame, list[str]]:
-    import polars as pl
-
-    if isinstance(data, pl.DataFrame | Mapping):
-        try:
-            frame = data if isinstance(data, pl.DataFrame) else pl.DataFrame(dict(data))
-        except (pl.exceptions.PolarsError, TypeError, ValueError) as error:
-            first = (str(error).splitlines() or [type(error).__name__])[0]
-            raise InputError(f"data: not columns of one length: {first}") from None
-        theirs = {columns.get(name, name): name for name in COLUMNS}
-        for given in (*(columns[n] for n in columns), columns.get("t", "t")):
-            if given not in frame.columns:
-                there = ", ".join(frame.columns[:20])
-                raise InputError(f"data: no column {given}: there are {there}")
-        if frame.height == 0:
-            raise InputError("data: no rows")
-        present = {given: theirs[given] for given in frame.columns if given in theirs}
-        others = [given for given in frame.columns if given not in theirs]
-        return "data", frame.select(list(present)).rename(present), others
-    frame, others = read_frame(data, tuple(COLUMNS), ("t",), columns)
-    return str(Path(data)), frame, others

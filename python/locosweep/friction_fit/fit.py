@@ -1,7 +1,8 @@
-"""From measured friction to laws with uncertainty: the whole way."""
+"""Fit of friction laws to measured motion and force, with uncertainty."""
 
 from __future__ import annotations
 
+import os
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -13,12 +14,11 @@ from locosweep.files.columns import checksum
 from locosweep.friction_fit.data import read_friction
 from locosweep.friction_fit.prepare import Prepared, fitted_only, prepare
 from locosweep.friction_fit.result import FittedLaw, FittedParameter, FrictionFit
-from locosweep.friction_fit.verdict import choose, left_over, schwarz, shrink_of, summary_of
+from locosweep.friction_fit.verdict import choose, explained_share, left_over, schwarz, summary_of
 from locosweep.registry import laws as all_laws
 from locosweep.registry import unknown
 
 if TYPE_CHECKING:
-    import os
     from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
     import polars as pl
@@ -133,8 +133,8 @@ def fit_friction(
     skipped: dict[str, str] = {}
     candidates = _candidates(job, wanted, terms, ready.loaded, skipped)
     if not candidates:
-        told = "; ".join(f"{name}: {why}" for name, why in skipped.items())
-        raise InputError(f"none of these laws can be fitted to the data: {told}")
+        reasons = "; ".join(f"{name}: {why}" for name, why in skipped.items())
+        raise InputError(f"none of these laws can be fitted to the data: {reasons}")
     outcomes = []
     if laws is None:
         plain = [c for c in candidates if _kinds()[c.law] != "bristle"]
@@ -148,8 +148,8 @@ def fit_friction(
     outcomes += run(job, candidates[len(outcomes) :])
     fitted = _ranked(ready, candidates, outcomes)
     chosen, equal, no_better = choose(ready, fitted)
-    shrink, left = shrink_of(ready, chosen), left_over(ready, chosen)
-    source = None if not isinstance(data, str) and not hasattr(data, "__fspath__") else data
+    shrink, left = explained_share(ready, chosen), left_over(ready, chosen)
+    source = data if isinstance(data, str | os.PathLike) else None
     return FrictionFit(
         chosen=chosen,
         laws=fitted,
@@ -183,9 +183,9 @@ def _terms(
 ) -> tuple[str, bool, bool]:
     """Choose how load and sensor enter, by the Schwarz criterion over a few simple laws.
 
-    Told on what is fitted to alone, of which every load counts: one load held out
-    between the others cannot tell an offset from a share of the load. Pieces of data are
-    those that are independent beside the law that leaves least.
+    Runs held out do not count: one load held out between the others cannot distinguish an
+    offset from a share of the load. Pieces of data are those that are independent beside
+    the law that leaves least.
     """
     seen = fitted_only(data, _SCOUTED_ROWS)
     loads = [name for name, _ in _core.pressings()] if data.loaded else ["constant"]
@@ -217,7 +217,7 @@ def _candidates(
     load that differs.
     """
     load, offset, gain = terms
-    # A law of the load itself has its own way to follow it.
+    # A law of the load itself follows it by its own formula.
     others = [name for name, _ in _core.pressings()] if loaded else ["constant"]
     kinds = _kinds()
     found = []

@@ -101,11 +101,11 @@ def residual_figure(fit: FrictionFit) -> Figure:
         ax.plot(values[shown], left[shown], ".", color=_CLOUD, markersize=2, zorder=1,
                 rasterized=True)  # fmt: skip
         back = data.column("v") < 0
-        for part, (colour, _, marker), way in (
+        for part, (colour, _, marker), direction in (
             (seen & ~back, LINES[0], "forward"), (seen & back, LINES[1], "backward")
         ):  # fmt: skip
             if part.any():
-                _medians(ax, values[part], left[part], law.memory, colour, marker, way)
+                _medians(ax, values[part], left[part], law.memory, colour, marker, direction)
         _finish(ax, label, "measured less law [N]")
         share = fit.left.get(name)
         if share is not None:
@@ -158,7 +158,7 @@ def force_figure(fit: FrictionFit) -> Figure:
     grid = figure.subplots(len(runs), 1, squeeze=False)[:, 0]
     for ax, run in zip(grid, runs, strict=True):
         own = slice(starts[run.label], starts[run.label] + run.rows.size)
-        # As much as can be told apart by eye.
+        # As much as the eye can resolve.
         part = run.t <= run.t[0] + min(np.ptp(run.t), _stretch(run.t, run.v))
         ax.plot(run.t[part], run.force[part], color=_CLOUD, linewidth=1.0, label="measured")
         rows = run.rows[part[run.rows]]
@@ -166,8 +166,8 @@ def force_figure(fit: FrictionFit) -> Figure:
         # A line would bridge what does not count.
         ax.plot(run.t[rows], law_force, ".", color="#d55e00", markersize=2.5, label=law.name)
         _finish(ax, "time [s]", "force [N]", legend=ax is grid[0])
-        told = "held out" if run.label in data.held_out else data.by.replace(" in", " held out in")
-        ax.set_title(f"run {run.label} ({told})", fontsize=9)
+        role = "held out" if run.label in data.held_out else data.by.replace(" in", " held out in")
+        ax.set_title(f"run {run.label} ({role})", fontsize=9)
     return figure
 
 
@@ -214,11 +214,11 @@ def _line(
     ax: Axes, law: FittedLaw, v: NDArray[np.float64], load: float | None, colour: str,
     dash: Any, label: str,
 ) -> None:  # fmt: skip
-    for way, name in ((1.0, label), (-1.0, None)):
-        reach = float(np.quantile(way * v, 0.999))
+    for sign, name in ((1.0, label), (-1.0, None)):
+        reach = float(np.quantile(sign * v, 0.999))
         if reach <= 0:
             continue
-        speeds = way * np.geomspace(reach * 1e-3, reach * 1.1, 300)
+        speeds = sign * np.geomspace(reach * 1e-3, reach * 1.1, 300)
         ax.plot(_MM * speeds, law.force(speeds, load), color=colour, linestyle=dash,
                 linewidth=1.6, label=name, zorder=3)  # fmt: skip
 
@@ -231,16 +231,16 @@ def _medians(
     from scipy.stats import binom
 
     middles, medians, low, high = [], [], [], []
-    for way in (x < 0, x >= 0):
-        if way.sum() < _BINS:
+    for side in (x < 0, x >= 0):
+        if side.sum() < _BINS:
             continue
-        order = np.argsort(x[way])
-        for part in np.array_split(order, min(_BINS, max(1, int(way.sum() / 20)))):
-            values = np.sort(y[way][part])
+        order = np.argsort(x[side])
+        for part in np.array_split(order, min(_BINS, max(1, int(side.sum() / 20)))):
+            values = np.sort(y[side][part])
             # Neighbours in time say the same: fewer count.
             count = max(int(values.size / memory), 1)
             reach = binom.ppf([0.025, 0.975], count, 0.5) / count
-            middles.append(np.median(x[way][part]))
+            middles.append(np.median(x[side][part]))
             medians.append(np.median(values))
             low.append(np.quantile(values, reach[0]))
             high.append(np.quantile(values, reach[1]))

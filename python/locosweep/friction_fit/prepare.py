@@ -1,9 +1,9 @@
-"""From measured columns to what is fitted: velocity, friction force, samples that count."""
+"""Preparation of measured runs: velocity, friction force, samples that count."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from locosweep.friction_fit.data import FrictionRun
+
+    Floats = NDArray[np.float64]
 
 _MOST_SAMPLES = 12_000
 """Samples of all runs that motion is kept at: bristle laws are integrated along it."""
@@ -34,84 +36,76 @@ _REST = 3.0
 _MOST_REST = 0.25
 """Largest rest speed, as a share of the usual speed."""
 _LONG_REST = 5
-"""Samples of a rest whose end tells what friction held."""
+"""Samples from which on a rest counts, whose end shows the break-away force."""
 _SPREAD = 0.1
 """Relative range from which the load differs between samples."""
 
 
 @dataclass(frozen=True)
-class PreparedRun:
-    """One run, ready to fit: columns of one length, and the samples that count.
+class Motion:
+    """Time [s], position [m], velocity [m/s], drive, load and friction force [N] of one run.
 
-    Attributes
-    ----------
-    label : str
-        Its name.
-    t, x, v, drive, load, force : ndarray
-        Time [s], position [m], velocity [m/s], drive, load and friction force [N],
-        shape (n,). Drive and load are 0 where there is none.
-    rows : ndarray of int64
-        Samples that count: sliding, or the end of a long rest. Shape (m,).
-    folds : ndarray of uint8
-        The part that each is held out with; 255 where it is only fitted to.
+    Arrays have the shape (n,); drive and load are 0 where there is none. `force_noise` [N]
+    and `speed_error` [m/s] are standard deviations of the noise.
     """
 
     label: str
-    t: NDArray[np.float64]
-    x: NDArray[np.float64]
-    v: NDArray[np.float64]
-    drive: NDArray[np.float64]
-    load: NDArray[np.float64]
-    force: NDArray[np.float64]
+    t: Floats
+    x: Floats
+    v: Floats
+    drive: Floats
+    load: Floats
+    force: Floats
+    force_noise: float
+    speed_error: float
+
+    def at(self, pick: NDArray[np.int64]) -> dict[str, Any]:
+        """Return the fields, arrays only at some samples."""
+        fields = vars(self).items()
+        return {name: v[pick] if isinstance(v, np.ndarray) else v for name, v in fields}
+
+
+@dataclass(frozen=True)
+class PreparedRun(Motion):
+    """One run, ready to fit.
+
+    `rows` are the samples that count, sliding or the end of a long rest, shape (m,);
+    `folds` the parts that they are held out with, 255 where they are only fitted to.
+    """
+
     rows: NDArray[np.int64]
     folds: NDArray[np.uint8]
 
 
 @dataclass(frozen=True)
 class Prepared:
-    """All runs, and what was found on the way.
-
-    Attributes
-    ----------
-    runs : list of PreparedRun
-        Those with samples that count.
-    normal : float
-        Normal force [N] where no load gives it: the weight, or 1 N without a mass,
-        so that coefficients read as newtons.
-    rest_speed : float
-        Up to this speed [m/s] a sample is at rest.
-    force_noise, speed_error : float
-        Standard deviations of the noise of the force [N] and of the velocity [m/s].
-    loaded : bool
-        Whether there is a load that differs between samples.
-    held_out : list of str
-        Runs that are held out, or empty where every part is in turn.
-    by : str
-        What is held out: "runs given", "runs in turn" or "blocks in turn".
-    breakaways : int
-        Rests whose end tells what friction held.
-    notices : list of str
-        For people.
-    """
+    """Runs with samples that count, and their common properties."""
 
     runs: list[PreparedRun]
     normal: float
+    """Normal force [N] where no load gives it: the weight, or 1 N without a mass, so that
+    coefficients read as newtons."""
     rest_speed: float
+    """Speed [m/s] up to which a sample is at rest."""
     force_noise: float
     speed_error: float
     loaded: bool
+    """The load differs between samples."""
     held_out: list[str]
+    """Runs that are held out, or none where every part is in turn."""
     by: str
+    """Held-out data: "runs given", "runs in turn" or "blocks in turn"."""
     breakaways: int
+    """Rests whose end shows the break-away force."""
     notices: list[str]
 
-    def column(self, name: str) -> NDArray[np.float64]:
-        """One column at the samples that count, all runs one after another."""
+    def column(self, name: str) -> Floats:
+        """Return one column at the samples that count, all runs one after another."""
         return np.concatenate([getattr(run, name)[run.rows] for run in self.runs])
 
     @property
     def lengths(self) -> list[int]:
-        """Samples that count in each run."""
+        """Number of samples that count in each run."""
         return [int(run.rows.size) for run in self.runs]
 
     def core(self) -> _core.FrictionData:
@@ -122,44 +116,14 @@ class Prepared:
         return _core.FrictionData(runs, self.normal, self.rest_speed)
 
 
-@dataclass(frozen=True)
-class _Motion:
-    """One run with velocity and friction force, before samples are chosen."""
-
-    run: FrictionRun
-    t: NDArray[np.float64]
-    x: NDArray[np.float64]
-    v: NDArray[np.float64]
-    drive: NDArray[np.float64]
-    load: NDArray[np.float64]
-    force: NDArray[np.float64]
-    force_noise: float
-    speed_error: float
-
-
 def prepare(
     measured: Sequence[FrictionRun], *, mass: float | None = None, holdout: Collection[str] = ()
 ) -> Prepared:
-    """Find velocity, friction force, rests and what to hold out.
+    """Find velocity, friction force, rests and the parts to hold out.
 
-    Parameters
-    ----------
-    measured : sequence of FrictionRun
-        From `read_friction`.
-    mass : float, optional
-        Moving mass in kg.
-    holdout : collection of str
-        Labels of the runs to hold out; by default every run in turn, and with one
-        or two runs every part of them.
-
-    Returns
-    -------
-    Prepared
-
-    Raises
-    ------
-    InputError
-        Nothing moves, nothing is left to fit to, an unknown run to hold out.
+    `holdout` are labels of runs; by default every run is held out in turn, and with one
+    or two runs every part of them. InputError where nothing moves, nothing is left to fit
+    to, or a run to hold out is unknown.
     """
     if mass is not None:
         mass = parameter("mass").check(mass)
@@ -182,7 +146,7 @@ def prepare(
         (m, pick, np.union1d(sliding[::thin], ends))
         for m, (pick, sliding, ends) in zip(motions, counts, strict=True)
     ]
-    idle = [m.run.label for m, _, rows in kept if rows.size < _LEAST_ROWS]
+    idle = [m.label for m, _, rows in kept if rows.size < _LEAST_ROWS]
     kept = [one for one in kept if one[2].size >= _LEAST_ROWS]
     if not kept:
         raise InputError(
@@ -191,19 +155,9 @@ def prepare(
         )
     if idle:
         notices.append(f"runs that hardly move, left out: {', '.join(idle)}")
-    by, folds = _folds([(m.run.label, rows) for m, _, rows in kept], holdout, notices)
+    by, folds = _folds([(m.label, rows) for m, _, rows in kept], holdout, notices)
     runs = [
-        PreparedRun(
-            m.run.label,
-            t=m.t[pick],
-            x=m.x[pick],
-            v=m.v[pick],
-            drive=m.drive[pick],
-            load=m.load[pick],
-            force=m.force[pick],
-            rows=rows.astype(np.int64),
-            folds=fold,
-        )
+        PreparedRun(**m.at(pick), rows=rows.astype(np.int64), folds=fold)
         for (m, pick, rows), fold in zip(kept, folds, strict=True)
     ]
     loads = np.concatenate([np.abs(run.load[run.rows]) for run in runs])
@@ -227,19 +181,7 @@ def prepare(
 
 
 def fitted_only(data: Prepared, most: int) -> Prepared:
-    """Leave out what is held out for good; of the rest nothing is held out.
-
-    Parameters
-    ----------
-    data : Prepared
-        From `prepare`.
-    most : int
-        About so many samples that count are kept.
-
-    Returns
-    -------
-    Prepared
-    """
+    """Return the runs that are not held out, with at most about `most` samples that count."""
     kept = [run for run in data.runs if run.label not in data.held_out]
     thin = max(1, -(-sum(run.rows.size for run in kept) // most))
     rows = [run.rows[::thin] for run in kept]
@@ -253,8 +195,8 @@ def fitted_only(data: Prepared, most: int) -> Prepared:
     )
 
 
-def _motion(run: FrictionRun, mass: float | None, notices: list[str]) -> _Motion:
-    """Velocity and friction force at every sample that has all values."""
+def _motion(run: FrictionRun, mass: float | None, notices: list[str]) -> Motion:
+    """Find velocity and friction force at every sample that has all values."""
     where = f"run {run.label}"
     given = run.columns
     known = np.all([np.isfinite(column) for column in given.values()], axis=0)
@@ -287,8 +229,8 @@ def _motion(run: FrictionRun, mass: float | None, notices: list[str]) -> _Motion
             raise InputError("mass is missing: allowed is a mass in kg or a column force")
         slope = _core.derivative(t, v, 1) if "v" in columns else _core.derivative(t, x, 2)
         force = drive - mass * slope[0]
-    noise = _core.noise(t, force)
-    return _Motion(run, t, x, v, drive, columns.get("load", nothing), force, noise, error)
+    load = columns.get("load", nothing)
+    return Motion(run.label, t, x, v, drive, load, force, _core.noise(t, force), error)
 
 
 def _spikes(force: NDArray[np.float64]) -> NDArray[np.int64]:
@@ -302,7 +244,7 @@ def _spikes(force: NDArray[np.float64]) -> NDArray[np.int64]:
     return lone if lone.size <= 0.002 * force.size + 1 else lone[:0]
 
 
-def _rest_speed(motions: list[_Motion]) -> float:
+def _rest_speed(motions: list[Motion]) -> float:
     speeds = np.abs(np.concatenate([m.v for m in motions]))
     usual = float(np.quantile(speeds, 0.95))
     if usual == 0.0:
@@ -312,7 +254,7 @@ def _rest_speed(motions: list[_Motion]) -> float:
 
 
 def _rows(
-    motion: _Motion, rest_speed: float, stride: int
+    motion: Motion, rest_speed: float, stride: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
     """Find samples to keep, and of these the sliding ones and the ends of long rests."""
     still = np.abs(motion.v) <= rest_speed
@@ -330,7 +272,7 @@ def _rests(still: NDArray[np.bool_]) -> list[int]:
     return [int(end) for begin, end in pairs if end - begin + 1 >= _LONG_REST]
 
 
-def _breaks(motion: _Motion, still: NDArray[np.bool_], end: int) -> bool:
+def _breaks(motion: Motion, still: NDArray[np.bool_], end: int) -> bool:
     """Return whether a rest ended at the break-away force.
 
     Where the motion is imposed, a rest may end at any force, and friction only then
@@ -340,14 +282,14 @@ def _breaks(motion: _Motion, still: NDArray[np.bool_], end: int) -> bool:
     after = after[~still[after]]
     if after.size == 0:
         return False
-    way = np.sign(motion.v[end + 1])
-    return bool(way * motion.force[end] >= 0.9 * np.median(way * motion.force[after]) > 0.0)
+    friction = np.sign(motion.v[end + 1]) * motion.force
+    return bool(friction[end] >= 0.9 * np.median(friction[after]) > 0.0)
 
 
 def _folds(
     runs: list[tuple[str, NDArray[np.int64]]], holdout: Collection[str], notices: list[str]
 ) -> tuple[str, list[NDArray[np.uint8]]]:
-    """Say what is held out: the runs named, or runs in turn, or parts of runs in turn."""
+    """Choose the held-out data: the runs named, or runs in turn, or parts of runs in turn."""
     sizes = [rows.size for _, rows in runs]
     if holdout:
         kept = [0 if label in holdout else _FITTED for label, _ in runs]

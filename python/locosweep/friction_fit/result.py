@@ -26,20 +26,8 @@ _MOST = 1e3
 class FittedParameter:
     """One parameter of a fitted law.
 
-    Attributes
-    ----------
-    name, unit, meaning : str
-        As in the registry; beside its parameters there are ``preload`` [N],
-        ``force_offset`` [N] and ``load_gain``.
-    value : float
-        As fitted.
-    std : float or None
-        Standard deviation; None where there is none: the data do not determine the
-        value, or it is an edge on the track, or `bounded`.
-    interval : tuple of float or None
-        95 % confidence interval.
-    bounded : bool
-        At an end of the range that was searched.
+    Names are those of the registry, and ``preload`` [N], ``force_offset`` [N] and
+    ``load_gain``.
     """
 
     name: str
@@ -47,8 +35,12 @@ class FittedParameter:
     meaning: str
     value: float
     std: float | None
+    """Standard deviation; None where the data do not determine the value, where it is an
+    edge on the track, or `bounded`."""
     interval: tuple[float, float] | None
+    """95 % confidence interval."""
     bounded: bool
+    """At an end of the range that was searched."""
 
 
 @dataclass(frozen=True)
@@ -60,24 +52,24 @@ class FittedLaw:
     law : str
         Its name in the registry.
     load : str
-        How its levels follow the load: constant, proportional or affine.
+        Dependence of its levels on the load: constant, proportional or affine.
     offset, gain : bool
-        Whether the force sensor has a fitted offset, and a fitted share of the load.
+        The force sensor has a fitted offset, or a fitted share of the load.
     parameters : dict of str to FittedParameter
         By name.
     rms, held_out_rms : float
         Root mean square [N] of what is left of the samples fitted to, and of samples
         held out.
     sigmas : float
-        How far it is behind the best one on samples held out, in standard deviations.
+        Distance behind the best one on samples held out, in standard deviations.
     tied : bool
-        Whether it cannot be told from the best one there.
+        Indistinguishable from the best one there.
     memory : float
         Samples that carry as much as one independent one.
     freedom : float
         Independent pieces of data beyond the parameters.
     settled : bool
-        Whether the search came to rest.
+        The search converged.
     normal : float
         Normal force [N] that `constant` levels count under.
     predicted, held_out : ndarray
@@ -109,16 +101,8 @@ class FittedLaw:
     @property
     def name(self) -> str:
         """Law and terms in one word, for tables and legends."""
-        terms = "".join(
-            f" + {word}"
-            for word, on in (
-                (f"{self.load} load", self.load != "constant"),
-                ("offset", self.offset),
-                ("load gain", self.gain),
-            )
-            if on
-        )
-        return self.law + terms
+        load = [] if self.load == "constant" else [f"{self.load} load"]
+        return " + ".join([self.law, *load, *["offset"] * self.offset, *["load gain"] * self.gain])
 
     def normal_force(self, load: float | None = None) -> float:
         """Return the normal force [N] under a load [N]; without one that of constant levels."""
@@ -128,14 +112,9 @@ class FittedLaw:
         return abs(load) + preload
 
     def force(self, speed: ArrayLike, load: float | None = None) -> NDArray[np.float64]:
-        """Friction force [N] of steady sliding, without what the sensor adds.
+        """Friction force [N] of steady sliding at signed speeds [m/s], sensor errors left out.
 
-        Parameters
-        ----------
-        speed : array_like
-            Signed speeds in m/s.
-        load : float, optional
-            Load in N, where the levels follow it.
+        `load` [N] counts where the levels follow it.
         """
         speeds = np.asarray(speed, dtype=np.float64)
         force: NDArray[np.float64] = _core.characteristic(
@@ -165,9 +144,9 @@ class FrictionFit:
     laws : list of FittedLaw
         All, by what is left on samples held out.
     equal : list of FittedLaw
-        Cannot be told from the chosen one, with as few parameters.
+        Indistinguishable from the chosen one, with as few parameters.
     no_better : list of FittedLaw
-        Cannot be told from it either, with more parameters.
+        Indistinguishable too, with more parameters.
     status : str
         "chosen": no law with as few parameters ties; "tie": some do.
     summary : str
@@ -224,22 +203,9 @@ class FrictionFit:
         return as_dict(self)
 
     def save(self, folder: str | os.PathLike[str]) -> list[str]:
-        """Write ``friction.json``, ``friction.md`` and the pictures into a folder.
+        """Write ``friction.json``, ``friction.md`` and the pictures; return the files.
 
-        Parameters
-        ----------
-        folder : path-like
-            Made if missing.
-
-        Returns
-        -------
-        list of str
-            The files.
-
-        Raises
-        ------
-        InputError
-            The folder cannot be made or written to.
+        The folder is made if missing; InputError if it cannot be made or written to.
         """
         from locosweep.friction_fit.report import save
 

@@ -23,17 +23,7 @@ _NEAR_NOISE = 1.5
 
 
 def schwarz(rms: float, pieces: float, parameters: int) -> float:
-    """Schwarz criterion of a fit, the lower the better.
-
-    Parameters
-    ----------
-    rms : float
-        Root mean square [N] of what is left of the samples fitted to.
-    pieces : float
-        Independent pieces of data.
-    parameters : int
-        How many were fitted.
-    """
+    """Return the Schwarz criterion of a fit with this residual [N] on independent pieces."""
     least = float(np.finfo(float).tiny)
     return float(2.0 * pieces * np.log(max(rms, least)) + parameters * np.log(max(pieces, 2.0)))
 
@@ -43,21 +33,9 @@ def choose(
 ) -> tuple[FittedLaw, list[FittedLaw], list[FittedLaw]]:
     """Take the simplest of the laws that tie with the best one.
 
-    Samples held out may be few: what they cannot tell apart, but the samples fitted to
-    refute, does not count as a tie.
-
-    Parameters
-    ----------
-    data : Prepared
-        What was fitted to.
-    laws : list of FittedLaw
-        By what is left on samples held out, the best first.
-
-    Returns
-    -------
-    chosen : FittedLaw
-    equal, no_better : list of FittedLaw
-        What ties with it, with as many parameters and with more.
+    Samples held out may be few: a law that they cannot tell from the best one, but that
+    the samples fitted to refute, does not tie. `laws` have the best one on held-out samples
+    first. Returns the law, and those that tie with it with as many parameters and with more.
     """
     tied = _not_refuted(data, [law for law in laws if law.tied])
     fewest = min(len(law.parameters) for law in tied)
@@ -67,7 +45,7 @@ def choose(
 
 
 def _not_refuted(data: Prepared, laws: list[FittedLaw]) -> list[FittedLaw]:
-    """Laws that the samples fitted to do not speak very strongly against."""
+    """Return the laws that the samples fitted to do not speak very strongly against."""
     away = [np.full(run.rows.size, run.label in data.held_out) for run in data.runs]
     fitted = ~np.concatenate(away)
     force = data.column("force")[fitted]
@@ -86,8 +64,8 @@ def _not_refuted(data: Prepared, laws: list[FittedLaw]) -> list[FittedLaw]:
     ]
 
 
-def shrink_of(data: Prepared, law: FittedLaw) -> float:
-    """Share of the force's spread on held-out samples that a law takes away."""
+def explained_share(data: Prepared, law: FittedLaw) -> float:
+    """Return the share of the force's spread on held-out samples that a law explains."""
     seen = np.isfinite(law.held_out)
     force = data.column("force")[seen]
     spread = float(np.sqrt(np.mean((force - np.mean(force)) ** 2)))
@@ -95,33 +73,30 @@ def shrink_of(data: Prepared, law: FittedLaw) -> float:
 
 
 def left_over(data: Prepared, law: FittedLaw) -> dict[str, float]:
-    """Share of the held-out residual's variance that follows each variable.
+    """Return the share of the held-out residual's variance that follows each variable.
 
     The residual is averaged over bins of the variable, apart for either direction;
     what bins of pure chance with the residual's memory would take is subtracted.
     """
     seen = np.isfinite(law.held_out)
     residual = (data.column("force") - law.held_out)[seen]
-    way = data.column("v")[seen] < 0
-    found = {}
+    backward = data.column("v")[seen] < 0
     since = np.concatenate([run.t[run.rows] - run.t[0] for run in data.runs])
     variables = {"v": data.column("v"), "x": data.column("x"), "t": since}
     if data.loaded:
         variables["load"] = data.column("load")
-    for name, values in variables.items():
-        cell = _cells(values[seen]) + _BINS * way
-        found[name] = _explained(residual, cell, law.memory)
-    return found
+    cells = {name: _cells(values[seen]) + _BINS * backward for name, values in variables.items()}
+    return {name: _explained(residual, cell, law.memory) for name, cell in cells.items()}
 
 
 def _cells(values: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Bins with as many samples each."""
+    """Return the bin of each value; bins hold as many samples each."""
     edges = np.quantile(values, np.linspace(0, 1, _BINS + 1)[1:-1])
     return np.searchsorted(edges, values).astype(np.int64)
 
 
 def _explained(residual: NDArray[np.float64], cell: NDArray[np.int64], memory: float) -> float:
-    """Return the adjusted share of the variance between cells."""
+    """Return the adjusted share of the variance between cells (adjusted R squared)."""
     _, bins = np.unique(cell, return_inverse=True)
     count = np.bincount(bins)
     mean = np.bincount(bins, residual) / count
@@ -145,7 +120,7 @@ def summary_of(
     noise: float,
     left: dict[str, float],
 ) -> str:
-    """Say it in one sentence."""
+    """Return the verdict as one sentence."""
     head = f"{chosen.name} leaves {chosen.held_out_rms:.3g} N of the friction force"
     head += f" on samples held out ({100 * shrink:.0f} % of its spread explained)"
     if equal:

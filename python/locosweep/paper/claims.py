@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from locosweep.files.robot import Robot
+    from locosweep.result import Result
 
 Verdict = Literal["agrees", "differs", "ambiguous in the paper"]
 
@@ -38,18 +39,9 @@ DRIVE = 0.85
 
 @dataclass(frozen=True)
 class Row:
-    """One claim of the paper and what comes of it.
+    """One claim of the paper, its source, the paper's value and ours with units, and the verdict.
 
-    Attributes
-    ----------
-    claim, source : str
-        What the paper states, and where.
-    paper, ours : str
-        Its value and the one computed here, with units.
-    verdict : {"agrees", "differs", "ambiguous in the paper"}
-        The last one where the text allows readings that disagree.
-    note : str
-        The rule of the verdict, or what helps to judge it.
+    A verdict is ambiguous where the text allows readings that disagree; `note` gives its rule.
     """
 
     claim: str
@@ -274,25 +266,24 @@ def _figure_2() -> list[Row]:
     return rows
 
 
+def figure_3_force() -> Result:
+    """Sweep the propulsive force over slope and segments, for both variants."""
+    slopes, counts = np.linspace(0, 20, 41), range(2, 13)
+    grid = Grid(anchor_weight=list(VARIANTS), slope_deg=slopes, segments=counts, **FIGURE_2)
+    return sweep("propulsive_force", grid)
+
+
 def _figure_3() -> list[Row]:
-    force = sweep(
-        "propulsive_force",
-        Grid(
-            anchor_weight=list(VARIANTS),
-            slope_deg=np.linspace(0, 20, 41),
-            segments=range(2, 13),
-            **FIGURE_2,
-        ),
-    ).values
+    force = figure_3_force().values
     more, steeper = np.diff(force, axis=2), np.diff(force, axis=1)
-    per_variant = list(enumerate(VARIANTS))
+    variants = range(len(VARIANTS))
     return [
         Row(
             "Propulsive force grows with the number of segments",
             "Figure 3",
             "grows",
             f"{'grows' if (more > 0).all() else 'not always'}: {more.min():.3g} N or more each",
-            judge(*(bool((more[i] > 0).all()) for i, _ in per_variant)),
+            judge(*(bool((more[i] > 0).all()) for i in variants)),
             "w = 1 and w = 0, slopes 0 to 20 deg, N = 2 to 12",
         ),
         Row(
@@ -302,7 +293,7 @@ def _figure_3() -> list[Row]:
             f"{'falls' if (steeper < 0).all() else 'not always'}: "
             f"{force[0, 0, 2]:.3g} to {force[0, -1, 2]:.3g} N (w = 1), "
             f"to {force[1, -1, 2]:.3g} N (w = 0) for N = 4",
-            judge(*(bool((steeper[i] < 0).all()) for i, _ in per_variant)),
+            judge(*(bool((steeper[i] < 0).all()) for i in variants)),
             "0 to 20 deg; both variants fall, so this does not tell them apart",
         ),
     ]

@@ -9,7 +9,7 @@ from matplotlib.colors import LogNorm, Normalize
 
 from locosweep.engine import sweep
 from locosweep.grid import Grid
-from locosweep.paper.claims import FIGURE_2, FIGURE_5, VARIANTS, VISCOUS, crossing
+from locosweep.paper.claims import FIGURE_2, FIGURE_5, VARIANTS, VISCOUS, crossing, figure_3_force
 from locosweep.plot import style
 from locosweep.result import Result
 
@@ -57,15 +57,7 @@ def _figure_2() -> Drawn:
 
 
 def _figure_3() -> Drawn:
-    result = sweep(
-        "propulsive_force",
-        Grid(
-            anchor_weight=list(VARIANTS),
-            slope_deg=np.linspace(0, 20, 41),
-            segments=range(2, 13),
-            **FIGURE_2,
-        ),
-    )
+    result = figure_3_force()
     shared = Normalize(float(np.nanmin(result.values)), float(np.nanmax(result.values)))
     figure, panels = _figure("Figure 3: propulsive force, μ 0.5/0.3", len(VARIANTS))
     for ax, (w, words) in zip(panels, VARIANTS.items(), strict=True):

@@ -55,22 +55,12 @@ _SEED = 2013
 
 
 def paper_gap(folder: str | os.PathLike[str]) -> tuple[Path, Path]:
-    """Write runs and nominal model of the paper's robot, whose reality differs twice.
+    """Write runs.csv and nominal.toml of the paper's robot, whose reality differs twice.
 
     The drive commands forces up to what the anchors would hold (3.99 N); the real
     actuator gives 0.85 N at most, and lubricant piles up before the segment. Reality
     is the blind check's own simulator. Values that the paper does not state are
     marked as assumed in the nominal file.
-
-    Parameters
-    ----------
-    folder : path-like
-        Made if missing.
-
-    Returns
-    -------
-    tuple of Path
-        runs.csv and nominal.toml, for `diagnose`.
 
     Examples
     --------

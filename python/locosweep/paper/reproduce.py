@@ -69,15 +69,7 @@ _SIGNS = {"agrees": "✓", "differs": "✗", "ambiguous in the paper": "?"}
 
 @dataclass(frozen=True)
 class Report:
-    """Claims compared and files written by `reproduce`.
-
-    Attributes
-    ----------
-    rows : tuple of Row
-        One per claim.
-    files : tuple of Path
-        Pictures and tables, in the order of writing.
-    """
+    """Claims compared, and files written by `reproduce` in their order."""
 
     rows: tuple[Row, ...]
     files: tuple[Path, ...]
@@ -137,19 +129,9 @@ def reproduce(
         Folder for ``figure2.png`` and so on, ``reproduction.md`` and
         ``reproduction.png``; made if missing.
     robot : Robot, optional
-        A robot file to hold against what the paper says of its robot.
+        A robot file to compare with the paper's statements on its robot.
     progress : callable, optional
         Receives finished and total files and files per second.
-
-    Returns
-    -------
-    Report
-        Its ``rows``, ``files`` and ``to_markdown()``.
-
-    Raises
-    ------
-    InputError
-        Another figure, or a folder that cannot be written.
 
     Examples
     --------

@@ -7,6 +7,7 @@ state is assumed, and every row and picture says so.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -104,27 +105,12 @@ def _heads() -> dict[str, _Head]:
 def _rear() -> tuple[Floats, Floats]:
     """Time and displacement of the rear while the head moves, in the whole robot."""
     run = run_gait(
-        "single",
-        segments=_SEGMENTS,
-        stroke=_STROKE,
-        mu_static=_GROUND["mu_static"],
-        mu_coulomb=_GROUND["mu_coulomb"],
-        drive_limit=_motor()[0],
-        dwell=0.05,
-        break_away=0,
-        impact=0,
-        cycles=1,
-        samples=2001,
-    )
+        "single", segments=_SEGMENTS, stroke=_STROKE, mu_static=_GROUND["mu_static"],
+        mu_coulomb=_GROUND["mu_coulomb"], drive_limit=_motor()[0], dwell=0.05,
+        break_away=0, impact=0, cycles=1, samples=2001,
+    )  # fmt: skip
     first = run.phase == 0
     return run.t[first], run.x[first, -1]
-
-
-def _apart(values: list[Floats]) -> float:
-    """Largest difference between surfaces at the same time, relative to the dry one."""
-    count = min(map(len, values))
-    table = np.array([one[:count] for one in values])
-    return float((np.ptp(table, axis=0) / table[0]).max())
 
 
 def _sampled(heads: dict[str, _Head], name: str) -> list[Floats]:
@@ -179,7 +165,8 @@ def _displacement() -> list[Row]:
 
 def _same(name: str, words: str, source: str, unit: str) -> list[Row]:
     heads = _heads()
-    apart = _apart(_sampled(heads, name))
+    table = np.array(_sampled(heads, name))
+    apart = float((np.ptp(table, axis=0) / table[0]).max())
     last = [float(getattr(head, name)[-1]) for head in heads.values()]
     first = float(getattr(heads["dry"], name)[0])
     return [
@@ -193,14 +180,6 @@ def _same(name: str, words: str, source: str, unit: str) -> list[Row]:
             f"nearly: within {_NEAR:.0%} at any time; {_ASSUMED}",
         )
     ]  # fmt: skip
-
-
-def _force() -> list[Row]:
-    return _same("force", "Propulsive force of the head segment", "Figure 12", "N")
-
-
-def _power() -> list[Row]:
-    return _same("power", "Electric power of the head segment", "Figure 13", "W")
 
 
 def _drawn(number: int, title: str, name: str, label: str, scale: float) -> tuple[Figure, Axes,
@@ -265,10 +244,14 @@ def _figure_13() -> tuple[Figure, list[Result]]:
     return figure, results
 
 
-SURFACE_CLAIMS: dict[int, Callable[[], list[Row]]] = {10: _displacement, 12: _force, 13: _power}
+SURFACE_CLAIMS: dict[int, Callable[[], list[Row]]] = {
+    10: _displacement,
+    12: partial(_same, "force", "Propulsive force of the head segment", "Figure 12", "N"),
+    13: partial(_same, "power", "Electric power of the head segment", "Figure 13", "W"),
+}
 SURFACE_FIGURES: dict[int, Callable[[], tuple[Figure, list[Result]]]] = {
     10: _figure_10,
     12: _figure_12,
     13: _figure_13,
 }
-"""By figure, as ``reproduce_claims.CLAIMS`` and ``reproduce_figures.FIGURES``."""
+"""By figure, as ``claims.CLAIMS`` and ``figures.FIGURES``."""

@@ -37,18 +37,7 @@ _MANY = 12
 
 
 def space_time(run: GaitRun, ax: Axes) -> Axes:
-    """Draw each segment as a band over time: where it is, and whether it holds.
-
-    Parameters
-    ----------
-    run : GaitRun
-        From ``locosweep.run_gait``.
-    ax : Axes
-        Where to draw.
-
-    Returns
-    -------
-    Axes
+    """Draw each segment as a band over time: its position and direction of sliding.
 
     Examples
     --------

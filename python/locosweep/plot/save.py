@@ -45,7 +45,7 @@ def save_figure(
     Raises
     ------
     InputError
-        Another ending, or a place that cannot be written.
+        Another ending, or a file that cannot be written.
 
     Examples
     --------

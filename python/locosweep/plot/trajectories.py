@@ -106,8 +106,8 @@ def _name(run: Trajectories, rank: int) -> str:
     return ", ".join(words) + lost
 
 
-def _shade(axes: tuple[Axes, Axes, Axes], times: Floats, way: Floats) -> None:
-    spells = [_spells(t, held == 0) for t, held in zip(times, way, strict=True)]
+def _shade(axes: tuple[Axes, Axes, Axes], times: Floats, sliding: Floats) -> None:
+    spells = [_spells(t, held == 0) for t, held in zip(times, sliding, strict=True)]
     if not any(spells):
         return
     middle = axes[1]

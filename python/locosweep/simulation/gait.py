@@ -16,7 +16,7 @@ from locosweep.grid import real_array
 from locosweep.registry import Status, unknown
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     import polars as pl
     from numpy.typing import NDArray
@@ -64,11 +64,8 @@ def gaits() -> list[Gait]:
 def gait_parameters() -> dict[str, GaitParameter]:
     """Map the name of every parameter of a run to its record.
 
-    Returns
-    -------
-    dict of str to GaitParameter
-        Records with ``parameter`` (as in ``locosweep.parameters()``), ``part``
-        (run, segment or joint) and the ``table`` and ``key`` of a gait file.
+    A record has ``parameter`` (as in ``locosweep.parameters()``), ``part`` (run, segment
+    or joint) and the ``table`` and ``key`` of a gait file.
 
     Examples
     --------
@@ -160,13 +157,7 @@ class GaitRun:
         rear = np.full((times, 1), np.nan)
         behind = pl.Series("joint_force", np.hstack([self.force, rear]).ravel()).fill_nan(None)
         shared = {name: np.repeat(getattr(self, name), count) for name in ("power", "propulsive")}
-        return pl.DataFrame(columns).with_columns(behind).with_columns(**_series(shared))
-
-
-def _series(columns: Mapping[str, Floats]) -> dict[str, pl.Series]:
-    import polars as pl
-
-    return {name: pl.Series(name, values) for name, values in columns.items()}
+        return pl.DataFrame({**columns, "joint_force": behind, **shared})
 
 
 def run_gait(
@@ -230,9 +221,9 @@ def run_gait(
     >>> round(run.results["advance"], 12)
     0.02
     """
-    named = {record.name for record in gaits()}
+    named = [record.name for record in gaits()]
     if gait not in named:
-        raise unknown("gait", gait, [record.name for record in gaits()])
+        raise unknown("gait", gait, named)
     shared, own, joints = _split(_given(robot, values))
     lists = (list(shared.items()), list(own.items()), list(joints.items()))
     count = whole("samples", samples) or 0
@@ -254,12 +245,12 @@ def run_gait(
     memory.check(int(min(needed, 2.0**62)), memory_limit, "the trace", "keep fewer samples")
     trace = _core.gait_run(gait, *lists, every, token)
     times = len(trace.t)
-    used: dict[str, float | tuple[float, ...]] = {}
-    for name, record in gait_parameters().items():
-        if record.parameter.default is not None:
-            used[name] = record.parameter.default
-    used.update(shared)
-    used.update({name: tuple(several) for name, several in (own | joints).items()})
+    defaults = {name: record.parameter.default for name, record in gait_parameters().items()}
+    used: dict[str, float | tuple[float, ...]] = {
+        **{name: value for name, value in defaults.items() if value is not None},
+        **shared,
+        **{name: tuple(several) for name, several in (own | joints).items()},
+    }
     return GaitRun(
         gait=gait,
         values=used,

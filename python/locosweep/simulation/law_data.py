@@ -72,10 +72,9 @@ class Characteristic:
     law, kind : str
         Name and kind (dry, smooth or bristle).
     speed, force : ndarray
-        Speed in m/s, rising, none of them 0, and signed force in N.
+        Speed in m/s, rising, without 0, and signed force in N.
     rest : tuple of float, optional
-        Lowest and highest force in N that friction takes at rest; None where it
-        takes but one value (smooth) or none without a deflection (bristle).
+        Lowest and highest friction in N at rest; None for laws that are not dry.
     level : float
         Coulomb level in N, or static level of a law that has no other.
     """
@@ -90,14 +89,9 @@ class Characteristic:
 
 @dataclass(frozen=True)
 class Behaviour:
-    """One more look at a law, at what its characteristic does not show.
+    """Curves of a property of a law that its characteristic does not show, with their labels.
 
-    Attributes
-    ----------
-    title, x_label, y_label : str
-        What the picture says, units included.
-    lines : tuple of (str, ndarray, ndarray)
-        Legend (empty: none), abscissae and ordinates, of one curve each.
+    Each line has legend (empty: none), abscissae and ordinates; labels include units.
     """
 
     title: str
@@ -121,22 +115,12 @@ def characteristic_of(
     Parameters
     ----------
     name : str
-        The law (``locosweep.laws()``).
+        The law (``locosweep.laws()``), at the start of its track and without a drive.
     speed : array_like, optional
         Speeds in m/s; 0 is left out, there friction is set-valued or nought.
         Default -0.1 to 0.1, denser around rest.
     **parameters
         Values by name; those that the law does not use are left alone.
-
-    Returns
-    -------
-    Characteristic
-        At the start of the track and without a drive, for laws that ask for these.
-
-    Raises
-    ------
-    InputError
-        An unknown law or parameter, a value out of range, or one that is missing.
 
     Examples
     --------
@@ -178,25 +162,10 @@ def level_of(record: Law, parameters: Mapping[str, float]) -> float:
 def behaviour_of(name: str, **parameters: float) -> Behaviour:
     """Simulate what sets a law apart from a plain level over speed.
 
-    Parameters
-    ----------
-    name : str
-        The law (``locosweep.laws()``).
-    **parameters
-        Values by name; those that the law does not use are left alone.
-
-    Returns
-    -------
-    Behaviour
-        Of bristle laws the presliding loops below break-away, of smooth ones the
-        creep under a steady load, of laws of place friction along the track, of
-        `load_friction` friction over the drive force, of other dry ones the pull
-        of a spring whose end moves slowly.
-
-    Raises
-    ------
-    InputError
-        As in `simulate`.
+    That is of bristle laws the presliding loops below break-away, of smooth ones the creep
+    under a steady load, of laws of position friction along the track, of `load_friction`
+    friction over the drive force, of other dry ones the pull of a spring whose end moves
+    slowly. Parameters that the law does not use are left alone.
 
     Examples
     --------
@@ -209,7 +178,7 @@ def behaviour_of(name: str, **parameters: float) -> Behaviour:
     scale = level_of(record, parameters)
     used = {p.name for p in record.parameters}
     if not scale > 0:
-        raise InputError("friction coefficients are 0: behaviour is told relative to that level")
+        raise InputError("friction coefficients are 0: behaviour is relative to that level")
     if record.kind == "bristle":
         return _presliding(name, given, scale)
     if record.kind == "smooth":

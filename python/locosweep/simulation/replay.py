@@ -55,13 +55,7 @@ def effect(name: str) -> _core.Effect:
 
 
 def nominal_of(robot: Robot) -> dict[str, float]:
-    """Return the numbers of a robot file that a replay takes.
-
-    Raises
-    ------
-    InputError
-        A number that has no default is missing.
-    """
+    """Return the numbers of a robot file that a replay takes; InputError if one is missing."""
     other = robot.other
     values = {p.name: p.default for p in _core.parameters() if p.default is not None}
     values.update(robot.parameters)

@@ -113,11 +113,8 @@ class GaitSpec(SpecFile):
         return toml.write(document)
 
     @classmethod
-    def _of(cls, document: dict[str, Any]) -> Self:
-        return cls(*_read(document))
-
-    def _beside(self, folder: Path) -> Self:
-        return replace(self, folder=folder)
+    def _of(cls, document: dict[str, Any], folder: Path) -> Self:
+        return cls(*_read(document), folder)
 
     def _moved(self, folder: Path) -> Self:
         return replace(self, robot=toml.moved(self.robot, self.folder, folder), folder=folder)
@@ -125,13 +122,6 @@ class GaitSpec(SpecFile):
 
 _WORDS = ("schedule", "robot")
 """Keys of [gait] that are no parameters."""
-
-
-def _tables() -> list[str]:
-    return [
-        "gait",
-        *dict.fromkeys(r.table for r in gait_parameters().values() if r.table != "gait"),
-    ]
 
 
 def _check_schedule(name: str) -> None:
@@ -153,7 +143,7 @@ def _read(
     document: dict[str, Any],
 ) -> tuple[str, dict[str, float | tuple[float, ...]], str | None]:
     """Return schedule, values and robot file."""
-    tables = _tables()
+    tables = list(dict.fromkeys(["gait", *(r.table for r in gait_parameters().values())]))
     toml.check_keys("key or table", document, ["format", *tables])
     toml.check_format(document, _FORMAT)
     values: dict[str, float | tuple[float, ...]] = {}
@@ -176,17 +166,12 @@ def _read(
         _check_schedule(words["schedule"])
     except InputError as error:
         raise InputError(f"[gait] schedule: {error}") from None
-    if "robot" not in words:
-        _complete(values)
-    _lengths(values)
-    return words["schedule"], values, words.get("robot")
-
-
-def _complete(values: dict[str, float | tuple[float, ...]]) -> None:
     for name, record in gait_parameters().items():
-        if record.parameter.default is None and name not in values:
+        if record.parameter.default is None and name not in values and "robot" not in words:
             allowed = record.parameter.allowed
             raise InputError(f"[{record.table}] {record.key} is missing: allowed is {allowed}")
+    _lengths(values)
+    return words["schedule"], values, words.get("robot")
 
 
 def _lengths(values: dict[str, float | tuple[float, ...]]) -> None:

@@ -83,35 +83,16 @@ class Simulation:
         # Only simulations of whole robots take a gait.
         return found if self.gait is None else {**found, "gait": self.gait}
 
-    def beside(self, folder: Path) -> Simulation:
-        """Return the same, its drive file counted from a folder."""
-        return replace(self, folder=folder)
-
     def moved(self, folder: Path) -> Simulation:
-        """Return the same drive file, told from another folder."""
+        """Return the same choice, its drive file relative to another folder."""
         return replace(self, drive_file=moved(self.drive_file, self.folder, folder), folder=folder)
 
 
 def read_drive(path: str | os.PathLike[str]) -> Samples:
-    r"""Read the samples of a drive from a CSV file.
+    r"""Read times [s] and values of a drive: the columns t and drive of CSV or Parquet.
 
-    Parameters
-    ----------
-    path : path-like
-        CSV or Parquet with the columns ``t`` (s, rising) and ``drive``; others are
-        left alone.
-
-    Returns
-    -------
-    tuple of ndarray
-        Times in s and values of the drive.
-
-    Raises
-    ------
-    DataFileError
-        No such file, a column missing, a cell that is no finite number, times
-        that do not rise; names the file, the row (the first below the names is 1)
-        and the column.
+    DataFileError names file, row (the first below the names is 1) and column of a cell that
+    is missing or no finite number, or of times that do not rise.
 
     Examples
     --------

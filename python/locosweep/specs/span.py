@@ -43,13 +43,7 @@ class Span:
     count: int | None = None
 
     def check(self, name: str) -> int:
-        """Return how many values a parameter gets.
-
-        Raises
-        ------
-        InputError
-            An end that the parameter cannot take, or a count that does not fit.
-        """
+        """Return the number of values; InputError for an end or a count that does not fit."""
         record = parameter(name)
         for end in (self.start, self.stop):
             record.check(end)

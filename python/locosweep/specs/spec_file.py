@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
@@ -12,27 +13,23 @@ if TYPE_CHECKING:
     import os
 
 
-class SpecFile:
+class SpecFile(ABC):
     """A specification that a TOML file holds."""
 
     _kind: ClassVar[str]
 
+    @abstractmethod
     def to_toml(self) -> str:
         """Return the text of a file."""
-        raise NotImplementedError
 
     @classmethod
-    def _of(cls, document: dict[str, Any]) -> Self:
-        """Read the content of a file; InputError for whatever it cannot hold."""
-        raise NotImplementedError
+    @abstractmethod
+    def _of(cls, document: dict[str, Any], folder: Path) -> Self:
+        """Read the content of a file; relative paths in it count from a folder."""
 
-    def _beside(self, folder: Path) -> Self:
-        """Return the same, its relative paths counted from a folder."""
-        raise NotImplementedError
-
+    @abstractmethod
     def _moved(self, folder: Path) -> Self:
-        """Return the same, its relative paths changed to count from a folder."""
-        raise NotImplementedError
+        """Return the same specification, its relative paths counted from another folder."""
 
     @classmethod
     def from_toml(cls, text: str, *, source: str | None = None) -> Self:
@@ -53,15 +50,15 @@ class SpecFile:
         """
         source = cls._kind if source is None else source
         with toml.refusing(source):
-            return cls._of(toml.parse(text, source))
+            return cls._of(toml.parse(text, source), Path())
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
         """Read a file; paths in it count from its folder."""
         document = toml.read(path)
         with toml.refusing(path):
-            return cls._of(document)._beside(Path(path).parent)
+            return cls._of(document, Path(path).parent)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a file, in one step; paths in it are told from its folder."""
+        """Write a file, in one step; paths in it count from its folder."""
         write_text(path, self._moved(Path(path).parent).to_toml())

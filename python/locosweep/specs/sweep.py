@@ -165,11 +165,8 @@ class Spec(SpecFile):
         )
 
     @classmethod
-    def _of(cls, document: dict[str, Any]) -> Self:
-        return cls(**_read(document))
-
-    def _beside(self, folder: Path) -> Self:
-        return replace(self, simulation=self.simulation.beside(folder))
+    def _of(cls, document: dict[str, Any], folder: Path) -> Self:
+        return cls(**_read(document, folder))
 
     def _moved(self, folder: Path) -> Self:
         return replace(self, simulation=self.simulation.moved(folder))
@@ -198,7 +195,7 @@ _KEYS = ("format", "quantities", "over", "reduce", "q", "dtype", "simulation", "
 _SPAN_KEYS = ("from", "to", "count")
 
 
-def _read(document: Mapping[str, Any]) -> dict[str, Any]:
+def _read(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Return the arguments of a Spec."""
     toml.check_keys("key", document, _KEYS)
     toml.check_format(document, _FORMAT)
@@ -219,7 +216,7 @@ def _read(document: Mapping[str, Any]) -> dict[str, Any]:
         "reduce": _words("reduce", document.get("reduce", [])),
         "q": None if q is None else toml.number("q", q),
         "dtype": toml.word("dtype", document.get("dtype", "float64")),
-        "simulation": Simulation(**words),
+        "simulation": Simulation(**words, folder=folder),
     }
 
 

@@ -1,5 +1,5 @@
-"""Blind check of the diagnosis: cases whose cause is withheld, and how it fares on them.
+"""Blind check of the diagnosis: simulated cases whose cause is withheld.
 
-The diagnosis gets files only. What is true of a case is written and hashed before
-the first diagnosis starts and read after the last one ended.
+The diagnosis gets files only. The truth of a case is written and hashed before the
+first diagnosis starts and read after the last one ended.
 """

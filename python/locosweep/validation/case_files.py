@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from locosweep.errors import DataFileError
+from locosweep.files import toml
 from locosweep.files.atomic import replacing
 from locosweep.files.channels import CHANNELS
 from locosweep.validation.experiment import FINE, Experiment, World
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
     import polars as pl
 
     from locosweep.validation.cases import Case
-
-__all__ = ["SEAL", "case_name", "digest", "read_truth", "runs_file", "seal", "write_case"]
 
 SEAL = "sealed.json"
 """Hashes of all truths, written before the first diagnosis."""
@@ -93,43 +92,28 @@ def _gap_cells(case: Case) -> tuple[str, list[list[Any]]]:
 
 
 def _nominal(case: Case) -> str:
-    """Nominal file of a case."""
+    """Return the text of a case's nominal file."""
     rig, sensors = case.experiment.rig, case.experiment.sensors
     n = rig.nominal
-    tables: dict[str, dict[str, float | str]] = {
+    mu = n.get("mu_coulomb")
+    shown = {"position_noise", "position_resolution"}
+    shown |= {f"{CHANNELS[c].sensor}_noise" for c in sensors.channels}
+    kind = "rotary" if rig.rotary else "linear" if rig.linear_bench else None
+    return toml.write({
         "robot": {"segments": int(n["segments"]), "mass": n["mass"], "gravity": n["gravity"]},
-        "surface": {},
-        "drive": {"gain": n["gain"]},
-    }
-    if "coulomb_force" in n:
-        tables["surface"]["coulomb_force"] = n["coulomb_force"]
-    else:
-        tables["surface"] |= {
-            "mu_static": round(1.3 * n["mu_coulomb"], 3),
-            "mu_coulomb": n["mu_coulomb"],
-        }
-    tables["surface"] |= {"viscous": n["viscous"], "slope_deg": n["slope_deg"]}
-    if math.isfinite(n["limit"]):
-        tables["drive"]["limit"] = n["limit"]
-    if rig.rotary:
-        tables["bench"] = {"kind": "rotary", "gravity_torque": n["gravity_torque"]}
-    elif rig.linear_bench:
-        tables["bench"] = {"kind": "linear"}
-    if sensors.stated:
-        shown = {"position_noise", "position_resolution"}
-        shown |= {f"{CHANNELS[c].sensor}_noise" for c in sensors.channels}
-        tables["sensor"] = {k: getattr(sensors, k) for k in sensors.stated if k in shown}
-    if rig.motor:
-        tables["motor"] = dict(rig.motor)
-    if rig.uncertainty:
-        tables["uncertainty"] = dict(rig.uncertainty)
-    lines = []
-    for table, content in tables.items():
-        lines.append(f"[{table}]")
-        for key, value in content.items():
-            lines.append(f"{key} = {json.dumps(value)}")
-        lines.append("")
-    return "\n".join(lines)
+        "surface": {
+            "coulomb_force": n.get("coulomb_force"),
+            "mu_static": None if mu is None else round(1.3 * mu, 3),
+            "mu_coulomb": mu,
+            "viscous": n["viscous"],
+            "slope_deg": n["slope_deg"],
+        },
+        "drive": {"gain": n["gain"], "limit": n["limit"] if math.isfinite(n["limit"]) else None},
+        "bench": {"kind": kind, "gravity_torque": n.get("gravity_torque")},
+        "sensor": {key: getattr(sensors, key) for key in sensors.stated if key in shown},
+        "motor": rig.motor,
+        "uncertainty": rig.uncertainty,
+    })  # fmt: skip
 
 
 def runs_file(folder: Path) -> Path:
@@ -191,13 +175,7 @@ def seal(out: Path, names: Iterable[str]) -> Path:
 
 
 def read_truth(out: Path, name: str) -> dict[str, Any]:
-    """Open a sealed truth.
-
-    Raises
-    ------
-    DataFileError
-        It is not what was sealed.
-    """
+    """Open a sealed truth; DataFileError if it was altered since."""
     sealed = json.loads((out / SEAL).read_text())
     for file, known in sealed[name].items():
         path = out / "sealed" / name / file

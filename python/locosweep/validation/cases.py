@@ -1,4 +1,4 @@
-"""Cases of the blind check: a rig, its runs, and what is really going on.
+"""Cases of the blind check: a rig, its runs, and the reality that they are measured in.
 
 Case `i` is the same whatever the number of cases.
 """
@@ -6,13 +6,14 @@ Case `i` is the same whatever the number of cases.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from locosweep.diagnosis.effects.catalogue import lacking
 from locosweep.simulation.replay import effects
-from locosweep.validation.drives import KINDS, Shape, draw_shape, sample_times
+from locosweep.validation.drives import KINDS, draw_shape, sample_times
 from locosweep.validation.experiment import COARSE, Drive, Experiment, World
 from locosweep.validation.laws import CAUSES, LAWS, OUTSIDE, Cause, Scale, draw_cause
 from locosweep.validation.rigs import Rig, Sensors, draw_rig, draw_sensors, log_uniform
@@ -24,14 +25,12 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["KINDS_OF_CASE", "Case", "absent_of", "draw_case", "scale_of_runs"]
-
 KINDS_OF_CASE = {"none": 0.25, "one": 0.45, "two": 0.15, "outside": 0.15}
 """Shares of the mixture."""
 _MISMATCH = 1 / 3
-"""Share of single effects that follow another law than their name's."""
+"""Share of single effects with another functional form than the listed one."""
 _MOST_SAMPLES = 16000
-"""Of all runs of a case."""
+"""Largest number of samples of all runs of a case."""
 _LEAST, _MOST = 0.8, 600.0
 """Sizes outside are drawn anew: an effect that sets in at once cannot be made small."""
 _NO_SENSORS = Sensors(1.0, 1.0)
@@ -40,18 +39,9 @@ _NO_SENSORS = Sensors(1.0, 1.0)
 
 @dataclass(frozen=True)
 class Case:
-    """One case, before noise.
+    """One case, before noise: runs for the diagnosis, fresh ones, their reality, the truth.
 
-    Attributes
-    ----------
-    kind : str
-        Of `KINDS_OF_CASE`.
-    experiment, check : Experiment
-        Runs that the diagnosis gets, and fresh ones of the same reality.
-    world : World
-        What is really going on.
-    truth : dict
-        What is written of it.
+    `kind` is one of `KINDS_OF_CASE`; `check` are fresh runs of the same `world`.
     """
 
     kind: str
@@ -61,37 +51,32 @@ class Case:
     truth: dict[str, Any] = field(default_factory=dict)
 
 
-def _excess(rig: Rig, slope_deg: float, way: float) -> float:
-    """Drive force that just moves the head from rest."""
+def _excess(rig: Rig, slope_deg: float, sign: float) -> float:
+    """Return the drive force that just moves the head from rest in a direction."""
     n = rig.nominal
     if rig.rotary:
         return rig.level
     alpha = np.radians(slope_deg)
     weight = n["mass"] * n["gravity"]
     level = n.get("coulomb_force", n.get("mu_coulomb", 0.0) * weight * np.cos(alpha))
-    return float(level + way * weight * np.sin(alpha))
+    return float(level + sign * weight * np.sin(alpha))
 
 
 def _sized(
-    rig: Rig, shape: Shape, t: Floats, slope_deg: float, way: float, travel: float
+    rig: Rig, shape: Floats, t: Floats, slope_deg: float, sign: float, travel: float
 ) -> Floats:
-    """Command of a size with which the head travels about so far, back and forth."""
-    least = max(_excess(rig, slope_deg, way), 0.1 * rig.level) / rig.nominal["gain"]
+    """Scale a command such that the head travels about so far, back and forth."""
+    least = max(_excess(rig, slope_deg, sign), 0.1 * rig.level) / rig.nominal["gain"]
     low, high = 1.0, 8.0
     if rig.rotary:
         high += 3.0 * rig.nominal["gravity_torque"] / rig.level
     sizes = np.geomspace(low * 1.02, high, 14)
-    drives = [
-        Drive(t, way * least * size * shape.values, slope_deg, (0.0, 0.0), 0) for size in sizes
-    ]
+    drives = [Drive(t, sign * least * size * shape, slope_deg, (0.0, 0.0), 0) for size in sizes]
     read = Experiment(rig, tuple(drives), _NO_SENSORS).read([World()], 5e-4, 1)[0]
     paths = np.array([np.abs(np.diff(run["x"])).sum() for run in read])
-    size = float(
-        np.exp(
-            np.interp(np.log(travel), np.log(np.maximum.accumulate(paths) + 1e-9), np.log(sizes))
-        )
-    )
-    command: Floats = way * least * size * shape.values
+    logs = np.log(np.maximum.accumulate(paths) + 1e-9)
+    size = float(np.exp(np.interp(np.log(travel), logs, np.log(sizes))))
+    command: Floats = sign * least * size * shape
     return command
 
 
@@ -105,7 +90,6 @@ def _drives(rng: Generator, rig: Rig, count: int, plan: dict[str, Any]) -> list[
     """Draw the runs of one session."""
     drives: list[Drive] = []
     kinds = rng.permutation(np.array(KINDS)).tolist()
-    way = 1.0
     for i in range(count):
         duration = plan["duration"] * rng.uniform(0.8, 1.2)
         t = sample_times(rng, plan["rate"], duration, jitter=plan["jitter"])
@@ -117,7 +101,7 @@ def _drives(rng: Generator, rig: Rig, count: int, plan: dict[str, Any]) -> list[
             slope = round(float(rng.uniform(-most, most)), 1)
         travel = plan["travel"] * log_uniform(rng, 0.4, 2.5)
         turned = plan["mode"] == "mixed" and one_way and rng.random() < 0.3
-        command = _round_command(_sized(rig, shape, t, slope, -way if turned else way, travel))
+        command = _round_command(_sized(rig, shape, t, slope, -1.0 if turned else 1.0, travel))
         speed = 0.0
         if plan["starts_moving"]:
             speed = float(rng.normal(0.0, 0.2)) * travel / duration * 4.0
@@ -199,15 +183,11 @@ def _target(rng: Generator, kind: str) -> float:
 
 
 def _strength(nuisances: Nuisances, cause: Cause, target: float) -> tuple[float, Floats]:
-    """Find the strength at which a cause has a size; as near as it gets."""
-
-    def response(s: float) -> Floats:
-        return nuisances.differences([(cause.effect(s),)])[0]
-
+    """Find the strength at which a cause has a size, as near as it gets, and its gap."""
     # A force sensor sees the shortest delay by a whole sample: none is shorter than 1 ms.
     shown = cause.name == "drive_delay" and "force" in nuisances.experiment.sensors.channels
     grid = np.geomspace(5e-3 if shown else 1e-3, 1.0, 7)
-    found = nuisances.differences([(cause.effect(float(s)),) for s in grid])
+    found = nuisances.differences([(cause.effect(s),) for s in grid.tolist()])
     sizes = np.array([np.linalg.norm(f) for f in found])
     above = np.flatnonzero(sizes >= target)
     if above.size == 0:
@@ -222,7 +202,7 @@ def _strength(nuisances: Nuisances, cause: Cause, target: float) -> tuple[float,
         if abs(np.linalg.norm(seen) / target - 1.0) < 0.05:
             break
         middle = float(np.sqrt(low * high))
-        tried = response(middle)
+        tried = nuisances.differences([(cause.effect(middle),)])[0]
         if np.linalg.norm(tried) >= target:
             high, seen = middle, tried
         else:
@@ -248,16 +228,9 @@ def _pick(rng: Generator, rig: Rig, channels: tuple[str, ...], count: int) -> li
 
 
 def draw_case(seed: int, index: int, *, gap_free: bool = False, threads: int = 1) -> Case:
-    """Draw one case.
+    """Draw one case of a seed; it does not depend on `threads`, those of the reality.
 
-    Parameters
-    ----------
-    seed, index : int
-        Of the check and of the case.
-    gap_free : bool
-        A case without a gap and with exactly the nominal values.
-    threads : int
-        For the reality; the case does not depend on it.
+    With `gap_free` the case has no gap and exactly the nominal values.
     """
     rng = np.random.default_rng([seed, int(gap_free), index])
     kind = str(rng.choice(list(KINDS_OF_CASE), p=list(KINDS_OF_CASE.values())))
@@ -280,7 +253,9 @@ def _try_case(rng: Generator, kind: str, *, exact: bool, threads: int) -> Case |
         return None
     sensors = draw_sensors(rng, rig, scale.travel, scale.speed, scale.force)
     if kind in ("one", "two") and rng.random() < 0.04 and not rig.rotary and not rig.linear_bench:
-        sensors = replace(sensors, channels=tuple({*sensors.channels, "x_rear"}))
+        # Not by a set, whose order differs between processes and with it the drawn noise.
+        channels = dict.fromkeys((*sensors.channels, "x_rear"))
+        sensors = replace(sensors, channels=tuple(channels))
     experiment = replace(blind, sensors=sensors)
     check = Experiment(rig, tuple(fresh), sensors)
     shifts = {name: float(np.clip(rng.normal(), -2.0, 2.0)) for name in rig.uncertainty}
@@ -295,10 +270,12 @@ def _try_case(rng: Generator, kind: str, *, exact: bool, threads: int) -> Case |
     }
     if kind == "none":
         truth |= {"status": "none", "accepted": [], "d": 0.0}
-        return Case(kind, experiment, check, World(shifts), truth)
+    case = Case(kind, experiment, check, World(shifts), truth)
+    if kind == "none":
+        return case
     nuisances = Nuisances(experiment, scale, World(shifts), threads)
     if kind == "outside":
-        return _outside(rng, Case(kind, experiment, check, World(shifts), truth), nuisances, scale)
+        return _outside(rng, case, nuisances)
     names = _pick(rng, rig, sensors.channels, 1 if kind == "one" else 2)
     mismatch = kind == "one" and rng.random() < _MISMATCH
     forms = [_form(rng, rig, name, mismatch=mismatch) for name in names]
@@ -312,19 +289,15 @@ def _try_case(rng: Generator, kind: str, *, exact: bool, threads: int) -> Case |
     sizes = [float(np.linalg.norm(gap)) for gap in gaps]
     if min(sizes) < _LEAST or max(sizes) > _MOST:
         return None
-    world = World(shifts, tuple(chosen))
-    case = Case(kind, experiment, check, world, truth)
-    return (
-        _single(case, nuisances, scale, gaps[0]) if kind == "one" else _pair(case, scale, threads)
-    )
+    case = replace(case, world=World(shifts, tuple(chosen)))
+    return _single(case, nuisances, gaps[0]) if kind == "one" else _pair(case, nuisances)
 
 
 def _verdict(own: float, distances: dict[str, float], name: str) -> dict[str, Any]:
-    """Class of causes that the runs cannot tell from the true one.
+    """Return the class of causes that the runs cannot tell from the true one.
 
-    A rival counts as the same where it comes within the noise of the true effect, and
-    where the effect follows another law than its name's, where it comes nearer than the
-    name's own law does.
+    A rival belongs to it if it leaves no more than noise, or, for an effect of another
+    functional form, no more than the listed form of its own name leaves.
     """
     bar = max(ALIKE, own)
     accepted = [name, *sorted(r for r, left in distances.items() if left < bar and r != name)]
@@ -332,13 +305,11 @@ def _verdict(own: float, distances: dict[str, float], name: str) -> dict[str, An
     return {"accepted": accepted, "next_rival": min(others, default=float("inf"))}
 
 
-def _single(case: Case, nuisances: Nuisances, scale: Scale, gap: Floats) -> Case:
+def _single(case: Case, nuisances: Nuisances, gap: Floats) -> Case:
     (name, form, parameters) = case.world.effects[0]
     d = nuisances.size(case.world.effects)
     absent = absent_of(case.experiment.rig)
-    distances = rival_distances(
-        nuisances, scale, gap, own=case.world.effects[0], absent=absent, most=d
-    )
+    distances = rival_distances(nuisances, gap, own=case.world.effects[0], absent=absent, most=d)
     law = form in ("law", "force")
     found = _verdict(0.0 if law else distances[name], distances, name)
     entry = {
@@ -361,27 +332,26 @@ def _single(case: Case, nuisances: Nuisances, scale: Scale, gap: Floats) -> Case
     return replace(case, truth=truth)
 
 
-def _pair(case: Case, scale: Scale, threads: int) -> Case:
-    """Sizes and rivals of each of two effects, the other one refitted."""
-    effects, accepted, entries = case.world.effects, [], []
-    nominal = Nuisances(case.experiment, scale, World(case.world.shifts), threads)
+def _pair(case: Case, nominal: Nuisances) -> Case:
+    """Find size and rivals of each of two effects, the other one refitted."""
+    effects, entries = case.world.effects, []
     whole = nominal.differences([effects])[0]
     absent = absent_of(case.experiment.rig)
-    singles = rival_distances(nominal, scale, whole, absent=absent)
-    accepted += [[rival] for rival, left in sorted(singles.items()) if left < ALIKE]
+    singles = rival_distances(nominal, whole, absent=absent)
+    accepted = [[rival] for rival, left in sorted(singles.items()) if left < ALIKE]
     for i, (name, form, parameters) in enumerate(effects):
         other = effects[1 - i]
-        around = Nuisances(case.experiment, scale, World(case.world.shifts, (other,)), threads)
+        world = World(case.world.shifts, (other,))
+        around = Nuisances(case.experiment, nominal.scale, world, nominal.threads)
         gap = around.differences([(effects[i],)])[0]
-        nudged = other[0], other[1], _nudged(other[2])
-        world = World(case.world.shifts, (nudged,))
-        moved = case.experiment.read([world], COARSE, threads)[0]
-        other_way = around.left(case.experiment.whitened(moved) - around.base)
-        beside = [other_way] if np.linalg.norm(other_way) > 0.0 else []
+        world = World(case.world.shifts, ((other[0], other[1], _nudged(other[2])),))
+        moved = case.experiment.read([world], COARSE, nominal.threads)[0]
+        sensitivity = around.left(case.experiment.whitened(moved) - around.base)
+        beside = [sensitivity] if np.linalg.norm(sensitivity) > 0.0 else []
         alone = gap - sum((b * (b @ gap) / (b @ b) for b in beside), 0.0)
         d = min(float(np.linalg.norm(alone)), around.size((effects[i],)))
         distances = rival_distances(
-            around, scale, gap, own=effects[i], beside=beside, absent=[*absent, other[0]], most=d
+            around, gap, own=effects[i], beside=beside, absent=[*absent, other[0]], most=d
         )
         found = _verdict(0.0, distances, name)
         entries.append({
@@ -389,11 +359,9 @@ def _pair(case: Case, scale: Scale, threads: int) -> Case:
             "d_name": min(d, found["next_rival"]), "accepted": found["accepted"],
             "distances": distances,
         })  # fmt: skip
-    for first in entries[0]["accepted"]:
-        for second in entries[1]["accepted"]:
-            if entries[0]["name"] in (first,) or entries[1]["name"] in (second,):
-                accepted.append([first, second])
     classes = [entry["accepted"] for entry in entries]
+    (first, *_), (second, *_) = effects
+    accepted += [[a, b] for a, b in product(*classes) if a == first or b == second]
     plain = all(len(c) == 1 for c in classes) and not any(len(a) == 1 for a in accepted)
     truth = {
         **case.truth,
@@ -412,16 +380,16 @@ def _nudged(parameters: dict[str, float]) -> dict[str, float]:
     return {**parameters, first: parameters[first] * 1.01}
 
 
-def _outside(rng: Generator, case: Case, nuisances: Nuisances, scale: Scale) -> Case | None:
+def _outside(rng: Generator, case: Case, nuisances: Nuisances) -> Case | None:
     name = str(rng.choice(OUTSIDE))
-    cause = draw_cause(rng, scale, name, "outside")
+    cause = draw_cause(rng, nuisances.scale, name, "outside")
     strength, gap = _strength(nuisances, cause, _target(rng, "outside"))
     parameters = _rounded(cause.effect(strength)[2])
     d = nuisances.size(((name, "outside", parameters),))
     if not _LEAST <= d <= _MOST:
         return None
     absent = absent_of(case.experiment.rig)
-    distances = rival_distances(nuisances, scale, gap, absent=absent, most=d)
+    distances = rival_distances(nuisances, gap, absent=absent, most=d)
     accepted = [[rival] for rival, left in sorted(distances.items()) if left < ALIKE]
     truth = {
         **case.truth,

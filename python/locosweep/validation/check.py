@@ -5,26 +5,23 @@ from __future__ import annotations
 import hashlib
 import json
 import time
-from concurrent.futures import as_completed
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from locosweep.validation.case_files import SEAL, digest, read_truth, runs_file
-from locosweep.validation.fresh_runs import fresh_shrink
+from locosweep.validation.fresh_runs import fresh_reduction
 from locosweep.validation.judge import Judged, judge
 from locosweep.validation.next_run import NextRun, carried_out
-from locosweep.validation.processes import code_digest, pool_of
+from locosweep.validation.processes import code_digest, over_processes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
 
-__all__ = ["Outcome", "carry_out", "diagnose_cases", "judge_cases"]
-
 
 @dataclass(frozen=True)
 class Outcome:
-    """Where a diagnosis lies and what it cost."""
+    """Name, processor time and error of a diagnosis."""
 
     name: str
     seconds: float
@@ -32,7 +29,7 @@ class Outcome:
 
 
 def _diagnose(folder: Path, kept: Path, seed: int, code: str) -> Outcome:
-    """Diagnose one case from its two files; what is there of the same code is kept."""
+    """Diagnose one case from its two files; keep a diagnosis that the same code has made."""
     from locosweep.diagnosis.pipeline import diagnose
     from locosweep.diagnosis.report.model_file import write_augmented
 
@@ -48,7 +45,7 @@ def _diagnose(folder: Path, kept: Path, seed: int, code: str) -> Outcome:
     try:
         found = diagnose(runs, nominal, seed=seed, threads=1)
     except Exception as problem:
-        # What a diagnosis fails with is a verdict on it, not on the check.
+        # The error of a diagnosis is a verdict on it, not on the check.
         error = f"{type(problem).__name__}: {' '.join(str(problem).split())}"[:300]
     seconds = time.process_time() - begin
     if not error:
@@ -70,18 +67,8 @@ def diagnose_cases(
     if not (out / SEAL).exists():
         raise FileNotFoundError(out / SEAL)
     code = code_digest("diagnosis", "files", "simulation", engine=True)
-    found: dict[str, Outcome] = {}
-    with pool_of(processes) as pool:
-        waiting = [
-            pool.submit(_diagnose, out / name, out / "diagnoses" / name, seed, code)
-            for name in names
-        ]
-        for done, future in enumerate(as_completed(waiting), 1):
-            outcome = future.result()
-            found[outcome.name] = outcome
-            if progress is not None:
-                progress(done, len(waiting))
-    return [found[name] for name in names]
+    calls = [(out / name, out / "diagnoses" / name, seed, code) for name in names]
+    return over_processes(_diagnose, calls, processes, progress)
 
 
 def _judge(out: Path, outcome: Outcome) -> Judged:
@@ -92,7 +79,7 @@ def _judge(out: Path, outcome: Outcome) -> Judged:
     report: dict[str, Any] = json.loads((kept / "report.json").read_text())
     fresh = None
     if report["verdict"]["status"] in ("explained", "ambiguous") and truth["kind"] != "none":
-        fresh = fresh_shrink(
+        fresh = fresh_reduction(
             out / "sealed" / outcome.name / "check.csv",
             out / outcome.name / "nominal.toml",
             kept / "augmented.toml",
@@ -103,13 +90,7 @@ def _judge(out: Path, outcome: Outcome) -> Judged:
 
 
 def judge_cases(out: Path, outcomes: Sequence[Outcome]) -> list[Judged]:
-    """Open the truths, after the last diagnosis, and judge each.
-
-    Raises
-    ------
-    DataFileError
-        A truth is not what was sealed.
-    """
+    """Open the truths, after the last diagnosis, and judge each verdict."""
     return [_judge(out, outcome) for outcome in outcomes]
 
 
@@ -132,15 +113,9 @@ def carry_out(
     Only where a class of one effect holds the true one and others.
     """
     names = [c.case for c in judged if c.kind == "one" and c.status == "ambiguous" and c.right]
-    found: dict[str, NextRun] = {}
-    with pool_of(processes) as pool:
-        waiting = [pool.submit(_carry_out, out, name, seed) for name in names[:count]]
-        for done, future in enumerate(as_completed(waiting), 1):
-            run = future.result()
-            if run is not None:
-                found[run.case] = run
-            if progress is not None:
-                progress(done, len(waiting))
+    calls = [(out, name, seed) for name in names[:count]]
+    tried = over_processes(_carry_out, calls, processes, progress)
+    found = {run.case: run for run in tried if run is not None}
     return [
         replace(c, next_resolves=found[c.case].resolves, next_possible=found[c.case].possible)
         if c.case in found

@@ -3,30 +3,22 @@
 from __future__ import annotations
 
 import json
-from concurrent.futures import as_completed
 from typing import TYPE_CHECKING
 
 from locosweep.validation.case_files import case_name, seal, write_case
 from locosweep.validation.cases import draw_case
-from locosweep.validation.processes import code_digest, pool_of
+from locosweep.validation.processes import code_digest, over_processes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
-
-__all__ = ["draw_cases"]
 
 _DRAWING = (
     "case_files",
     "cases",
     "drives",
     "experiment",
-    "law_table",
     "laws",
-    "laws_drive",
-    "laws_friction",
-    "laws_outside",
-    "laws_rest",
     "rigs",
     "rivals",
     "sizes",
@@ -56,14 +48,10 @@ def draw_cases(
 ) -> list[str]:
     """Draw cases into a folder and seal their truths; those that are there are kept."""
     wanted = [(i, False) for i in range(cases)] + [(i, True) for i in range(gap_free)]
-    modules = (f"validation/{name}.py" for name in _DRAWING)
-    code = code_digest(*modules, "diagnosis/effects", "files/channels.py", engine=False)
-    with pool_of(processes) as pool:
-        waiting = [pool.submit(_draw, seed, i, free, out, code) for i, free in wanted]
-        for done, future in enumerate(as_completed(waiting), 1):
-            future.result()
-            if progress is not None:
-                progress(done, len(waiting))
-    names = [case_name(i, gap_free=free) for i, free in wanted]
+    modules = [f"validation/{name}.py" for name in _DRAWING]
+    files = (*modules, "diagnosis/effects", "files/channels.py", "files/toml.py")
+    code = code_digest(*files, engine=False)
+    calls = [(seed, index, free, out, code) for index, free in wanted]
+    names = over_processes(_draw, calls, processes, progress)
     seal(out, names)
     return names

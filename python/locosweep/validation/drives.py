@@ -1,11 +1,7 @@
-"""Drive commands: steps, staircases, ramps, sines, chirps, multisines, gait pulses, triangles.
-
-Each shape is drawn once, in units of its amplitude; `Shape.at` gives it at a size.
-"""
+"""Drive commands: steps, staircases, ramps, sines, chirps, multisines, gait pulses, triangles."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,18 +14,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["KINDS", "Shape", "draw_shape", "sample_times"]
-
 KINDS = ("steps", "staircase", "ramp", "sine", "chirp", "multisine", "gait", "triangle")
-
-
-@dataclass(frozen=True)
-class Shape:
-    """A drive between -1 and 1 (0 and 1 if one-way), over the samples of a run."""
-
-    kind: str
-    one_way: bool
-    values: Floats
 
 
 def sample_times(rng: Generator, rate: float, duration: float, *, jitter: bool) -> Floats:
@@ -46,10 +31,9 @@ def _levels(t: Floats, starts: Floats, levels: Floats) -> Floats:
     return np.where(at >= 0, levels[np.maximum(at, 0)], 0.0)
 
 
-def _wave(rng: Generator, kind: str, t: Floats, way: float) -> Floats:
-    """Return one drive that goes both ways, or only positive where `way` is 1."""
+def _wave(rng: Generator, kind: str, t: Floats, *, both: bool) -> Floats:
+    """Return one drive of both signs, or only a positive one."""
     end = float(t[-1])
-    both = way == 0.0
     signs = rng.choice([-1.0, 1.0], 40) if both else np.ones(40)
     if kind == "steps":
         starts = np.cumsum(rng.uniform(0.05, 0.35, 40) * end / 3)
@@ -103,11 +87,11 @@ def _wave(rng: Generator, kind: str, t: Floats, way: float) -> Floats:
     return whole
 
 
-def draw_shape(rng: Generator, kind: str, t: Floats, *, one_way: bool) -> Shape:
-    """Draw one drive of a kind over the times of a run."""
-    values = _wave(rng, kind, t, 1.0 if one_way else 0.0)
+def draw_shape(rng: Generator, kind: str, t: Floats, *, one_way: bool) -> Floats:
+    """Draw one drive of a kind at the times of a run, from -1 to 1, or 0 to 1 if one-way."""
+    values = _wave(rng, kind, t, both=not one_way)
     # Most rigs are switched on at rest, some are caught in the middle.
     if rng.random() < 0.75:
         quiet = rng.uniform(0.02, 0.1) * t[-1]
         values = np.where(t < quiet, 0.0, values)
-    return Shape(kind, one_way, values)
+    return values

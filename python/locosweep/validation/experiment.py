@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Effect = tuple[str, str, dict[str, float]]
 
-__all__ = ["COARSE", "FINE", "Drive", "Experiment", "World"]
-
 FINE = 1e-5
 """Step of the measured runs, s."""
 COARSE = 5e-4
@@ -43,16 +41,10 @@ class Drive:
 
 @dataclass(frozen=True)
 class World:
-    """One reality: what the rig really is, its effects, and nudges of the starts.
+    """One reality: shifts of uncertain nominal values, effects, and a common start speed.
 
-    Attributes
-    ----------
-    shifts : dict of str to float
-        Of the uncertain nominal values, in standard deviations.
-    effects : tuple
-        Name, form and parameters of each.
-    nudge : float
-        Added to the start velocity of all runs.
+    `shifts` are in standard deviations; an effect has name, form and parameters; `nudge`
+    is added to the start velocity of all runs.
     """
 
     shifts: dict[str, float] = field(default_factory=dict)

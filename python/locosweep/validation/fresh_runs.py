@@ -1,14 +1,15 @@
-"""Shrink of the gap on fresh runs of the same reality, which no diagnosis has seen."""
+"""Error reduction on fresh runs of the same reality, which no diagnosis has seen."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from locosweep.files.channels import REPLAYED
 from locosweep.files.robot import load_robot
-from locosweep.files.runs import Run, load_runs
+from locosweep.files.runs import load_runs
 from locosweep.simulation.replay import replay_runs
 
 if TYPE_CHECKING:
@@ -16,26 +17,22 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["fresh_shrink"]
-
-
-def _started(run: Run, start: tuple[float, float]) -> Run:
-    """Return a run that is replayed from where its head really started."""
-    x, v = (np.full(run.t.size, value) for value in start)
-    return Run(run.label, run.t, run.drive, {"x": x, "v": v}, run.slope_deg)
+    from locosweep.files.runs import Run
 
 
 def _rmse(model: Path, runs: list[Run], starts: list[tuple[float, float]], channel: str) -> float:
-    replayed = replay_runs(
-        load_robot(model), [_started(*pair) for pair in zip(runs, starts, strict=True)]
-    )
+    started = [
+        replace(run, channels={"x": np.full(run.t.size, x), "v": np.full(run.t.size, v)})
+        for run, (x, v) in zip(runs, starts, strict=True)
+    ]
+    replayed = replay_runs(load_robot(model), started)
     rest: NDArray[np.float64] = replayed[channel].to_numpy() - np.concatenate(
         [run.channels[channel] for run in runs]
     )
     return float(np.sqrt(np.nanmean(rest**2)))
 
 
-def fresh_shrink(
+def fresh_reduction(
     check: Path, nominal: Path, augmented: Path, channel: str, truth: dict[str, Any]
 ) -> float | None:
     """Replay fresh runs through both models; 1 - rmse after / rmse before.

@@ -1,17 +1,16 @@
-"""One verdict against one truth."""
+"""A verdict compared with its truth."""
 
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
+from locosweep.simulation.replay import effect as record_of
 from locosweep.simulation.replay import effects
 
-__all__ = ["CONTAINS", "SURE_TWIN", "Judged", "judge"]
-
 SURE_TWIN = 2.0
-"""A rival nearer than this many standard deviations cannot be told from the truth."""
+"""Standard deviations below which a rival is certainly indistinguishable from the truth."""
 
 CONTAINS = {
     record.name: {wider.name for wider in effects() if record.name in wider.contains}
@@ -22,7 +21,7 @@ CONTAINS = {
 
 @dataclass(frozen=True)
 class Judged:
-    """What came out for one case.
+    """The outcome of one case.
 
     Attributes
     ----------
@@ -30,41 +29,41 @@ class Judged:
         Folder, kind of case, and what is true of it in a word (an effect's name,
         two joined by a plus, a disturbance, or none).
     mode : str
-        How the head is driven: forward, both or mixed.
+        Directions of the drive: forward, both or mixed.
     d, d_name : float
-        Size of what is there, and of what sets it apart from other causes.
+        Sizes of the gap and of its part that no other cause explains, in standard deviations.
     mismatch : bool
-        Whether the true effect follows another law than its name's.
+        The true effect has another functional form than the listed one.
     alone : bool
-        Whether the data leave the true effects as the only explanation.
+        The data leave the true effects as the only explanation.
     twin : bool
-        Whether a rival is too near to be told apart.
+        A rival is indistinguishable.
     said : str
         The verdict in a word, in the same form as `family`.
     status : str
         Of the verdict; ``error`` where there was none.
     probability : float
-        That the verdict states.
-    right : bool
-        Whether it is right, up to what the data can tell.
-    one_right : bool
-        Whether at least one of the true effects is named.
+        Stated by the verdict.
+    right, one_right : bool
+        The class of the verdict holds the truth, or at least one of its effects.
     exact : bool
-        Whether the true names stand there, alone in their classes.
+        The verdict names the true effects, each alone in its class.
+    named, single_name : bool
+        The verdict names effects, or one effect alone in its class.
     site_right, window_share : bool or None, float or None
-        Site of the first effect; share of the gap in the windows named, of what as
-        much time could hold.
+        Site of the first effect; share of the gap in the reported windows, relative to
+        the best windows of the same length.
     parameters : tuple of float
         Relative errors of the true effect's parameters.
     claimed, interval, fresh : float or None
-        Shrink that the report claims, its interval, and the one on fresh runs.
+        Error reduction that the report claims, its interval, and that on fresh runs.
     seconds : float
         Processor time of the diagnosis.
     error : str
-        Why there is no report.
+        Reason for a missing report.
     next_resolves, next_possible : bool or None
-        Whether the proposed run tells the true effect from its rivals, and whether any
-        run of the menu does; None where that was not tried.
+        The proposed run, or any run of the menu, separates the true effect from its
+        rivals; None where that was not tried.
     """
 
     case: str
@@ -92,16 +91,14 @@ class Judged:
     fresh: float | None = None
     seconds: float = float("nan")
     error: str = ""
-    channels: tuple[str, ...] = field(default=("x",))
+    channels: tuple[str, ...] = ("x",)
     next_resolves: bool | None = None
     next_possible: bool | None = None
 
 
 def _covers(classes: list[list[str]], names: list[str]) -> bool:
-    """Whether each name lies in a class of its own."""
-    if len(classes) != len(names):
-        return False
-    return any(
+    """Return whether each name lies in a class of its own."""
+    return len(classes) == len(names) and any(
         all(name in members for name, members in zip(order, classes, strict=True))
         for order in itertools.permutations(names)
     )
@@ -127,10 +124,7 @@ def _one_right(truth: dict[str, Any], verdict: dict[str, Any]) -> bool:
 
 
 def _twin(truth: dict[str, Any], said: list[str]) -> bool:
-    """Whether a cause that is not named copies a single effect's gap as well.
-
-    Of what is named where that is one effect, else of the true one.
-    """
+    """Return whether a rival of the named effect, else of the true one, copies its gap."""
     if truth["kind"] != "one":
         return False
     effect = truth["effects"][0]
@@ -143,7 +137,7 @@ def _twin(truth: dict[str, Any], said: list[str]) -> bool:
 
 
 def _errors(truth: dict[str, Any], report: dict[str, Any]) -> tuple[float, ...]:
-    """Relative errors of parameters, where the true effects were named and have the law."""
+    """Relative errors of parameters, where the named effects are true in name and form."""
     names = sorted(e["name"] for e in truth["effects"])
     if not names or any(e["form"] not in ("law", "force") for e in truth["effects"]):
         return ()
@@ -154,26 +148,21 @@ def _errors(truth: dict[str, Any], report: dict[str, Any]) -> tuple[float, ...]:
     for effect in truth["effects"]:
         found = rows[0]["parameters"].get(effect["name"], {})
         known = effect["parameters"]
-        for name in _judged(effect["name"]):
+        # Of an effect's parameters data determine those that are judged.
+        for name in (fit.name for fit in record_of(effect["name"]).fits if fit.judged):
             value = found.get(name, {}).get("value")
             if value is not None and known.get(name):
                 errors.append(abs(value - known[name]) / abs(known[name]))
     return tuple(errors)
 
 
-def _judged(name: str) -> list[str]:
-    """Return the parameters of an effect that data determine well enough to be judged."""
-    return [fit.name for record in effects() if record.name == name
-            for fit in record.fits if fit.judged]  # fmt: skip
-
-
 def window_share(truth: dict[str, Any], report: dict[str, Any]) -> float | None:
-    """Share of the gap that lies in the windows named, of what as much time could hold."""
+    """Share of the gap in the reported windows, relative to the best ones of their length."""
     cells = truth.get("gap_cells")
     windows = report["where"]["windows"]
     if not cells or not windows:
         return None
-    # Cells are (run, start, end, squared gap): those that a window covers count by their part.
+    # Cells are (run, start, end, squared gap); a window counts the part that it covers.
     held = covered = 0.0
     for run, start, end, square in cells:
         part = 0.0
@@ -224,9 +213,8 @@ def judge(
     named = status in ("explained", "ambiguous")
     site = None
     if names and named:
-        sites = {record.name: record.site for record in effects()}
-        known = {sites[a] for e in truth["effects"] for a in e["accepted"]}
-        site = report["where"]["site"] in known
+        sites = {record_of(name).site for e in truth["effects"] for name in e["accepted"]}
+        site = report["where"]["site"] in sites
     interval = report["gap"]["shrink_ci"]
     return Judged(
         **common,

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
+from collections import Counter
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,12 +16,10 @@ if TYPE_CHECKING:
 
     from locosweep.validation.judge import Judged
 
-__all__ = ["Figure", "calibration", "confusion", "figures", "power", "splits", "wilson"]
-
 PLAIN = 10.0
 """Size from which a cause must be named, in standard deviations."""
 _RESAMPLES = 1000
-"""Of a bootstrap interval: what Efron and Tibshirani (1993) advise for percentiles."""
+"""Resamples of a bootstrap interval, as Efron and Tibshirani (1993) advise for percentiles."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +29,7 @@ class Figure:
     Attributes
     ----------
     name : str
-        What it is.
+        As in the table.
     value, low, high : float
         Figure and 95 % interval; NaN without cases.
     count : int
@@ -38,7 +37,7 @@ class Figure:
     target : str
         What it must reach; empty for figures that are only reported.
     met : bool or None
-        Whether it does; None without target or cases.
+        Target reached; None without target or cases.
     """
 
     name: str
@@ -66,33 +65,53 @@ def wilson(hits: int, count: int) -> tuple[float, float]:
     return float(interval.low), float(interval.high)
 
 
-def _share(
-    name: str,
-    of: Iterable[bool | None],
-    target: str = "",
-    reaches: Callable[[float, float, float], bool] | None = None,
-) -> Figure:
-    known = [bool(hit) for hit in of if hit is not None]
-    low, high = wilson(sum(known), len(known))
-    if not known:
-        return Figure(name, math.nan, math.nan, math.nan, 0, target)
-    value = sum(known) / len(known)
-    met = reaches(value, low, high) if reaches else None
-    return Figure(name, value, low, high, len(known), target, met)
+@dataclass(frozen=True)
+class _Target:
+    """A bound for a figure, in words and as a condition."""
+
+    text: str
+    reached: Callable[[Figure], bool]
+
+
+def _at_least(bar: float) -> _Target:
+    return _Target(f"at least {bar:.2f}", lambda figure: figure.value >= bar)
+
+
+def _at_most(bar: float) -> _Target:
+    return _Target(f"at most {bar:.2f}", lambda figure: figure.value <= bar)
+
+
+_FALSE_POSITIVES = _Target(
+    "at most 0.03, upper bound at most 0.045",
+    lambda figure: figure.value <= 0.03 and figure.high <= 0.045,
+)
+_UNBIASED = _Target("within 0.02", lambda figure: abs(figure.value) <= 0.02)
+_COVERED = _Target("0.85 to 0.95", lambda figure: 0.85 <= figure.value <= 0.95)
+
+
+def _figure(name: str, found: tuple[float, float, float], count: int, to: _Target | None) -> Figure:
+    figure = Figure(name, *found, count, to.text if to else "")
+    return replace(figure, met=to.reached(figure)) if to and count else figure
+
+
+def _share(name: str, hits: Iterable[bool | None], target: _Target | None = None) -> Figure:
+    """Return the share of hits, those that are None left out, with its Wilson interval."""
+    known = [bool(hit) for hit in hits if hit is not None]
+    value = sum(known) / len(known) if known else math.nan
+    return _figure(name, (value, *wilson(sum(known), len(known))), len(known), target)
 
 
 def _statistic(
     name: str,
     values: Sequence[float] | Sequence[tuple[float, float]],
     statistic: Callable[..., float],
-    target: str = "",
-    reaches: Callable[[float], bool] | None = None,
+    target: _Target | None = None,
 ) -> Figure:
     """Return a mean, median or the like with its bootstrap interval."""
     from scipy.stats import bootstrap
 
     if not values:
-        return Figure(name, math.nan, math.nan, math.nan, 0, target)
+        return _figure(name, (math.nan, math.nan, math.nan), 0, target)
     columns = np.atleast_2d(np.asarray(values, dtype=float).T)
     value = low = high = float(statistic(*columns))
     if len(values) > 1:
@@ -100,78 +119,58 @@ def _statistic(
             columns, statistic, n_resamples=_RESAMPLES, method="percentile", paired=True,
             vectorized=False, rng=0,
         ).confidence_interval  # fmt: skip
-    met = reaches(value) if reaches else None
-    return Figure(name, value, float(low), float(high), len(values), target, met)
+    return _figure(name, (value, float(low), float(high)), len(values), target)
 
 
-def _at_least(bar: float) -> Callable[[float, float, float], bool]:
-    return lambda value, _low, _high: value >= bar
-
-
-def _at_most(bar: float) -> Callable[[float, float, float], bool]:
-    return lambda value, _low, _high: value <= bar
+def _by_probability(pairs: np.ndarray, bins: int = 10) -> list[np.ndarray]:
+    """Part pairs of stated probability and 1 for right, 0 for wrong, by the former."""
+    at = np.clip((pairs[:, 0] * bins).astype(int), 0, bins - 1)
+    return [pairs[at == b] for b in np.unique(at)]
 
 
 def calibration_error(pairs: np.ndarray) -> float:
     """Mean distance of stated probability and share that is right, over ten bins."""
-    bins = np.clip((pairs[:, 0] * 10).astype(int), 0, 9)
-    error = 0.0
-    for b in np.unique(bins):
-        inside = pairs[bins == b]
-        error += inside.shape[0] * abs(float(inside[:, 0].mean() - inside[:, 1].mean()))
-    return error / len(pairs)
+    parts = _by_probability(pairs)
+    errors = (len(p) * abs(float(p[:, 0].mean() - p[:, 1].mean())) for p in parts)
+    return sum(errors, 0.0) / len(pairs)
 
 
-def _counts(case: Judged) -> bool:
-    """Whether a verdict on a case can be held against it: nothing there, or plain to see."""
-    return case.kind == "none" or case.d >= PLAIN
+def _stated(judged: Sequence[Judged]) -> list[tuple[float, float]]:
+    """Probability and correctness of verdicts on cases with no gap, or one plain to see."""
+    counted = [c for c in judged if c.kind == "none" or c.d >= PLAIN]
+    return [(c.probability, float(c.right)) for c in counted if not c.error]
 
 
 def figures(judged: Sequence[Judged]) -> list[Figure]:
     """All figures of the table, in its order."""
     gap_free = [c for c in judged if c.kind == "none"]
     gaps = [c for c in judged if c.kind != "none"]
-    plain = [c for c in gaps if c.d_name >= PLAIN]
-    single = [c for c in plain if c.kind == "one" and not c.mismatch]
-    pairs = [c for c in plain if c.kind == "two"]
-    alien = [c for c in plain if c.kind == "outside"]
-    twins = [c for c in judged if c.twin]
-    forms = [c for c in plain if c.kind == "one" and c.mismatch]
-    effects = [c for c in plain if c.kind in ("one", "two")]
-    detected = [c for c in effects if c.status != "none"]
-    stated = [(c.probability, float(c.right)) for c in judged if _counts(c) and not c.error]
-    shrinks = [c for c in effects if c.right and c.claimed is not None and c.fresh is not None]
-    biases = [c.claimed - c.fresh for c in shrinks if c.claimed is not None and c.fresh is not None]
-    inside = [
-        c.interval[0] <= c.fresh <= c.interval[1]
-        for c in shrinks
-        if c.interval is not None and c.fresh is not None
-    ]
-    errors = [e for c in effects if c.right for e in c.parameters]
     seen = [c for c in gaps if c.d >= PLAIN]
+    plain = [c for c in gaps if c.d_name >= PLAIN]
+    one = [c for c in plain if c.kind == "one"]
+    single = [c for c in one if not c.mismatch]
+    pairs = [c for c in plain if c.kind == "two"]
+    outside = [c for c in plain if c.kind == "outside"]
+    effects = [c for c in plain if c.kind in ("one", "two")]
+    claims = [
+        (c.claimed, c.fresh, c.interval)
+        for c in effects
+        if c.right and c.claimed is not None and c.fresh is not None
+    ]
     return [
         _share(
             "false-positive rate: a gap reported where there is none",
             (c.status != "none" for c in gap_free),
-            "<= 0.03, upper bound <= 0.045",
-            lambda value, _, high: value <= 0.03 and high <= 0.045,
+            _FALSE_POSITIVES,
         ),
         _share(
             "false-positive rate: a cause named where there is no gap", (c.named for c in gap_free)
         ),
         _share(
-            "detection rate, d >= 6",
-            (c.status != "none" for c in gaps if c.d >= 6.0),
-            ">= 0.90",
-            _at_least(0.90),
+            "detection rate, d >= 6", (c.status != "none" for c in gaps if c.d >= 6), _at_least(0.9)
         ),
-        _share(
-            "detection rate, d >= 10",
-            (c.status != "none" for c in seen),
-            ">= 0.99",
-            _at_least(0.99),
-        ),
-        _share("one effect: correct class", (c.right for c in single), ">= 0.97", _at_least(0.97)),
+        _share("detection rate, d >= 10", (c.status != "none" for c in seen), _at_least(0.99)),
+        _share("one effect: correct class", (c.right for c in single), _at_least(0.97)),
         _share(
             "one effect: correct class, d >= 10 before rivals are projected out",
             (c.right for c in seen if c.kind == "one" and not c.mismatch),
@@ -179,88 +178,67 @@ def figures(judged: Sequence[Judged]) -> list[Figure]:
         _share(
             "one effect: exact name, where the class has one member",
             (c.exact for c in single if c.alone),
-            ">= 0.95",
             _at_least(0.95),
         ),
-        _share("two effects: both correct", (c.right for c in pairs), ">= 0.85", _at_least(0.85)),
+        _share("two effects: both correct", (c.right for c in pairs), _at_least(0.85)),
+        _share("two effects: at least one correct", (c.one_right for c in pairs), _at_least(0.98)),
         _share(
-            "two effects: at least one correct",
-            (c.one_right for c in pairs),
-            ">= 0.98",
-            _at_least(0.98),
+            "cause outside the list: `unexplained`",
+            (c.status == "unexplained" for c in outside),
+            _at_least(0.9),
         ),
-        _share(
-            "cause outside the list: unexplained",
-            (c.status == "unexplained" for c in alien),
-            ">= 0.90",
-            _at_least(0.90),
-        ),
-        _share(
-            "cause outside the list: a wrong name",
-            (c.named for c in alien),
-            "<= 0.05",
-            _at_most(0.05),
-        ),
+        _share("cause outside the list: a wrong name", (c.named for c in outside), _at_most(0.05)),
         _share(
             "a single name given although a rival is nearer than 2 standard deviations",
-            (c.single_name for c in twins),
-            "<= 0.01",
+            (c.single_name for c in judged if c.twin),
             _at_most(0.01),
         ),
         _statistic(
             "mean probability given to the true class",
-            [c.probability if c.right else 0.0 for c in detected],
+            [c.probability if c.right else 0.0 for c in effects if c.status != "none"],
             np.mean,
-            ">= 0.92",
-            lambda value: value >= 0.92,
+            _at_least(0.92),
         ),
         _statistic(
             "expected calibration error",
-            stated,
+            _stated(judged),
             lambda *columns: calibration_error(np.column_stack(columns)),
-            "<= 0.05",
-            lambda value: value <= 0.05,
+            _at_most(0.05),
         ),
         _statistic(
             "bias of the claimed reduction (claimed less that on fresh runs), mean",
-            biases,
+            [claimed - fresh for claimed, fresh, _ in claims],
             np.mean,
-            "within 0.02",
-            lambda value: abs(value) <= 0.02,
+            _UNBIASED,
         ),
         _share(
             "reduction on fresh runs inside the claimed interval",
-            inside,
-            "0.85 to 0.95",
-            lambda value, _low, _high: 0.85 <= value <= 0.95,
+            (ends[0] <= fresh <= ends[1] for _, fresh, ends in claims if ends is not None),
+            _COVERED,
         ),
         _statistic(
             "parameter error, median",
-            errors,
+            [error for c in effects if c.right for error in c.parameters],
             np.median,
-            "<= 0.02",
-            lambda value: value <= 0.02,
+            _at_most(0.02),
         ),
         _share(
             "location of the gap correct",
             (None if c.window_share is None else c.window_share >= 0.5 for c in seen),
-            ">= 0.95",
             _at_least(0.95),
         ),
-        _share("site correct", (c.site_right for c in effects), ">= 0.95", _at_least(0.95)),
+        _share("site correct", (c.site_right for c in effects), _at_least(0.95)),
         _share(
             "one effect with a functional form other than the listed one: correct class",
-            (c.right for c in forms),
-            ">= 0.90",
-            _at_least(0.90),
+            (c.right for c in one if c.mismatch),
+            _at_least(0.9),
         ),
         _share(
-            "next experiment resolves the rivals",
+            "next experiment separates the rivals, where some run of the menu would",
             (c.next_resolves for c in judged if c.next_possible),
-            ">= 0.90",
-            _at_least(0.90),
+            _at_least(0.9),
         ),
-        _share("some experiment could", (c.next_possible for c in judged)),
+        _share("some run of the menu would separate the rivals", (c.next_possible for c in judged)),
         _statistic(
             "processor time of a diagnosis, median [s]",
             [c.seconds for c in judged if math.isfinite(c.seconds)],
@@ -284,16 +262,10 @@ def power(judged: Sequence[Judged]) -> list[tuple[float, float, Figure, Figure]]
     return rows
 
 
-def calibration(judged: Sequence[Judged], bins: int = 10) -> list[tuple[float, Figure]]:
+def calibration(judged: Sequence[Judged]) -> list[tuple[float, Figure]]:
     """Mean stated probability and share that is right, by bins of the former."""
-    pairs = [(c.probability, c.right) for c in judged if _counts(c) and not c.error]
-    rows = []
-    for b in range(bins):
-        inside = [(p, r) for p, r in pairs if min(int(p * bins), bins - 1) == b]
-        if inside:
-            stated = float(np.mean([p for p, _ in inside]))
-            rows.append((stated, _share("right", (r for _, r in inside))))
-    return rows
+    parts = _by_probability(np.array(_stated(judged)).reshape(-1, 2))
+    return [(float(p[:, 0].mean()), _share("right", p[:, 1] > 0.0)) for p in parts]
 
 
 def splits(judged: Sequence[Judged]) -> dict[str, list[Figure]]:
@@ -318,21 +290,19 @@ def splits(judged: Sequence[Judged]) -> dict[str, list[Figure]]:
 
 
 def confusion(judged: Sequence[Judged]) -> dict[tuple[str, str], int]:
-    """How often what was said of what, of single effects, disturbances and no gap.
+    """Count pairs of truth and verdict over single effects, disturbances and no gap.
 
-    Names that the data cannot tell apart count as the truth.
+    Names that the data cannot separate from the truth count as the truth.
     """
-    counts: dict[tuple[str, str], int] = {}
+    counts: Counter[tuple[str, str]] = Counter()
     for case in judged:
         if case.kind == "two" or not (case.kind == "none" or case.d_name >= PLAIN):
             continue
         true = "outside the list" if case.kind == "outside" else case.family
-        said = case.said
-        if "+" in said:
-            said = "several"
+        said = "several" if "+" in case.said else case.said
         if case.right:
-            said = "unexplained" if case.kind == "outside" else true
-            said = case.said if case.kind == "outside" and case.named else said
-        key = true, said
-        counts[key] = counts.get(key, 0) + 1
+            said = true
+            if case.kind == "outside":
+                said = case.said if case.named else "unexplained"
+        counts[true, said] += 1
     return counts

@@ -1,6 +1,6 @@
-"""The next experiment carried out in the reality, and whether it tells rivals apart.
+"""The proposed next experiment carried out in the reality.
 
-Every run of the menu is simulated beside the runs of the case. It tells the true effect
+Every run of the menu is simulated beside the runs of the case. It separates the true effect
 from the others of its class where each of these, refitted, leaves at least `ALIKE`
 deviations of what all runs together show, beside what the true effect's own law leaves. It
 is carried out once, however often the report asks for it.
@@ -26,23 +26,13 @@ if TYPE_CHECKING:
     from locosweep.validation.cases import Case
     from locosweep.validation.experiment import Effect
 
-__all__ = ["NextRun", "carried_out"]
-
 
 @dataclass(frozen=True)
 class NextRun:
-    """What a proposed run would have told.
+    """Outcome of the run that a report proposes; empty `proposed` where no run would do.
 
-    Attributes
-    ----------
-    case : str
-        The case.
-    proposed : str
-        Run of the menu that the report proposes; empty where it says that none would do.
-    resolves : bool
-        Whether that run tells the true effect from every other one of its class.
-    possible : bool
-        Whether any run of the menu does.
+    It `resolves` a class if it separates the true effect from every other one of it; that is
+    `possible` if any run of the menu does.
     """
 
     case: str
@@ -60,7 +50,7 @@ class _Longer(Experiment):
     reads_force: bool = False
 
     def read(self, worlds: Sequence[World], step: float, threads: int) -> list[list[Readings]]:
-        """Run all drives in all worlds, the last one in its own way."""
+        """Run all drives in all worlds, the last one with its changes."""
         rig = self.rig
         if self.heavier:
             rig = replace(rig, nominal={**rig.nominal, "mass": PAYLOAD * rig.nominal["mass"]})
@@ -139,11 +129,9 @@ def _nearest(case: Case, name: str, rivals: Sequence[str]) -> float:
     longer = _longer(case, name)
     if longer is None:
         return 0.0
-    scale = scale_of_runs(case.experiment)
-    nuisances = Nuisances(longer, scale, World(case.world.shifts), 1)
+    nuisances = Nuisances(longer, scale_of_runs(case.experiment), World(case.world.shifts), 1)
     gap = nuisances.differences([case.world.effects])[0]
-    every = set(absent_of(case.experiment.rig))
-    found = rival_distances(nuisances, scale, gap, absent=sorted(every))
+    found = rival_distances(nuisances, gap, absent=absent_of(case.experiment.rig))
     true, form, _ = case.world.effects[0]
     own = 0.0 if form in ("law", "force") else found[true]
     nearest = min((found[rival] for rival in rivals if rival in found), default=0.0)
@@ -153,7 +141,7 @@ def _nearest(case: Case, name: str, rivals: Sequence[str]) -> float:
 def carried_out(name: str, seed: int, index: int, report: dict[str, Any]) -> NextRun | None:
     """Carry out all runs of the menu for an ambiguous verdict on one effect.
 
-    None where there is nothing to tell apart: no class, or one without the true effect.
+    None without a class to separate, or where it lacks the true effect.
     """
     verdict, planned = report["verdict"], report["next_experiment"]
     if verdict["status"] != "ambiguous" or len(verdict["equivalent"]) != 1:

@@ -1,22 +1,22 @@
-"""Work over processes, and whether what they left is of the same code."""
+"""Work over processes, and a digest of the code that their results depend on."""
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import multiprocessing
 import os
 import signal
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from locosweep import _core
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Sequence
+    from typing import Any
 
-__all__ = ["code_digest", "pool_of"]
+_Found = TypeVar("_Found")
 
 _PACKAGE = Path(__file__).parents[1]
 
@@ -28,37 +28,46 @@ def code_digest(*parts: str, engine: bool) -> str:
     without it only the reality, which the engine has no part in, and what rows of
     effects say of rivals.
     """
-    files = []
-    for part in parts:
-        place = _PACKAGE / part
-        files += sorted(place.rglob("*.py")) if place.is_dir() else [place]
+    files: list[Path] = []
+    for path in (_PACKAGE / part for part in parts):
+        files += sorted(path.rglob("*.py")) if path.is_dir() else [path]
     rivals = [
         (e.name, e.needs, e.error_of, e.drawn, e.one_sided, e.over, e.spanned, e.refined,
          [(fit.name, fit.only_with, fit.rival) for fit in e.fits])
         for e in _core.effects()
     ]  # fmt: skip
     reality = f"{_core.reality_source()}{rivals}".encode()
-    below = Path(_core.__file__).read_bytes() if engine else reality
-    whole = hashlib.sha256(below)
+    whole = hashlib.sha256(Path(_core.__file__).read_bytes() if engine else reality)
     for file in files:
         whole.update(file.read_bytes())
     return whole.hexdigest()
 
 
-@contextlib.contextmanager
-def pool_of(processes: int) -> Iterator[ProcessPoolExecutor]:
-    """Yield processes that end at once with Ctrl-C or an error in one of them."""
-    context = multiprocessing.get_context("spawn")
+def over_processes(
+    function: Callable[..., _Found],
+    calls: Sequence[tuple[Any, ...]],
+    processes: int,
+    progress: Callable[[int, int], object] | None = None,
+) -> list[_Found]:
+    """Call a function with each tuple of arguments; return the results in their order.
+
+    Processes end at once with Ctrl-C or an error in one of them.
+    """
     # One thread each: as many processes as threads were asked for.
     names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "POLARS_MAX_THREADS")
     before = {name: os.environ.get(name) for name in names}
     os.environ.update(dict.fromkeys(names, "1"))
     # Ctrl-C reaches a whole group of processes: the first of them ends the others.
     pool = ProcessPoolExecutor(
-        processes, context, initializer=signal.signal, initargs=(signal.SIGINT, signal.SIG_IGN)
-    )
+        processes, multiprocessing.get_context("spawn"),
+        initializer=signal.signal, initargs=(signal.SIGINT, signal.SIG_IGN),
+    )  # fmt: skip
     try:
-        yield pool
+        waiting = [pool.submit(function, *arguments) for arguments in calls]
+        for done, future in enumerate(as_completed(waiting), 1):
+            future.result()
+            if progress is not None:
+                progress(done, len(waiting))
         pool.shutdown()
     except BaseException:
         # Their work is written whole or not at all, so it may be cut.
@@ -72,3 +81,4 @@ def pool_of(processes: int) -> Iterator[ProcessPoolExecutor]:
                 os.environ.pop(name, None)
             else:
                 os.environ[name] = value
+    return [future.result() for future in waiting]

@@ -12,8 +12,6 @@ from locosweep.files.channels import CHANNELS
 if TYPE_CHECKING:
     from numpy.random import Generator
 
-__all__ = ["Rig", "Sensors", "draw_rig", "log_uniform", "rounded"]
-
 
 def log_uniform(rng: Generator, low: float, high: float) -> float:
     """Draw a number whose logarithm is uniform."""
@@ -27,18 +25,9 @@ def rounded(value: float, digits: int = 3) -> float:
 
 @dataclass(frozen=True)
 class Sensors:
-    """Noise and steps of the sensors, and which of them there are.
+    """Noise and steps of the sensors, SI; `position_*` are those of x and x_rear.
 
-    Attributes
-    ----------
-    position_noise, position_resolution : float
-        m or rad; of x and x_rear.
-    force_noise, velocity_noise, power_noise : float
-        N or N m, m/s or rad/s, W.
-    channels : tuple of str
-        Measured beside x.
-    stated : tuple of str
-        Which of the numbers the nominal file tells.
+    `channels` are measured beside x; the nominal file gives the numbers named in `stated`.
     """
 
     position_noise: float
@@ -82,7 +71,7 @@ class Rig:
 
     @property
     def rotary(self) -> bool:
-        """Whether x is an angle."""
+        """True on a bench where x is an angle."""
         return "gravity_torque" in self.nominal
 
     @property
@@ -144,7 +133,7 @@ def draw_rig(rng: Generator, *, exact: bool) -> Rig:
     if rng.random() < 0.3:
         nominal["viscous"] = rounded(level / speed * rng.uniform(0.02, 0.4), 2)
     uncertainty = {}
-    # Drawn either way, so that what follows is the same.
+    # Drawn even if unused, so that what follows is the same.
     table, which = rng.random(), rng.random(4)
     sizes = [rng.uniform(0.005, 0.03), rng.uniform(0.01, 0.08), rng.uniform(0.005, 0.03)]
     clock = log_uniform(rng, 5e-4, 5e-3)

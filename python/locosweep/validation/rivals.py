@@ -1,4 +1,4 @@
-"""Directions in which every cause can go when it copies another."""
+"""Candidate laws of every cause as copies of another cause."""
 
 from __future__ import annotations
 
@@ -9,16 +9,14 @@ from typing import TYPE_CHECKING
 
 from locosweep.diagnosis.effects.catalogue import parameters_at
 from locosweep.diagnosis.effects.formula import numbers
-from locosweep.simulation.replay import effects
+from locosweep.simulation.replay import effect, effects
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from locosweep import _core
     from locosweep.validation.experiment import Effect
-    from locosweep.validation.law_table import Scale, Strength
-
-__all__ = ["Rival", "refined_step", "rivals_between", "rivals_of"]
+    from locosweep.validation.laws import Scale
 
 
 @dataclass(frozen=True)
@@ -29,7 +27,7 @@ class Rival:
     form: str
     group: str
     """Rivals of one group are fitted together."""
-    at: Strength
+    at: Callable[[float], dict[str, float]]
     one_sided: bool
     refined: float | None = None
     """The number that is looked at between its values, too: the length of a ripple."""
@@ -39,19 +37,14 @@ class Rival:
         return self.cause, self.form, self.at(s)
 
     def allows(self, s: float) -> bool:
-        """Whether a strength makes sense: sensors and drives act late, not early."""
+        """Return whether a strength makes sense: sensors and drives act late, not early."""
         return s >= 0.0 or not self.one_sided
 
 
 def rivals_of(k: Scale, *, as_force: bool) -> list[Rival]:
-    """Laws of all causes over a grid of what is not their strength.
+    """List laws of all causes over a grid of the numbers beside their strength.
 
-    Parameters
-    ----------
-    k : Scale
-        Of the rig.
-    as_force : bool
-        Whether the nominal model gives its Coulomb level as a force.
+    `as_force`: the nominal model gives its Coulomb level as a force.
     """
     found = []
     for record in effects():
@@ -67,7 +60,7 @@ def rivals_of(k: Scale, *, as_force: bool) -> list[Rival]:
 
 def rivals_between(rival: Rival, factor: float, k: Scale) -> list[Rival]:
     """Return the rivals on either side of one, its refined number a factor smaller and larger."""
-    record = next(record for record in effects() if record.name == rival.cause)
+    record = effect(rival.cause)
     if record.refined is None or rival.refined is None:
         return []
     tried = [{record.refined: rival.refined / factor}, {record.refined: rival.refined * factor}]
@@ -76,7 +69,7 @@ def rivals_between(rival: Rival, factor: float, k: Scale) -> list[Rival]:
 
 def refined_step(cause: str) -> float:
     """Return the factor between neighbours in the grid of a refined number."""
-    record = next(record for record in effects() if record.name == cause)
+    record = effect(cause)
     formula = dict(record.over)[str(record.refined)]
     # A factor does not depend on the rig: on one whose sizes are all 1 it is free of rounding.
     first, second = numbers(formula, _Ones())[:2].tolist()

@@ -1,4 +1,4 @@
-"""How large a cause is on given runs, and which other causes look the same there.
+"""Size of a cause on given runs, and its distances from all other causes.
 
 Sizes are lengths of whitened vectors, in standard deviations of the noise, after what
 a fit may shift freely is projected out: start offset and start velocity of each run,
@@ -24,15 +24,13 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["ALIKE", "Nuisances", "rival_distances"]
-
 ALIKE = 3.0
-"""Causes nearer than this cannot be told apart."""
+"""Standard deviations below which causes are indistinguishable."""
 _RIGID = {
     "transmission_backlash": "transmission_compliance",
     "transmission_compliance": "transmission_backlash",
 }
-"""Causes that are one where nothing gives way: a mass more on the side of the drive."""
+"""Causes that are the same at a rigid joint: a further mass on the side of the drive."""
 _FINER = 4
 """Times that values on either side of the best one are tried."""
 _NO_PLAY = 1e-9
@@ -44,22 +42,13 @@ _FURTHEST = 8.0
 
 
 class Nuisances:
-    """What is projected out of differences between worlds.
+    """Freedoms of a fit that are projected out of differences between worlds.
 
-    Parameters
-    ----------
-    experiment : Experiment
-        Rig and drives.
-    scale : Scale
-        Speeds for the nudges.
-    world : World
-        Where the sensitivities are taken.
-    threads : int
-        For the reality.
+    Sensitivities are those at `world`; `scale` gives the speeds of their steps.
     """
 
     def __init__(self, experiment: Experiment, scale: Scale, world: World, threads: int) -> None:
-        self.experiment, self.world, self.threads = experiment, world, threads
+        self.experiment, self.scale, self.world, self.threads = experiment, scale, world, threads
         nudge = 0.01 * scale.speed
         names = list(experiment.rig.uncertainty)
         worlds = [world, World(world.shifts, world.effects, nudge)]
@@ -84,21 +73,20 @@ class Nuisances:
         channels = ("x", *self.experiment.sensors.channels)
         for drive in self.experiment.drives:
             size = drive.t.size * len(channels)
-            place = slice(at, at + size)
+            rows = slice(at, at + size)
             offset = np.zeros(size)
             offset[: drive.t.size] = 1.0
             columns = [offset]
-            if np.linalg.norm(moved[place]) > 0.0:
-                columns.append(moved[place])
-            bases.append((place, np.linalg.qr(np.array(columns).T)[0]))
+            if np.linalg.norm(moved[rows]) > 0.0:
+                columns.append(moved[rows])
+            bases.append((rows, np.linalg.qr(np.array(columns).T)[0]))
             at += size
         return bases
 
     def _per_run(self, vector: Floats) -> Floats:
         vector = vector.copy()
-        for place, basis in self._runs:
-            part = vector[place]
-            vector[place] = part - basis @ (basis.T @ part)
+        for rows, basis in self._runs:
+            vector[rows] -= basis @ (basis.T @ vector[rows])
         return vector
 
     def left(self, vector: Floats) -> Floats:
@@ -149,7 +137,6 @@ class Nuisances:
 
 def rival_distances(
     nuisances: Nuisances,
-    scale: Scale,
     gap: Floats,
     *,
     own: Effect | None = None,
@@ -157,32 +144,24 @@ def rival_distances(
     absent: Sequence[str] = (),
     most: float = np.inf,
 ) -> dict[str, float]:
-    """Measure how near each cause, refitted, comes to a gap.
+    """Measure the part of a gap that each cause, refitted, leaves, in standard deviations.
 
     Parameters
     ----------
     nuisances : Nuisances
         At the world that the rivals are added to.
-    scale : Scale
-        Of the rig.
     gap : ndarray
-        The projected difference that rivals try to copy.
-    own : tuple of str, str and dict, optional
-        The effect that makes it.
+        Projected difference that rivals try to copy, made by the effect `own`.
     beside : sequence of ndarray
-        Projected sensitivities of effects that stay and are refitted as well.
+        Projected sensitivities of further effects, refitted as well.
     absent : sequence of str
         Causes that have no meaning on the rig, or are already in the world.
     most : float
         Size of the gap by a refit beyond first order: no rival leaves more.
-
-    Returns
-    -------
-    dict of str to float
-        What each cause leaves of the gap, in standard deviations.
     """
+    scale = nuisances.scale
     as_force = bool(np.isnan(scale.mu))
-    atoms = [a for a in rivals_of(scale, as_force=as_force) if a.cause not in absent]
+    rivals = [a for a in rivals_of(scale, as_force=as_force) if a.cause not in absent]
     basis = np.linalg.qr(np.array(beside).T)[0] if len(beside) else np.zeros((gap.size, 0))
 
     def off(vector: Floats) -> Floats:
@@ -196,7 +175,7 @@ def rival_distances(
         return best
 
     def responses(strengths: list[tuple[Rival, float]]) -> list[Floats]:
-        effects = [(atom.effect(s),) for atom, s in strengths]
+        effects = [(rival.effect(s),) for rival, s in strengths]
         return [off(d) for d in nuisances.differences(effects)]
 
     if own and own[0] in _RIGID:
@@ -204,11 +183,11 @@ def rival_distances(
         rigid = nuisances.differences([(("transmission_backlash", "law", stiff),)])[0]
         cause = _RIGID[own[0]]
         best[cause] = min(best[cause], float(np.linalg.norm(gap - off(rigid))))
-    left = _refitted(atoms, gap, responses)
-    for cause in dict.fromkeys(atom.cause for atom in atoms if atom.refined is not None):
+    left = _refitted(rivals, gap, responses)
+    for cause in dict.fromkeys(rival.cause for rival in rivals if rival.refined is not None):
         _between(left, cause, scale, lambda finer: _refitted(finer, gap, responses))
-    for atom, rest in left.items():
-        best[atom.cause] = min(best[atom.cause], rest)
+    for rival, rest in left.items():
+        best[rival.cause] = min(best[rival.cause], rest)
     return best
 
 
@@ -221,7 +200,7 @@ def _between(
     """Look between the values of a refined number, nearer and nearer the best one."""
     factor = refined_step(cause)
     for _ in range(_FINER):
-        own = {atom.refined: atom for atom in left if atom.cause == cause}
+        own = {rival.refined: rival for rival in left if rival.cause == cause}
         if not own:
             return
         best = min(own.values(), key=left.__getitem__)
@@ -232,7 +211,7 @@ def _between(
 
 
 def _refitted(
-    atoms: Sequence[Rival],
+    rivals: Sequence[Rival],
     gap: Floats,
     responses: Callable[[list[tuple[Rival, float]]], list[Floats]],
 ) -> dict[Rival, float]:
@@ -240,19 +219,19 @@ def _refitted(
     size = float(np.linalg.norm(gap))
     start = 0.01
     strength: dict[Rival, float] = {}
-    for atom, seen in zip(atoms, responses([(a, start) for a in atoms]), strict=True):
+    for rival, seen in zip(rivals, responses([(a, start) for a in rivals]), strict=True):
         norm = float(np.linalg.norm(seen))
         # As strong as the gap, as far as one may take the response to be straight.
         if norm > 0.0:
-            strength[atom] = start * float(np.clip(size / norm, 1e-3, 30.0))
+            strength[rival] = start * float(np.clip(size / norm, 1e-3, 30.0))
     visible = list(strength)
     left = dict.fromkeys(visible, size)
     current = dict(zip(visible, responses([(a, strength[a]) for a in visible]), strict=True))
     for again in (True, True, True, False):
         moves: list[tuple[Rival, float]] = []
         groups: dict[str, list[Rival]] = {}
-        for atom in visible:
-            groups.setdefault(atom.group, []).append(atom)
+        for rival in visible:
+            groups.setdefault(rival.group, []).append(rival)
         for members in groups.values():
             columns = np.array([current[a] for a in members]).T
             factors = np.linalg.lstsq(columns, gap, rcond=1e-9)[0]
@@ -260,16 +239,16 @@ def _refitted(
             # Several span a plane of directions; of one, the law itself has to do.
             rest = fitted if len(members) > 1 else float(np.linalg.norm(gap - columns[:, 0]))
             near = fitted < max(0.5 * size, 4.0 * ALIKE)
-            for atom, factor in zip(members, factors, strict=True):
-                left[atom] = min(left[atom], rest)
-                moved = float(strength[atom] * np.clip(factor, -4.0, 4.0))
-                if near and atom.allows(moved) and abs(moved) > 1e-7 and abs(factor - 1.0) > 0.01:
-                    moves.append((atom, moved))
+            for rival, factor in zip(members, factors, strict=True):
+                left[rival] = min(left[rival], rest)
+                moved = float(strength[rival] * np.clip(factor, -4.0, 4.0))
+                if near and rival.allows(moved) and abs(moved) > 1e-7 and abs(factor - 1.0) > 0.01:
+                    moves.append((rival, moved))
         if not (moves and again):
             break
-        for (atom, s), seen in zip(moves, responses(moves), strict=True):
+        for (rival, s), seen in zip(moves, responses(moves), strict=True):
             if np.linalg.norm(seen) > 0.0:
-                strength[atom], current[atom] = s, seen
+                strength[rival], current[rival] = s, seen
             else:
-                visible.remove(atom)
+                visible.remove(rival)
     return left

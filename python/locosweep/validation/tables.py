@@ -12,11 +12,8 @@ from locosweep.validation.metrics import calibration, confusion, figures, power,
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from locosweep.files.strict_json import plain
     from locosweep.validation.judge import Judged
-from locosweep.validation.metrics import Figure
-
-__all__ = ["as_json", "as_text", "wrong_cases"]
+    from locosweep.validation.metrics import Figure
 
 
 def _number(value: float) -> str:
@@ -27,7 +24,7 @@ def _row(figure: Figure, width: int) -> str:
     interval = f"{_number(figure.low)} .. {_number(figure.high)}" if figure.count else "-"
     met = "" if figure.met is None else "met" if figure.met else "MISSED"
     text = f"{figure.name:<{width}}  {_number(figure.value):>7}  {interval:>16}  {figure.count:>5}"
-    return f"{text}  {figure.target:<28} {met}".rstrip()
+    return f"{text}  {figure.target:<40} {met}".rstrip()
 
 
 def _block(title: str, rows: Sequence[Figure]) -> list[str]:

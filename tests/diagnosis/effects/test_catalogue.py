@@ -22,8 +22,8 @@ from locosweep.files.robot import Robot, load_robot
 from locosweep.files.runs import Run
 from locosweep.simulation.replay import effect, effect_values, effects, nominal_of, replay_runs
 from locosweep.validation.judge import CONTAINS
-from locosweep.validation.law_table import Scale as RealScale
 from locosweep.validation.laws import CAUSES
+from locosweep.validation.laws import Scale as RealScale
 from locosweep.validation.rivals import rivals_of
 
 ROOT = Path(__file__).parents[3]
@@ -297,9 +297,7 @@ ELSEWHERE = {
     },
     "validation/next_run.py": {"slope_error"},
     # How strong the independent reality makes each cause.
-    "validation/laws_friction.py": set(NAMES),
-    "validation/laws_drive.py": set(NAMES),
-    "validation/laws_rest.py": set(NAMES),
+    "validation/laws.py": set(NAMES),
 }  # fmt: skip
 """Files that say something of one effect that is in no row, and of which."""
 
