@@ -77,7 +77,7 @@ bench: $(VENV)/built
 	$(BIN)/python benches/dynamics_peers.py
 
 wheel: $(VENV)/installed
-	$(BIN)/maturin build --release --locked --out dist
+	$(BIN)/maturin build --release --locked --strip --out dist
 
 clean:
 	rm -rf target $(VENV) $(OUT) dist
