@@ -44,8 +44,8 @@ test: $(VENV)/built lint
 # benches as short as shows that they run.
 test-all: test
 	$(PYTEST) -m slow tests
-	cargo bench --locked --bench sweep -- --test
-	cargo bench --locked --bench dynamics -- --test
+	cargo bench --locked --workspace --bench sweep -- --test
+	cargo bench --locked --workspace --bench dynamics -- --test
 	$(BIN)/python benches/border.py --quick
 	$(BIN)/python benches/heatmap.py --quick
 	$(BIN)/python benches/diagnosis.py --quick
@@ -68,8 +68,8 @@ types: $(VENV)/installed
 bench: $(VENV)/built
 	$(BIN)/python -c 'import tomllib; print("\n".join(tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["peers"]))' > $(VENV)/peers.txt
 	@while read -r peer; do $(BIN)/pip install --quiet --disable-pip-version-check "$$peer" </dev/null || echo "cannot install $$peer: its rows will say so"; done <$(VENV)/peers.txt
-	cargo bench --locked --bench sweep
-	cargo bench --locked --bench dynamics
+	cargo bench --locked --workspace --bench sweep
+	cargo bench --locked --workspace --bench dynamics
 	$(BIN)/python benches/border.py
 	$(BIN)/python benches/heatmap.py
 	$(BIN)/python benches/diagnosis.py

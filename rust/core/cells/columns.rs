@@ -306,14 +306,6 @@ impl<'a> Columns<'a> {
             column[if runs { i } else { 0 }]
         })
     }
-
-    /// Cell `i` as a scalar point.
-    pub fn point(&self, i: usize) -> Point<f64> {
-        Point::gather(|c| {
-            let (column, runs) = self.column(c, 0);
-            column[if runs { i } else { 0 }]
-        })
-    }
 }
 
 /// The columns of a point, and the bits of a cell's number that count in each.

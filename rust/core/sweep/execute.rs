@@ -12,7 +12,7 @@ use crate::cells::columns::{BLOCK, Cursor, PADDING, Vary, is_wide};
 use crate::cells::grid::Axis;
 use crate::cells::kernel::{FoldAll, FoldBest, Kept, Rivals};
 use crate::error::{Error, Result};
-use crate::lane::{self, Level, stream};
+use crate::lane::{self, Level, scalar_token, stream};
 use crate::physics::closed_form::TIE;
 use crate::physics::{ParamId, Status};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -412,6 +412,8 @@ impl<'a> Worker<'a> {
             Buffer::Status(to) => {
                 let Request { entry, reduce } = &self.job.requests[request];
                 let columns = self.cursor.at(cell, Vary::ANY);
+                let points =
+                    columns.reader::<f64, { Vary::ANY }>(scalar_token(), entry.used, 0, len);
                 for (i, value) in values.iter().enumerate() {
                     let status = if !value.is_nan() {
                         Status::Ok
@@ -419,7 +421,7 @@ impl<'a> Worker<'a> {
                         Status::NoneFeasible
                     } else {
                         match &entry.evaluation {
-                            Evaluation::Closed(closed) => (closed.status)(&columns.point(i)),
+                            Evaluation::Closed(closed) => (closed.status)(&points.at(i)),
                             Evaluation::Trajectory(output) => self.runs.status(i, *output),
                             Evaluation::Gait(_) => self.runs.gait_status(i),
                         }
