@@ -335,6 +335,7 @@ def table(folder, data=None, name="data.csv", **columns):
     return path
 
 
+@pytest.mark.whole
 class TestCommand:
     LAWS = ("--law", "coulomb", "--law", "coulomb_viscous")
 
@@ -450,6 +451,7 @@ class TestCommand:
 
 
 @pytest.mark.skipif(DATA is None, reason="LOCOSWEEP_DATA names no folder of measured data")
+@pytest.mark.whole
 class TestSeals:
     """Seals in a cylinder under pressure (E. Zillen, TU Delft 2021): four pressures each."""
 

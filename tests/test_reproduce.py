@@ -10,6 +10,8 @@ import locosweep as ls
 from locosweep.paper.claims import crossing
 from locosweep.paper.reproduce import Report, reproduce
 
+pytestmark = pytest.mark.whole
+
 NUMBERS = (2, 3, 4, 5, 10, 12, 13)
 
 

@@ -13,6 +13,8 @@ import pytest
 from diagnosis_long import PENDULUM, drives, measured
 from locosweep.diagnosis import Diagnosis, diagnose
 
+pytestmark = pytest.mark.whole
+
 DATA = Path(os.environ.get("LOCOSWEEP_DATA", "")) / "realdata" / "dfki_pendulum"
 needs_data = pytest.mark.skipif(
     not (os.environ.get("LOCOSWEEP_DATA") and DATA.is_dir()),

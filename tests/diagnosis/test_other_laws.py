@@ -7,6 +7,8 @@ import pytest
 from locosweep.diagnosis import diagnose
 from test_diagnosis import ROBOT, drives, measured, tethered
 
+pytestmark = pytest.mark.whole
+
 
 @pytest.mark.slow
 def test_an_effect_that_only_bends_another_ones_law_is_not_named() -> None:

@@ -57,6 +57,7 @@ class TestPage:
         assert "\u202e" not in text
         assert "\u0007" not in text
 
+    @pytest.mark.whole
     @pytest.mark.parametrize("status", ["none", "unexplained", "ambiguous"])
     def test_other_verdicts(self, tmp_path, status):
         effects = EFFECTS if status == "ambiguous" else {}

@@ -16,6 +16,7 @@ from locosweep.errors import InputError
 from locosweep.files import folder
 
 
+@pytest.mark.whole
 class TestSave:
     def test_everything_is_there_and_nothing_else(self, saved):
         names = {"report.json", "report.html", "augmented.toml", *FILES}
