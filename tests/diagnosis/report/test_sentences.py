@@ -57,6 +57,10 @@ class TestUnexplained:
     def test_the_size_is_told_in_units_of_the_noise(self) -> None:
         assert "gap in x is 200 times the noise" in summary(report("unexplained"))
 
+    def test_runs_without_noise_have_no_size_in_units_of_it(self) -> None:
+        text = summary(report("unexplained", gap={"noise_floor": 0.0}))
+        assert "size of the gap in x is not known" in text
+
     def test_a_size_that_validation_data_do_not_show(self) -> None:
         text = summary(report("unexplained", gap={"before": None}))
         assert "the size of the gap in x is not known" in text

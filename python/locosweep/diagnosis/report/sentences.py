@@ -46,7 +46,7 @@ def summary(report: dict[str, Any]) -> str:
     if verdict["status"] == "none":
         return f"The nominal model accounts for these runs: no gap beyond the noise ({sure} sure)."
     size = f"the size of the gap in {gap['channel']} is not known"
-    if gap["before"] is not None:
+    if gap["before"] is not None and gap["noise_floor"]:
         times = gap["before"] / gap["noise_floor"]
         size = f"the gap in {gap['channel']} is {times:.3g} times the noise"
     if verdict["status"] == "unexplained":
