@@ -251,40 +251,50 @@ impl<'a> Columns<'a> {
         start: usize,
         len: usize,
     ) -> Reader<'a, P, VARY> {
-        let is_used = |c: usize| used >> (c / 2) & 1 == 1;
+        let Found { columns, masks } = self.find(used, start);
         if VARY == Vary::ANY {
-            let Found { columns: wide, masks } = self.find(used, start);
-            let constant = wide.map(
+            let constant = columns.map(
                 #[inline(always)]
                 |_, _| P::broadcast(token, f64::NAN),
             );
-            return Reader { token, used, wide, constant, masks };
+            return Reader { token, used, wide: columns, constant, masks };
         }
+        let wide = columns.map(
+            #[inline(always)]
+            |c, column| Reader::<P, VARY>::run(used, len, c, || column),
+        );
+        let constant = columns.map(
+            #[inline(always)]
+            |c, column| Reader::<P, VARY>::constant(token, used, c, || column),
+        );
+        Reader { token, used, wide, constant, masks }
+    }
+
+    /// The same, with the columns looked up in place: for a loop that carries a value on.
+    /// Of numbers that came from a call the compiler does the arithmetic one by one, which
+    /// takes as long but lengthens the chain. It doubles the code of a kernel.
+    #[inline(always)]
+    pub fn reader_in_place<P: Pack, const VARY: u8>(
+        &self,
+        token: P::Token,
+        used: u128,
+        start: usize,
+        len: usize,
+    ) -> Reader<'a, P, VARY> {
+        let column = |c| self.column(c, start).0;
         let wide = Point::gather(
             #[inline(always)]
-            |c| {
-                if !is_used(c) || !is_wide(VARY, c) {
-                    return &[][..];
-                }
-                // One length for all: bounds are checked here, not per pack.
-                &self.column(c, start).0[..len + P::LANES]
-            },
+            |c| Reader::<P, VARY>::run(used, len, c, || column(c)),
         );
-        // Looked up in place: numbers that came from a call are taken apart into scalars,
-        // or lose that both halves of a pack are the same.
         let constant = Point::gather(
             #[inline(always)]
-            |c| {
-                let known = is_used(c) && !is_wide(VARY, c);
-                // Unused columns are NaN, which lets the compiler drop them.
-                P::broadcast(token, if known { self.column(c, start).0[0] } else { f64::NAN })
-            },
+            |c| Reader::<P, VARY>::constant(token, used, c, || column(c)),
         );
         Reader { token, used, wide, constant, masks: [0; COLUMNS] }
     }
 
-    /// Where the used columns lie, for kernels that take any column cell by cell. Looked
-    /// up by a call: written out, the look-ups would be half of many a kernel.
+    /// Where the used columns lie, and which run with the cell. Looked up by a call:
+    /// written out, the look-ups would be half of many a kernel.
     #[inline(never)]
     fn find(&self, used: u128, start: usize) -> Found<'a> {
         let mut masks = [0; COLUMNS];
@@ -323,7 +333,25 @@ pub struct Reader<'a, P: Pack, const VARY: u8> {
     masks: [usize; COLUMNS],
 }
 
-impl<P: Pack, const VARY: u8> Reader<'_, P, VARY> {
+impl<'a, P: Pack, const VARY: u8> Reader<'a, P, VARY> {
+    /// The numbers of a column that runs with the cell, for a kernel that knows which do.
+    #[inline(always)]
+    fn run(used: u128, len: usize, c: usize, column: impl FnOnce() -> &'a [f64]) -> &'a [f64] {
+        if used >> (c / 2) & 1 == 0 || !is_wide(VARY, c) {
+            return &[];
+        }
+        // One length for all: bounds are checked here, not per pack.
+        &column()[..len + P::LANES]
+    }
+
+    /// The number of a column that does not. Unused columns are NaN, which lets the
+    /// compiler drop them.
+    #[inline(always)]
+    fn constant(token: P::Token, used: u128, c: usize, column: impl FnOnce() -> &'a [f64]) -> P {
+        let known = used >> (c / 2) & 1 == 1 && !is_wide(VARY, c);
+        P::broadcast(token, if known { column()[0] } else { f64::NAN })
+    }
+
     #[inline(always)]
     pub fn at(&self, i: usize) -> Point<P> {
         self.wide.zip(

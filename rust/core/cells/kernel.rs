@@ -78,7 +78,8 @@ impl<Q: Quantity, const MIN: bool> Task for Extremum<'_, Q, MIN> {
         let indices = &self.rivals.indices[..main.len()];
         let ahead = P::broadcast(token, self.ahead);
         let factor = P::broadcast(token, 1.0 + self.ahead);
-        let points = self.columns.reader::<P, { Vary::MAIN }>(token, used, 0, self.best.len());
+        let points =
+            self.columns.reader_in_place::<P, { Vary::MAIN }>(token, used, 0, self.best.len());
         let mut i = 0;
         while i + P::LANES <= self.best.len() {
             let mut point = points.at(i);

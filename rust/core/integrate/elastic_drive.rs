@@ -472,10 +472,15 @@ impl<'a, 'b, L: Lane> ElasticDrive<'a, 'b, L> {
         }
         let open = (shortest * 1e-6).lt(left);
         if L::any(open) {
-            let drive = self.segment.drive.mean(t, left, &state.clock);
-            let inputs = self.inputs(&self.now, &self.now, (t, left), drive);
-            self.now = self.crept(L::select(open, left, zero), &self.now, inputs);
-            self.settle(open, t + left);
+            zero.outlined(
+                #[inline(always)]
+                || {
+                    let drive = self.segment.drive.mean(t, left, &state.clock);
+                    let inputs = self.inputs(&self.now, &self.now, (t, left), drive);
+                    self.now = self.crept(L::select(open, left, zero), &self.now, inputs);
+                    self.settle(open, t + left);
+                },
+            );
         }
     }
 
@@ -526,6 +531,27 @@ impl<'a, 'b, L: Lane> ElasticDrive<'a, 'b, L> {
         if !L::any(happens) {
             return L::select(mask, dt, zero);
         }
+        zero.outlined(
+            #[inline(always)]
+            || self.meet(level, (mask, happens), &from, inputs, (t, dt), tally, events),
+        )
+    }
+
+    /// Takes the lanes of `happens` from `from` to their first event within a step; returns
+    /// the time that the step took, of all lanes of `mask`. Seldom needed.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
+    fn meet(
+        &mut self,
+        level: usize,
+        (mask, happens): (L::Mask, L::Mask),
+        from: &Now<L>,
+        inputs: (L, L),
+        (t, dt): (L, L),
+        tally: &mut Tally<L>,
+        events: &mut L,
+    ) -> L {
+        let zero = dt.splat(0.0);
         *events = L::select(happens, *events + 1.0, *events);
         let lost = L::and(happens, zero.splat(MOST_EVENTS).lt(*events));
         if L::any(lost) {
@@ -537,10 +563,7 @@ impl<'a, 'b, L: Lane> ElasticDrive<'a, 'b, L> {
             self.now.direction = L::select(lost, zero.splat(1.0), self.now.direction);
         }
         let happens = L::and(happens, L::not(lost));
-        let (low, gone) = zero.outlined(
-            #[inline(always)]
-            || self.before(level, &from, inputs, t),
-        );
+        let (low, gone) = self.before(level, from, inputs, t);
         // The rest lies within the shortest step: by the straight line.
         let short = self.levels[0].dt;
         let far = self.moved(&self.levels[0], &low, inputs);

@@ -111,14 +111,15 @@ fn segment<'a, L: Lane>(
     }
 }
 
-/// Runs the head over all samples; `read` gets the number of each.
+/// Runs the head over all samples; `read` gets the number of each. Every method is a
+/// function of its own: in one, they take the compiler several times as long.
 #[inline(always)]
 pub fn head<L: Lane>(
     plant: &Plant<L>,
     samples: Samples,
     start: (L, L),
     go_on: impl FnMut() -> bool + Copy,
-    mut read: impl FnMut(usize, Reading<L>),
+    read: impl FnMut(usize, Reading<L>),
 ) {
     // A lag is part of the state, except of the bristle's.
     let link = match plant.joint {
@@ -130,82 +131,115 @@ pub fn head<L: Lane>(
     };
     let lags = plant.path.lags && !matches!(link, Some(Link::Lag(_)));
     let path = Path { lags, ..plant.path };
-    let segment = segment(plant, &path, samples, start);
-    let mut state = samples.start(&segment);
-    let mut tally = Tally::start(&segment, Watch::NOTHING);
+    let segment = &segment(plant, &path, samples, start);
     let zero = start.0.splat(0.0);
-    let law = plant.friction;
-    let mut go_on = go_on;
-    let steep = plant.is_steep();
     if let Some(link) = link {
-        let longest = if steep { STEEP } else { BENT };
-        let longest = (!plant.is_linear()).then_some(longest.min(samples.interval));
-        let times = (samples.interval, longest);
-        let mut method = zero.outlined(
+        zero.outlined(
             #[inline(always)]
-            || ElasticDrive::new(&segment, law, link, &state, times),
+            || behind_link(plant, segment, link, samples, go_on, read),
         );
-        for (i, t) in samples.instants() {
-            method.advance(&mut state, &mut tally, zero.splat(t));
-            let force = (-plant.emf).mul_add(state.v, method.force());
-            read(i, Reading { x: state.x, v: state.v, force });
-            if !go_on() {
-                return;
-            }
-        }
-        return;
-    }
-    if plant.active.has(Effect::PreslidingCompliance) {
-        let contact = bristle::Bound::<Measured, L>(law);
-        let method = Rosenbrock::new(&segment, &contact, true, go_on);
-        over_samples(plant, &segment, method, |_, _| {}, &mut state, &mut tally, samples, read);
-    } else if plant.is_linear() {
-        let contact = exact::Bound::<Measured, L>(law);
-        let method = Exact { segment: &segment, contact: &contact, go_on };
-        over_samples(plant, &segment, method, |_, _| {}, &mut state, &mut tally, samples, read);
-    } else {
-        let step = segment.step;
-        let contact = Bound::<Measured, L>(law);
-        let (segment, contact) = (&segment, &contact);
-        let method = RungeKutta { segment, contact, locate: true, step, go_on };
-        let long = zero.splat(samples.interval);
-        let least = zero.splat(STEEP);
-        over_samples(
-            plant,
-            segment,
-            method,
-            // Every lane takes the steps that its own motion needs.
+    } else if plant.active.has(Effect::PreslidingCompliance) {
+        zero.outlined(
             #[inline(always)]
-            |method: &mut RungeKutta<Bound<Measured, L>, L, _>, state: &State<L>| {
-                let a = if steep { method.acceleration(state) } else { zero };
-                let step = (zero.splat(SHARE) / plant.pace(state.v, a, long)).max(least);
-                // As many equal ones as fill an interval.
-                let count = (long / step.min(long) * (1.0 - 1e-9)).floor() + 1.0;
-                method.step = long / count;
+            || {
+                let contact = bristle::Bound::<Measured, L>(plant.friction);
+                let method = Rosenbrock::new(segment, &contact, true, go_on);
+                over_samples(plant, segment, method, |_, _| {}, samples, read);
             },
-            &mut state,
-            &mut tally,
-            samples,
-            read,
+        );
+    } else if plant.is_linear() {
+        zero.outlined(
+            #[inline(always)]
+            || {
+                let contact = exact::Bound::<Measured, L>(plant.friction);
+                let method = Exact { segment, contact: &contact, go_on };
+                over_samples(plant, segment, method, |_, _| {}, samples, read);
+            },
+        );
+    } else {
+        zero.outlined(
+            #[inline(always)]
+            || in_steps(plant, segment, samples, go_on, read),
         );
     }
 }
 
+/// A head that a joint or a lag parts from its drive.
 #[inline(always)]
-#[allow(clippy::too_many_arguments)]
+fn behind_link<L: Lane>(
+    plant: &Plant<L>,
+    segment: &Segment<L>,
+    link: Link<L>,
+    samples: Samples,
+    mut go_on: impl FnMut() -> bool + Copy,
+    mut read: impl FnMut(usize, Reading<L>),
+) {
+    let mut state = samples.start(segment);
+    let mut tally = Tally::start(segment, Watch::NOTHING);
+    let longest = if plant.is_steep() { STEEP } else { BENT };
+    let longest = (!plant.is_linear()).then_some(longest.min(samples.interval));
+    let times = (samples.interval, longest);
+    let mut method = state.x.outlined(
+        #[inline(always)]
+        || ElasticDrive::new(segment, plant.friction, link, &state, times),
+    );
+    for (i, t) in samples.instants() {
+        let until = state.x.splat(t);
+        method.advance(&mut state, &mut tally, until);
+        let force = (-plant.emf).mul_add(state.v, method.force());
+        read(i, Reading { x: state.x, v: state.v, force });
+        if !go_on() {
+            return;
+        }
+    }
+}
+
+/// A head whose motion has no closed form: every lane takes the steps that its own needs.
+#[inline(always)]
+fn in_steps<L: Lane>(
+    plant: &Plant<L>,
+    segment: &Segment<L>,
+    samples: Samples,
+    go_on: impl FnMut() -> bool + Copy,
+    read: impl FnMut(usize, Reading<L>),
+) {
+    let contact = &Bound::<Measured, L>(plant.friction);
+    let method = RungeKutta { segment, contact, locate: true, step: segment.step, go_on };
+    let zero = segment.step.splat(0.0);
+    let (long, least) = (zero.splat(samples.interval), zero.splat(STEEP));
+    let steep = plant.is_steep();
+    over_samples(
+        plant,
+        segment,
+        method,
+        #[inline(always)]
+        |method: &mut RungeKutta<Bound<Measured, L>, L, _>, state: &State<L>| {
+            let a = if steep { method.acceleration(state) } else { zero };
+            let step = (zero.splat(SHARE) / plant.pace(state.v, a, long)).max(least);
+            // As many equal ones as fill an interval.
+            let count = (long / step.min(long) * (1.0 - 1e-9)).floor() + 1.0;
+            method.step = long / count;
+        },
+        samples,
+        read,
+    );
+}
+
+#[inline(always)]
 fn over_samples<L: Lane, M: Advance<L>>(
     plant: &Plant<L>,
     segment: &Segment<L>,
     mut method: M,
     ready: impl Fn(&mut M, &State<L>),
-    state: &mut State<L>,
-    tally: &mut Tally<L>,
     samples: Samples,
     mut read: impl FnMut(usize, Reading<L>),
 ) {
+    let mut state = samples.start(segment);
+    let mut tally = Tally::start(segment, Watch::NOTHING);
     for (i, t) in samples.instants() {
-        ready(&mut method, state);
-        if !method.advance(state, tally, state.t.splat(t)) {
+        ready(&mut method, &state);
+        let until = state.x.splat(t);
+        if !method.advance(&mut state, &mut tally, until) {
             return;
         }
         let force = segment.force(state.t, &state.clock, state.x, state.v);

@@ -125,30 +125,40 @@ impl Task for Group<'_, '_, '_> {
             if let Some(anchored) = &plant.body {
                 rear.clear();
                 rear.resize(count * own, 0.0);
-                body(
-                    &plant,
-                    anchored,
-                    samples,
+                like.outlined(
                     #[inline(always)]
-                    |i: usize| P::load(token, &motion[i * all + 2 * own..]),
-                    go_on,
-                    #[inline(always)]
-                    |i, x: P| x.store(&mut rear[i * own..]),
-                );
-            }
-            for i in 0..count {
-                let x = sensed(
-                    &plant,
-                    samples,
-                    i,
-                    #[inline(always)]
-                    |i: usize| {
-                        let at = &motion[i * all..];
-                        (P::load(token, at), P::load(token, &at[own..]))
+                    || {
+                        body(
+                            &plant,
+                            anchored,
+                            samples,
+                            #[inline(always)]
+                            |i: usize| P::load(token, &motion[i * all + 2 * own..]),
+                            go_on,
+                            #[inline(always)]
+                            |i, x: P| x.store(&mut rear[i * own..]),
+                        );
                     },
                 );
-                x.store(&mut seen[i * own..]);
             }
+            like.outlined(
+                #[inline(always)]
+                || {
+                    for i in 0..count {
+                        let x = sensed(
+                            &plant,
+                            samples,
+                            i,
+                            #[inline(always)]
+                            |i: usize| {
+                                let at = &motion[i * all..];
+                                (P::load(token, at), P::load(token, &at[own..]))
+                            },
+                        );
+                        x.store(&mut seen[i * own..]);
+                    }
+                },
+            );
             // Tile by tile, so that what is read for one lane is at hand for the next.
             for first in (0..count).step_by(TILE) {
                 let last = (first + TILE).min(count);
