@@ -281,14 +281,29 @@ impl<'a> Columns<'a> {
         start: usize,
         len: usize,
     ) -> Reader<'a, P, VARY> {
-        let column = |c| self.column(c, start).0;
         let wide = Point::gather(
             #[inline(always)]
-            |c| Reader::<P, VARY>::run(used, len, c, || column(c)),
+            |c| {
+                Reader::<P, VARY>::run(
+                    used,
+                    len,
+                    c,
+                    #[inline(always)]
+                    || self.column(c, start).0,
+                )
+            },
         );
         let constant = Point::gather(
             #[inline(always)]
-            |c| Reader::<P, VARY>::constant(token, used, c, || column(c)),
+            |c| {
+                Reader::<P, VARY>::constant(
+                    token,
+                    used,
+                    c,
+                    #[inline(always)]
+                    || self.column(c, start).0,
+                )
+            },
         );
         Reader { token, used, wide, constant, masks: [0; COLUMNS] }
     }
