@@ -1,9 +1,11 @@
 //! Replays of measured drives: every effect in its limit is the nominal model,
 //! and acts where it should.
 
+mod against_plain;
 mod bits;
 mod limits;
 mod order;
+mod plain;
 mod steps;
 mod windows;
 

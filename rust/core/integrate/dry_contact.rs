@@ -48,6 +48,9 @@ pub struct Slide<L> {
     pub end: L,
     pub work: L,
     pub heat: L,
+    /// How far the speed lies from that of the embedded third-order solution, which takes
+    /// the fifth slope in place of the fourth.
+    pub error: L,
 }
 
 /// The coefficients of law `Q`.
@@ -71,7 +74,7 @@ impl<Q: Dry, L: Lane> Bound<Q, L> {
 
     /// Acceleration, drive force and resistance on lanes that slide.
     #[inline(always)]
-    pub fn slope(&self, segment: &Segment<L>, state: &State<L>, (t, x, v): (L, L, L)) -> (L, L, L) {
+    fn slope(&self, segment: &Segment<L>, state: &State<L>, (t, x, v): (L, L, L)) -> (L, L, L) {
         let force = segment.force(t, &state.clock, x, v);
         let contact_state = self.contact_state(state, state.direction, x, force, t);
         let against = Q::resistance(&self.0, state.direction * v, &contact_state);
@@ -106,6 +109,7 @@ impl<Q: Dry, L: Lane> Bound<Q, L> {
         let (mut x, mut v) = (x0, v0);
         let (mut start, mut sum_a, mut sum_v) = (zero, zero, zero);
         let (mut work, mut heat) = (zero, zero);
+        let mut fourth = zero;
         // The fifth slope is the one after the step, for the cubics; that of the
         // fourth stage lies an order lower.
         for stage in 0..5 {
@@ -128,6 +132,9 @@ impl<Q: Dry, L: Lane> Bound<Q, L> {
             if stage == 0 {
                 start = a;
             }
+            if stage == 3 {
+                fourth = a;
+            }
             if stage < 4 {
                 let weight = dt.splat(if stage == 1 || stage == 2 { 2.0 } else { 1.0 });
                 sum_a = a.mul_add(weight, sum_a);
@@ -139,7 +146,8 @@ impl<Q: Dry, L: Lane> Bound<Q, L> {
             }
         }
         let (work, heat) = (sixth * work, state.direction * (sixth * heat));
-        Slide { x, v, start, end: a, work, heat }
+        let error = (sixth * (fourth - a)).abs();
+        Slide { x, v, start, end: a, work, heat, error }
     }
 }
 

@@ -8,7 +8,7 @@
 //! Exponentials are kept for steps of h, h/2, h/4, ...: events are found by halving,
 //! and any rest of an interval is made up of them.
 
-use super::{State, Tally};
+use super::{Advance, State, Tally};
 use crate::lane::Lane;
 use crate::lane::exp::speed_factor;
 use crate::physics::effects::{Coefficients, Effect, Joint, Measured};
@@ -211,7 +211,7 @@ fn crossing<L: Lane>(from: L, to: L) -> L {
     L::select(from.splat(0.0).lt(to), share, one)
 }
 
-pub struct ElasticDrive<'a, 'b, L: Lane> {
+pub struct ElasticDrive<'a, 'b, L: Lane, F> {
     segment: &'b Segment<'a, L>,
     law: Coefficients<L>,
     rates: Rates<L>,
@@ -223,9 +223,29 @@ pub struct ElasticDrive<'a, 'b, L: Lane> {
     bent: bool,
     now: Now<L>,
     levels: Vec<Level<L>>,
+    /// Whether to go on; asked at the end of every stretch.
+    go_on: F,
 }
 
-impl<'a, 'b, L: Lane> ElasticDrive<'a, 'b, L> {
+impl<L: Lane, F: FnMut() -> bool> Advance<L> for ElasticDrive<'_, '_, L, F> {
+    #[inline(always)]
+    fn advance(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) -> bool {
+        let mut events = until.splat(0.0);
+        while L::any(state.t.lt(until)) {
+            let piece_end = self.segment.drive.piece_end(state.clock.piece);
+            let active = state.t.lt(until);
+            let end = piece_end.min(until);
+            self.stretch(state, tally, (end - state.t).max(end.splat(0.0)), &mut events);
+            state.t = L::select(active, end, state.t);
+            let over = L::and(active, piece_end.le(until));
+            self.segment.drive.turn_over(&mut state.clock, piece_end, over);
+        }
+        (state.x, state.v) = (self.now.x, self.now.v);
+        (self.go_on)()
+    }
+}
+
+impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
     /// `interval` is the usual time between samples, `longest` the longest step where
     /// friction or gravity bend with the motion.
     #[inline(always)]
@@ -234,7 +254,7 @@ impl<'a, 'b, L: Lane> ElasticDrive<'a, 'b, L> {
         law: Coefficients<L>,
         link: Link<L>,
         start: &State<L>,
-        (interval, longest): (f64, Option<f64>),
+        ((interval, longest), go_on): ((f64, Option<f64>), F),
     ) -> Self {
         let zero = start.x.splat(0.0);
         let one = zero.splat(1.0);
@@ -303,13 +323,23 @@ impl<'a, 'b, L: Lane> ElasticDrive<'a, 'b, L> {
             levels.push(level);
         }
         let bent = longest.is_some();
-        ElasticDrive { segment, law, rates, gap, is_gap, at_once, bent, now, levels }
+        ElasticDrive { segment, law, rates, gap, is_gap, at_once, bent, now, levels, go_on }
     }
 
     /// Force of the link on the head.
     #[inline(always)]
     pub fn force(&self) -> L {
         self.push(&self.now)
+    }
+
+    /// Impulse that the drive has given and the head has not received.
+    #[inline(always)]
+    pub fn held(&self) -> L {
+        let zero = self.now.a.splat(0.0);
+        if self.rates.is_lag {
+            return L::select(zero.lt(self.at_once), zero, self.now.a / self.rates.lag);
+        }
+        self.now.b / self.rates.per_side
     }
 
     #[inline(always)]
@@ -430,22 +460,6 @@ impl<'a, 'b, L: Lane> ElasticDrive<'a, 'b, L> {
     fn inward(&self, now: &Now<L>, (g, u): (L, L)) -> (L, Inputs<L>) {
         let offset = now.a - self.depth(now);
         (offset, [now.a - offset, now.b, now.v, g, u])
-    }
-
-    /// Takes every lane to its time `until`.
-    #[inline(always)]
-    pub fn advance(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) {
-        let mut events = until.splat(0.0);
-        while L::any(state.t.lt(until)) {
-            let piece_end = self.segment.drive.piece_end(state.clock.piece);
-            let active = state.t.lt(until);
-            let end = piece_end.min(until);
-            self.stretch(state, tally, (end - state.t).max(end.splat(0.0)), &mut events);
-            state.t = L::select(active, end, state.t);
-            let over = L::and(active, piece_end.le(until));
-            self.segment.drive.turn_over(&mut state.clock, piece_end, over);
-        }
-        (state.x, state.v) = (self.now.x, self.now.v);
     }
 
     /// Over `left` seconds of one piece.

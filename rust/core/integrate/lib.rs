@@ -5,6 +5,7 @@
 //! left when the applied force exceeds what friction holds. Jumps of the drive
 //! are ends of its pieces, which no step crosses.
 
+mod anchored_body;
 pub mod bristle;
 pub mod dormand_prince;
 pub mod dry_contact;

@@ -1,6 +1,7 @@
 //! Replays of measured drives through the measured plant: what the sensors would
 //! read at every sample, a trajectory per lane.
 
+use super::anchored_body::AnchoredBody;
 use super::bristle::{self, Rosenbrock};
 use super::dry_contact::Bound;
 use super::elastic_drive::{ElasticDrive, Link};
@@ -9,8 +10,8 @@ use super::exact::{self, Exact};
 use super::runge_kutta::RungeKutta;
 use super::{Advance, State, Tally, Watch};
 use crate::lane::Lane;
-use crate::physics::drive::{Drive, DriveKind, Path, Table};
-use crate::physics::effects::{Active, Body, Effect, Measured, Plant};
+use crate::physics::drive::{Clock, Drive, DriveKind, Path, Table};
+use crate::physics::effects::{Effect, Measured, Plant};
 use crate::physics::friction::{Contact, Parameters};
 use crate::physics::params::ParamId;
 use crate::physics::segment::Segment;
@@ -45,12 +46,9 @@ impl Samples<'_> {
     }
 }
 
-/// Longest step of smooth motion, as a share of the time over which it changes.
-const SHARE: f64 = 0.25;
-/// Shortest step for the sake of friction that is steep along speed or track, and the
-/// longest where a joint or a lag stands beside it, s.
+/// Longest step for friction that is steep along speed or track, and for friction that
+/// bends smoothly, where a joint or a lag stands beside it, s.
 const STEEP: f64 = 1e-3;
-/// Longest step where a joint or a lag stands beside friction that bends smoothly, s.
 const BENT: f64 = 2e-3;
 /// Local error of the stiff method: what it leaves is far below what sensors see.
 const TOLERANCE: f64 = 1e-4;
@@ -62,6 +60,7 @@ pub struct Reading<L> {
     pub x: L,
     pub v: L,
     pub force: L,
+    pub x_rear: L,
 }
 
 /// A drive that only holds the samples; everything else is in the path.
@@ -105,13 +104,13 @@ fn segment<'a, L: Lane>(
         x,
         v,
         duration: zero.splat(samples.times.last().copied().unwrap_or(0.0)),
-        step: zero.splat(STEEP.min(samples.interval)),
+        step: zero.splat(samples.interval),
         tolerance: zero.splat(TOLERANCE),
         target: zero.splat(f64::INFINITY),
     }
 }
 
-/// Runs the head over all samples; `read` gets the number of each. Every method is a
+/// Runs head and body over all samples; `read` gets the number of each. Every method is a
 /// function of its own: in one, they take the compiler several times as long.
 #[inline(always)]
 pub fn head<L: Lane>(
@@ -144,7 +143,7 @@ pub fn head<L: Lane>(
             || {
                 let contact = bristle::Bound::<Measured, L>(plant.friction);
                 let method = Rosenbrock::new(segment, &contact, true, go_on);
-                over_samples(plant, segment, method, |_, _| {}, samples, read);
+                over_samples(plant, segment, method, direct(segment), samples, read);
             },
         );
     } else if plant.is_linear() {
@@ -153,7 +152,7 @@ pub fn head<L: Lane>(
             || {
                 let contact = exact::Bound::<Measured, L>(plant.friction);
                 let method = Exact { segment, contact: &contact, go_on };
-                over_samples(plant, segment, method, |_, _| {}, samples, read);
+                over_samples(plant, segment, method, direct(segment), samples, read);
             },
         );
     } else {
@@ -171,27 +170,20 @@ fn behind_link<L: Lane>(
     segment: &Segment<L>,
     link: Link<L>,
     samples: Samples,
-    mut go_on: impl FnMut() -> bool + Copy,
-    mut read: impl FnMut(usize, Reading<L>),
+    go_on: impl FnMut() -> bool + Copy,
+    read: impl FnMut(usize, Reading<L>),
 ) {
-    let mut state = samples.start(segment);
-    let mut tally = Tally::start(segment, Watch::NOTHING);
+    let state = samples.start(segment);
     let longest = if plant.is_steep() { STEEP } else { BENT };
     let longest = (!plant.is_linear()).then_some(longest.min(samples.interval));
     let times = (samples.interval, longest);
-    let mut method = state.x.outlined(
+    let method = state.x.outlined(
         #[inline(always)]
-        || ElasticDrive::new(segment, plant.friction, link, &state, times),
+        || ElasticDrive::new(segment, plant.friction, link, &state, (times, go_on)),
     );
-    for (i, t) in samples.instants() {
-        let until = state.x.splat(t);
-        method.advance(&mut state, &mut tally, until);
-        let force = (-plant.emf).mul_add(state.v, method.force());
-        read(i, Reading { x: state.x, v: state.v, force });
-        if !go_on() {
-            return;
-        }
-    }
+    let given =
+        |method: &ElasticDrive<L, _>, _: &State<L>, _: &Clock<L>| (method.force(), method.held());
+    over_samples(plant, segment, method, given, samples, read);
 }
 
 /// A head whose motion has no closed form: every lane takes the steps that its own needs.
@@ -204,95 +196,109 @@ fn in_steps<L: Lane>(
     read: impl FnMut(usize, Reading<L>),
 ) {
     let contact = &Bound::<Measured, L>(plant.friction);
-    let method = RungeKutta { segment, contact, locate: true, step: segment.step, go_on };
-    let zero = segment.step.splat(0.0);
-    let (long, least) = (zero.splat(samples.interval), zero.splat(STEEP));
-    let steep = plant.is_steep();
-    over_samples(
-        plant,
-        segment,
-        method,
-        #[inline(always)]
-        |method: &mut RungeKutta<Bound<Measured, L>, L, _>, state: &State<L>| {
-            let a = if steep { method.acceleration(state) } else { zero };
-            let step = (zero.splat(SHARE) / plant.pace(state.v, a, long)).max(least);
-            // As many equal ones as fill an interval.
-            let count = (long / step.min(long) * (1.0 - 1e-9)).floor() + 1.0;
-            method.step = long / count;
-        },
-        samples,
-        read,
-    );
+    let method = RungeKutta::<_, _, _, true>::new(segment, contact, true, segment.step, go_on);
+    over_samples(plant, segment, method, direct(segment), samples, read);
 }
 
+/// Force of a drive that nothing parts from the head, see `over_samples`.
+#[inline(always)]
+fn direct<'a, L: Lane, M>(
+    segment: &'a Segment<L>,
+) -> impl Fn(&M, &State<L>, &Clock<L>) -> (L, L) + 'a {
+    |_, state, clock| (segment.force(state.t, clock, state.x, state.v), state.t.splat(0.0))
+}
+
+/// Takes head and body from sample to sample; `given` is the force that the drive gives
+/// without back-EMF, and the impulse that it has given and the head has not received.
 #[inline(always)]
 fn over_samples<L: Lane, M: Advance<L>>(
     plant: &Plant<L>,
     segment: &Segment<L>,
     mut method: M,
-    ready: impl Fn(&mut M, &State<L>),
+    given: impl Fn(&M, &State<L>, &Clock<L>) -> (L, L),
     samples: Samples,
     mut read: impl FnMut(usize, Reading<L>),
 ) {
     let mut state = samples.start(segment);
     let mut tally = Tally::start(segment, Watch::NOTHING);
+    let zero = state.t.splat(0.0);
+    let felt = |method: &M, state: &State<L>, clock: &Clock<L>| {
+        let (force, held) = given(method, state, clock);
+        ((-plant.emf).mul_add(state.v, force), plant.emf.mul_add(state.x, held))
+    };
+    let mut body = plant.body.as_ref().map(AnchoredBody::new);
+    let longest = longest_under_body(plant, samples.interval);
     for (i, t) in samples.instants() {
-        ready(&mut method, &state);
-        let until = state.x.splat(t);
-        if !method.advance(&mut state, &mut tally, until) {
-            return;
+        let until = zero.splat(t);
+        loop {
+            // The body feels the force between the samples: to the next jump at most.
+            let (mut next, begin) = (until, state);
+            let mut from = (zero, zero);
+            if body.is_some() {
+                let end = segment.drive.piece_end(begin.clock.piece).min(until);
+                let far = (longest * (1.0 + 1e-9)).lt(end - begin.t);
+                next = L::select(far, begin.t + longest, end);
+                from = felt(&method, &begin, &begin.clock);
+            }
+            if !method.advance(&mut state, &mut tally, next) {
+                return;
+            }
+            let Some(body) = &mut body else { break };
+            let to = felt(&method, &state, &begin.clock);
+            zero.outlined(
+                #[inline(always)]
+                || {
+                    let dt = (next - begin.t).max(zero);
+                    let drive = segment.drive.mean(begin.t, dt, &begin.clock);
+                    let mean = drive - L::select(zero.lt(dt), (to.1 - from.1) / dt, zero);
+                    // Evenly, with the impulse that was given whatever happened on the way.
+                    let half = (to.0 - from.0) * 0.5;
+                    body.advance(dt, mean - half, mean + half);
+                },
+            );
+            if !L::any(state.t.lt(until)) {
+                break;
+            }
         }
-        let force = segment.force(state.t, &state.clock, state.x, state.v);
-        let force = (-plant.emf).mul_add(state.v, force);
-        read(i, Reading { x: state.x, v: state.v, force });
+        let (force, _) = felt(&method, &state, &state.clock);
+        let x_rear = body.as_ref().map_or(zero, |body| body.x);
+        read(i, Reading { x: state.x, v: state.v, force, x_rear });
     }
 }
 
-/// Runs the body under the reaction to `force`, the drive forces just after each
-/// sample; `read` gets its position at each.
+/// Steps of the body within the time over which its force changes, and the fewest and the
+/// most between two samples: the force is taken to change evenly over each. Set by
+/// `cargo test --test replay`: below a micrometre against a plain integration.
+const PER_CHANGE: f64 = 16.0;
+const FEWEST: f64 = 4.0;
+const MOST: f64 = 64.0;
+
+/// Longest step over which the drive force may be taken to change evenly: it is constant
+/// from jump to jump unless a lag, a joint, back-EMF or a sagging supply shape it.
 #[inline(always)]
-pub fn body<L: Lane>(
-    plant: &Plant<L>,
-    body: &Body<L>,
-    samples: Samples,
-    forces: impl Fn(usize) -> L,
-    go_on: impl FnMut() -> bool + Copy,
-    mut read: impl FnMut(usize, L),
-) {
-    let zero = body.mass.splat(0.0);
-    let mut friction = plant.friction;
-    friction.active = Active::default().with(Effect::StribeckFriction);
-    (friction.forward, friction.backward) = (body.levels.coulomb, body.levels.coulomb);
-    friction.viscous = zero;
-    friction.drop = (body.levels.break_away - body.levels.coulomb).max(zero);
-    friction.per_stribeck = zero.splat(1e30);
-    friction.exponent = zero.splat(1.0);
-    let back = Path { gain: -plant.path.gain, ..plant.path };
-    let friction = exact::Bound::<Measured, L>(friction);
-    let mut own = segment(plant, &back, samples, (zero, zero));
-    own.mass = body.mass;
-    own.per_mass = zero.splat(1.0) / body.mass;
-    own.weight = body.weight;
-    (own.swing, own.swings) = (zero, false);
-    let mut state = samples.start(&own);
-    let mut tally = Tally::start(&own, Watch::NOTHING);
-    read(0, zero);
-    // The force between two samples is what the drive's path gives there; what
-    // depends on the head's motion is taken at the interval's middle.
-    let follows = plant.joint.is_some() || plant.active.has(Effect::BackEmf) || plant.path.lags;
-    for (i, t) in samples.instants().skip(1) {
-        let until = zero.splat(t);
-        let mut now = own;
-        if follows {
-            let mean = (forces(i - 1) + forces(i)) * -0.5;
-            now.drive = Drive::steady(mean);
-        }
-        let mut method = Exact { segment: &now, contact: &friction, go_on };
-        if !method.advance(&mut state, &mut tally, until) {
-            return;
-        }
-        read(i, state.x);
+fn longest_under_body<L: Lane>(plant: &Plant<L>, interval: f64) -> L {
+    let zero = plant.mass.splat(0.0);
+    let shaped = plant.joint.is_some()
+        || plant.path.lags
+        || plant.path.sags
+        || plant.active.has(Effect::BackEmf);
+    if !shaped {
+        return zero.splat(f64::INFINITY);
     }
+    let mut rate = plant.friction.viscous / plant.mass;
+    if plant.path.lags {
+        rate = rate + plant.path.per_lag;
+    }
+    if let Some(joint) = plant.joint {
+        if !joint.is_spring {
+            // A gap closes with a blow, whenever that is.
+            return zero.splat(interval / MOST);
+        }
+        let (joint, reduced) = joint.followed(plant.mass);
+        rate = rate + (joint.stiffness / reduced).sqrt();
+    }
+    let count = (rate * (interval * PER_CHANGE)).max(zero.splat(FEWEST)).min(zero.splat(MOST));
+    zero.splat(interval) / count
 }
 
 /// The position that the sensor reads at sample `i`, from the head's own motion.

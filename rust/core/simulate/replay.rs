@@ -1,7 +1,7 @@
 //! Replays of packs of columns (candidates, perturbed parameters, restarts), a column
 //! per lane.
 
-use crate::integrate::replay::{Samples, body, head, sensed};
+use crate::integrate::replay::{Samples, head, sensed};
 use crate::lane::{Level, Pack, Task, run};
 use crate::physics::effects::{Active, EFFECT_PARAMS, Nominal, Plant};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -55,9 +55,8 @@ pub struct Group<'a, 'b, 'c> {
 /// Readings of one pack, a sample after another, kept from group to group.
 #[derive(Default)]
 pub struct Scratch {
-    /// x, v and force of all lanes.
+    /// x, v, force and x_rear of all lanes.
     head: Vec<f64>,
-    rear: Vec<f64>,
     /// What the position sensor reads.
     seen: Vec<f64>,
 }
@@ -102,8 +101,8 @@ impl Task for Group<'_, '_, '_> {
                 #[inline(always)]
                 || Plant::new(nominal, run.slope_deg, first.active, &values, shares),
             );
-            let Scratch { head: motion, rear, seen } = &mut *scratch;
-            let (own, all) = (P::LANES, 3 * P::LANES);
+            let Scratch { head: motion, seen } = &mut *scratch;
+            let (own, all) = (P::LANES, 4 * P::LANES);
             // What a cancelled run leaves out is 0, not another column's.
             motion.clear();
             motion.resize(count * all, 0.0);
@@ -118,29 +117,10 @@ impl Task for Group<'_, '_, '_> {
                     let to = &mut motion[i * all..(i + 1) * all];
                     reading.x.store(&mut to[..own]);
                     reading.v.store(&mut to[own..2 * own]);
-                    reading.force.store(&mut to[2 * own..]);
+                    reading.force.store(&mut to[2 * own..3 * own]);
+                    reading.x_rear.store(&mut to[3 * own..]);
                 },
             );
-            let slides = plant.body.is_some();
-            if let Some(anchored) = &plant.body {
-                rear.clear();
-                rear.resize(count * own, 0.0);
-                like.outlined(
-                    #[inline(always)]
-                    || {
-                        body(
-                            &plant,
-                            anchored,
-                            samples,
-                            #[inline(always)]
-                            |i: usize| P::load(token, &motion[i * all + 2 * own..]),
-                            go_on,
-                            #[inline(always)]
-                            |i, x: P| x.store(&mut rear[i * own..]),
-                        );
-                    },
-                );
-            }
             like.outlined(
                 #[inline(always)]
                 || {
@@ -167,12 +147,8 @@ impl Task for Group<'_, '_, '_> {
                     spread(&seen[first * own + lane..last * own], own, &mut x[first..last]);
                     spread(&moved[own..], all, &mut v[first..last]);
                     spread(&moved[2 * own..], all, &mut force[first..last]);
-                    if slides {
-                        spread(
-                            &rear[first * own + lane..last * own],
-                            own,
-                            &mut x_rear[first..last],
-                        );
+                    if plant.body.is_some() {
+                        spread(&moved[3 * own..], all, &mut x_rear[first..last]);
                     }
                 }
             }

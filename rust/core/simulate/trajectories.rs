@@ -141,7 +141,8 @@ fn dry_runs<P: Pack>(token: P::Token, stretch: Stretch, bind: Bind<P, dyn DryCon
         #[inline(always)]
         |contact, segment, visit| {
             let step = segment.step;
-            visit.drive(RungeKutta { segment, contact, locate, step, go_on }, watch)
+            let method = RungeKutta::<_, _, _>::new(segment, contact, locate, step, go_on);
+            visit.drive(method, watch)
         },
     );
 }

@@ -265,36 +265,6 @@ impl<L: Lane> Plant<L> {
     pub fn is_steep(&self) -> bool {
         self.active.any(&[Effect::StribeckFriction, Effect::PositionDependentFriction])
     }
-
-    /// Rate at which what bends the motion changes within `dt` from a speed and an
-    /// acceleration on, 1/s: what steps must resolve.
-    #[inline(always)]
-    pub fn pace(&self, v: L, a: L, dt: L) -> L {
-        let zero = v.splat(0.0);
-        let (friction, speed) = (&self.friction, v.abs());
-        let drag = (friction.quadratic * 2.0).mul_add(speed, friction.viscous.abs());
-        let mut rate = drag / self.mass;
-        if self.active.has(Effect::LubricantBuildup) {
-            rate = rate + (friction.buildup.abs() / self.mass).sqrt();
-        }
-        if self.active.has(Effect::PositionDependentFriction) {
-            // At rest no more is known than that friction holds what pushes.
-            let pull = L::select(zero.lt(speed), a.abs(), friction.forward / self.mass);
-            let fast = pull.mul_add(dt, speed) * std::f64::consts::TAU;
-            rate = fast.mul_add(friction.per_length.abs(), rate);
-        }
-        if self.active.has(Effect::StribeckFriction) {
-            // Speeds must not jump over the fall: at rest a break-away begins there.
-            let width = zero.splat(1.0) / friction.per_stribeck;
-            let least = friction.drop.abs() / self.mass;
-            let pull = L::select(zero.lt(speed), a.abs(), least);
-            rate = rate + pull / speed.max(width);
-        }
-        if self.rotary {
-            rate = rate + (self.swing.abs() / self.mass).sqrt();
-        }
-        rate
-    }
 }
 
 /// Grows with how short the steps are that these effects need.
