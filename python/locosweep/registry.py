@@ -188,6 +188,7 @@ class Status(IntEnum):
     NO_PHASE_TIME = 18
     TOO_MANY_STEPS = 19
     MIXED_JOINTS = 20
+    NO_CLOSED_FORM = 21
 
     @property
     def sentence(self) -> str:

@@ -2,6 +2,7 @@
 //! their limits, symmetries and scaling, and the best count against brute force.
 
 mod best;
+mod continuous;
 mod designs;
 mod limits;
 mod paper;

@@ -42,4 +42,5 @@ statuses! {
     NoPhaseTime 18 "no_phase_time" "the phases of the gait have no duration: give a speed_limit or a dwell";
     TooManySteps 19 "too_many_steps" "the run would take too many steps, or events follow each other without end";
     MixedJoints 20 "mixed_joints" "some joints of the robot are ideal and others elastic";
+    NoClosedForm 21 "no_closed_form" "a brake, viscosity or a speed limit acts that the closed form leaves out: simulate the robot";
 }

@@ -1,6 +1,7 @@
 //! QUANTITY REGISTRY: what a sweep can compute. A new quantity is one `impl
 //! Quantity` in the file of its topic and one line in `for_each_quantity!`.
 
+mod continuous;
 mod energy;
 mod forces;
 mod motion;
@@ -10,6 +11,7 @@ mod pipe;
 mod slip;
 mod traction;
 
+pub use continuous::OptimalSegments;
 pub use energy::*;
 pub use forces::*;
 pub use motion::*;

@@ -1,9 +1,10 @@
-//! The best segment count and the steepest slope: equations (7) and (8).
+//! The best whole segment count and the steepest slope.
 
 use super::Quantity;
+use super::continuous::{ideal_optimum, needed_anchors};
 use super::motion::{MeanVelocity, why_no_phase};
 use super::phase::braking_works;
-use super::traction::{or_else, traction, why_not_anchored};
+use super::traction::{or_else, traction};
 use crate::describe::Info;
 use crate::lane::Lane;
 use crate::point::columns;
@@ -11,54 +12,6 @@ use crate::{ParamId, Point, Status};
 
 /// Relative difference below which two velocities are a tie; the lower count wins.
 pub const TIE: f64 = 1e-12;
-
-/// Continuous optimum of the segment count.
-pub struct OptimalSegments;
-
-impl Quantity for OptimalSegments {
-    const INFO: Info = Info {
-        name: "optimal_segments",
-        symbol: r"N_\mathrm{opt}",
-        unit: "1",
-        formula: r"N_\mathrm{opt} = 2k\,\frac{(\mu_S + \mu_C)n + (1-w)g\sin\alpha}{\mu_S n - w g\sin\alpha}",
-        source: "paper, equations (7) and (8): the zero of d(mean velocity)/dN",
-        limits: "without limits, viscosity or brake; best_segments obeys those and is whole",
-        meaning: "segment count of highest mean velocity, as a real number",
-        params: &[
-            "mu_static",
-            "mu_coulomb",
-            "slope_deg",
-            "mass",
-            "gravity",
-            "moving",
-            "anchor_weight",
-            "skin_ratio",
-            "wall_force",
-            "wall_release",
-            "corner_deg",
-        ],
-        integer: false,
-    };
-
-    #[inline(always)]
-    fn value<L: Lane, const PLAIN: bool>(p: &Point<L>) -> L {
-        let (hold, drag) = (p.hold(), p.drag());
-        let zero = hold.splat(0.0);
-        let optimum = (p.moving + p.moving) * ((hold + drag) / hold);
-        // At N = k nothing moves: an "optimum" there or below is none.
-        let mask = L::and(hold.gt(zero), optimum.gt(p.moving));
-        if PLAIN {
-            return optimum.only_if(mask);
-        }
-        optimum.only_if(L::and(mask, super::traction::grip_against_drive(p).gt(zero)))
-    }
-
-    fn status(p: &Point<f64>) -> Status {
-        // The count itself is what is asked for: take one that leaves anchors.
-        let status = why_not_anchored(&p.with_segments(p.moving + p.anchors_ahead + 1.0));
-        or_else(status, Status::NoOptimum)
-    }
-}
 
 /// Best whole segment count.
 pub struct BestSegments;
@@ -142,12 +95,9 @@ fn moves<L: Lane>(p: &Point<L>, n: L) -> L::Mask {
 fn searched_best<L: Lane>(p: &Point<L>) -> L {
     let one = p.moving.splat(1.0);
     let zero = one.splat(0.0);
-    // Least count whose anchors hold the movers under an ideal drive: k B/A
-    // beyond k. Rounding may have put it one too low.
     let never = zero.splat(f64::NEG_INFINITY);
-    let need = p.moving * (p.drag() / p.hold());
-    let need = L::select(need.gt(zero), need, zero);
-    let least = (p.moving + need).floor() + one;
+    // Rounding may have put it one too low.
+    let least = (p.moving + needed_anchors(p)).floor() + one;
     let least = least.max(p.moving + p.anchors_ahead.max(one)).max(p.segments_min);
     let least = L::select(moves(p, least), least, least + one);
     let (mut low, mut high) = (least, p.segments_max.min(most(p)).max(least));
@@ -178,7 +128,7 @@ fn searched_best<L: Lane>(p: &Point<L>) -> L {
 #[inline(always)]
 fn most<L: Lane>(p: &Point<L>) -> L {
     let zero = p.moving.splat(0.0);
-    let ideal = OptimalSegments::value::<L, false>(p).floor() + 2.0;
+    let ideal = ideal_optimum::<L, false>(p).floor() + 2.0;
     let others = L::or(p.brake.gt(zero), p.anchors_ahead.gt(zero));
     let bounded = L::and(ideal.not_nan(), p.viscous.le(zero));
     let bound = L::select(bounded, ideal, zero.splat(f64::INFINITY));

@@ -27,18 +27,28 @@ pub fn plain_acceleration<L: Lane>(p: &Point<L>) -> L {
     p.anchor_ratio().mul_add(hold, -p.drag())
 }
 
+/// Traction of movers that have anchors, or none but are thought to.
 #[inline(always)]
-pub fn traction<L: Lane, const PLAIN: bool>(p: &Point<L>) -> Traction<L> {
+pub fn anchored_traction<L: Lane>(p: &Point<L>) -> Traction<L> {
     let (hold, drag) = (p.hold(), p.drag());
+    let push = limited(p, hold);
     // Where no joint is at its limit the push is what the anchors hold, and one
     // rounding less gives the bits of a plain point.
     let free = p.anchor_ratio().mul_add(hold, -drag);
+    let acceleration = L::select(is_limited(p, hold), push - drag, free);
+    let moves = acceleration.gt(drag.splat(LEAST_ACCELERATION));
+    Traction { push, drag, acceleration: acceleration.only_if(moves) }
+}
+
+#[inline(always)]
+pub fn traction<L: Lane, const PLAIN: bool>(p: &Point<L>) -> Traction<L> {
+    let (hold, drag) = (p.hold(), p.drag());
     let (push, acceleration, anchored) = if PLAIN {
+        let free = p.anchor_ratio().mul_add(hold, -drag);
         (p.anchor_ratio() * hold, free, hold.gt(hold.splat(0.0)))
     } else {
-        let push = limited(p, hold);
-        let anchored = L::and(anchored(p), has_room_ahead(p));
-        (push, L::select(is_limited(p, hold), push - drag, free), anchored)
+        let Traction { push, acceleration, .. } = anchored_traction(p);
+        (push, acceleration, L::and(anchored(p), has_room_ahead(p)))
     };
     let moves = L::and(anchored, acceleration.gt(drag.splat(LEAST_ACCELERATION)));
     Traction { push, drag, acceleration: acceleration.only_if(moves) }
@@ -55,9 +65,17 @@ pub fn limited<L: Lane>(p: &Point<L>, grip: L) -> L {
 
 /// Whether a joint's actuator, not the anchors, decides its force.
 #[inline(always)]
-fn is_limited<L: Lane>(p: &Point<L>, grip: L) -> L::Mask {
+pub fn is_limited<L: Lane>(p: &Point<L>, grip: L) -> L::Mask {
     let (limit, ahead, behind) = joints(p, grip);
     L::or(limit.lt(ahead), limit.lt(behind))
+}
+
+/// Growth by the segment count of what `limited` gives: that of the anchors behind,
+/// until their joint is at its limit.
+#[inline(always)]
+pub fn limited_growth<L: Lane>(p: &Point<L>, grip: L) -> L {
+    let (limit, _, behind) = joints(p, grip);
+    L::select(behind.lt(limit), p.per_moving * grip, grip.splat(0.0))
 }
 
 /// Limit of a joint and what the anchors on either side hold, per moving mass.
