@@ -8,6 +8,7 @@
 
 mod system;
 
+use super::drive_resolution::outruns_step;
 use super::event_location::Cubic;
 use super::{Advance, Clock, MOST_STIFF_STEPS, State, Tally};
 use crate::lane::Lane;
@@ -138,6 +139,10 @@ where
         let one = zero.splat(1.0);
         let finite = step.error.lt(zero.splat(f64::INFINITY));
         let mut accepted = active;
+        if !self.adaptive && self.segment.drive.swings() {
+            let rough = L::and(active, outruns_step(self.segment, state.t, dt));
+            tally.rough = L::select(rough, tally.rough + one, tally.rough);
+        }
         if self.adaptive {
             let smallest = left * SMALLEST + 1e-300;
             let tiny = dt.le(smallest);

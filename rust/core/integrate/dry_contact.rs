@@ -193,26 +193,76 @@ impl<Q: Dry> PlainContact for Bound<Q, f64> {
     }
 }
 
+/// Width about a peak, as a share of a look, in which a second parabola follows it.
+const NARROW: f64 = 1.0 / 16.0;
+/// How far below zero a peak may seem, as a share of the first parabola's bend, to be
+/// followed further. Over an eighth of a period of a sine the seeming peak lies at most
+/// 3e-4 of the bend below the true one.
+const SEEMING: f64 = 1e-2;
+
 /// Time from `from` until friction gives way within the next `left` seconds and the
-/// direction then; all of `left` and 0 where it holds. `excess_at` is `excess` over time.
+/// direction then; all of `left` and 0 where it holds. `excess_at` is `excess` over time,
+/// `looks` the number of equal parts in each of which it has one peak at the most.
 #[inline(always)]
-pub fn wait<L: Lane>(from: L, left: L, locate: bool, excess_at: impl Fn(L) -> (L, L)) -> (L, L) {
+pub fn wait<L: Lane>(
+    from: L,
+    left: L,
+    (locate, looks): (bool, L),
+    excess_at: impl Fn(L) -> (L, L),
+) -> (L, L) {
     let zero = left.splat(0.0);
-    let excess = |theta: L| excess_at(from + left * theta).1;
-    let one = left.splat(1.0);
-    let end = excess(one);
     if !locate {
         // Seen at the end of the step only: the next one starts with it.
         return (left, zero);
     }
+    let one = left.splat(1.0);
+    if !L::any(one.lt(looks)) {
+        return look(from, left, &excess_at);
+    }
+    let part = left / looks;
+    let (mut wait, mut direction) = (left, zero);
+    let mut done = zero;
+    let mut open = zero.lt(looks);
+    while L::any(open) {
+        let start = done * part;
+        let (within, way) = look(from + start, part, &excess_at);
+        let breaks = L::and(open, zero.lt(way.abs()));
+        wait = L::select(breaks, start + within, wait);
+        direction = L::select(breaks, way, direction);
+        done = done + one;
+        open = L::and(L::and(open, L::not(breaks)), done.lt(looks));
+    }
+    (wait.min(left), direction)
+}
+
+/// A wait with one look: at its ends, its middle and a peak between.
+#[inline(always)]
+fn look<L: Lane>(from: L, left: L, excess_at: &impl Fn(L) -> (L, L)) -> (L, L) {
+    let zero = left.splat(0.0);
+    let excess = |theta: L| excess_at(from + left * theta).1;
+    let one = left.splat(1.0);
+    let end = excess(one);
     let (start, half) = (excess(zero), excess(one * 0.5));
     // A peak between the ends, from the parabola through three points.
     let bend = start + end - half * 2.0;
     let tilt = end - start;
     let peak = L::select(bend.lt(zero), (tilt / bend) * -0.25 + 0.5, one);
     let inside = L::and(zero.lt(peak), peak.lt(one));
-    let peak = L::select(inside, peak, one);
-    let at_peak = excess(peak);
+    let mut peak = L::select(inside, peak, one);
+    let mut at_peak = excess(peak);
+    let seeming = L::and((bend * SEEMING).lt(at_peak), L::not(zero.lt(at_peak)));
+    let near = L::and(inside, seeming);
+    if L::any(near) {
+        let (before, after) = (excess(peak - NARROW), excess(peak + NARROW));
+        let bend = before + after - at_peak * 2.0;
+        let better = peak - ((after - before) / bend) * (0.5 * NARROW);
+        let usable = L::and(L::and(zero.lt(better), better.lt(one)), bend.lt(zero));
+        let better = L::select(L::and(near, usable), better, peak);
+        let at_better = excess(better);
+        let higher = at_peak.lt(at_better);
+        peak = L::select(higher, better, peak);
+        at_peak = L::select(higher, at_better, at_peak);
+    }
     let reach = L::select(zero.lt(at_peak), peak, one);
     let breaks = L::or(zero.lt(end), zero.lt(at_peak));
     if !L::any(breaks) {

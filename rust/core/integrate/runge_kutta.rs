@@ -5,6 +5,7 @@
 //! passed zero by its end (or dipped below it within), the stop is located, the
 //! segment rests or turns there, and the rest of the step follows.
 
+use super::drive_resolution::{looks, outruns_step, outruns_wait};
 use super::dry_contact::{DryContact, Slide, wait};
 use super::event_location::Cubic;
 use super::{Advance, MOST_STEPS, State, Tally};
@@ -109,7 +110,7 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool, const CONTROL: bool
         wait(
             state.t,
             left,
-            locate,
+            (locate, looks(self.segment, state.t, left)),
             #[inline(always)]
             |t| self.excess(state, t),
         )
@@ -124,6 +125,9 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool, const CONTROL: bool
         state.direction = L::select(still, zero, state.direction);
         let moving = zero.lt(state.direction.abs());
         let resting = L::not(moving);
+        if self.segment.drive.swings() {
+            self.heed_drive(state, tally, dt, moving);
+        }
         // Most steps hold no event in any lane.
         if !L::any(resting) || (self.locate && self.stays(state, resting, dt)) {
             let length = L::select(moving, dt, zero);
@@ -139,6 +143,16 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool, const CONTROL: bool
             #[inline(always)]
             || self.eventful(state, tally, dt),
         );
+    }
+
+    /// Counts the lanes whose drive swings too fast for a step of `dt`, sliding where the
+    /// mask holds, at rest elsewhere.
+    #[inline(always)]
+    fn heed_drive(&self, state: &State<L>, tally: &mut Tally<L>, dt: L, moving: L::Mask) {
+        let step = outruns_step(self.segment, state.t, dt);
+        let resting = if self.locate { outruns_wait(self.segment, state.t, dt) } else { step };
+        let rough = L::or(L::and(moving, step), L::and(L::not(moving), resting));
+        tally.rough = L::select(rough, tally.rough + 1.0, tally.rough);
     }
 
     /// Whether friction holds all resting lanes over a step: at its ends and by the
@@ -210,6 +224,9 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool, const CONTROL: bool
         let moving = L::and(open, zero.lt(state.direction.abs()));
         if L::any(moving) {
             let mut dt = L::select(moving, left, zero);
+            if self.segment.drive.swings() {
+                self.heed_drive(state, tally, dt, moving);
+            }
             let mut whole = self.slide(state, dt, tally.watch.energy);
             if CONTROL {
                 (dt, whole) = self.controlled(state, moving, (dt, whole));

@@ -2,6 +2,7 @@
 //! so every step is the same few operations. Such laws creep instead of resting;
 //! time at rest is therefore not counted.
 
+use super::drive_resolution::outruns_step;
 use super::event_location::Cubic;
 use super::{Advance, State, Tally};
 use crate::lane::Lane;
@@ -68,10 +69,16 @@ const PATIENCE: u32 = 256;
 impl<L: Lane, F: FnMut() -> bool> Advance<L> for Steps<'_, '_, L, F> {
     #[inline(always)]
     fn advance(&mut self, state: &mut State<L>, tally: &mut Tally<L>, until: L) -> bool {
+        let segment = self.around.segment;
+        let usual = segment.step.min((until - state.t).max(until.splat(0.0)));
+        // A chirp is fastest at one of its ends.
+        for t in [state.t, until - usual] {
+            let outrun = outruns_step(segment, t, usual);
+            tally.rough = L::select(outrun, tally.rough + 1.0, tally.rough);
+        }
         if !self.ahead.0.is_empty() {
             return self.in_step(state, tally, until);
         }
-        let segment = self.around.segment;
         let h = segment.step;
         let (mut from, mut taken) = (state.t, h.splat(0.0));
         let mut count = 0;

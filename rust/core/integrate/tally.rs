@@ -38,7 +38,7 @@ pub struct Tally<L> {
     pub stored: L,
     /// Steps taken.
     pub steps: L,
-    /// Steps too long for the law's steepness.
+    /// Steps too long for the law's steepness or the drive's frequency.
     pub rough: L,
     /// Runs of more steps than are taken.
     pub long: L,

@@ -5,6 +5,7 @@
 //! to piece, so no jump falls into a step; the number of the piece, kept beside
 //! the time, says on which side of a jump a value is wanted.
 
+mod frequency;
 mod path;
 
 pub use path::Path;

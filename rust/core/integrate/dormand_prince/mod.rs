@@ -5,11 +5,13 @@
 //! there.
 //!
 //! On plain numbers: trajectories whose steps differ this much gain nothing from
-//! lanes. At rest the drive is looked at every `time_step`.
+//! lanes. At rest the drive is looked at every `time_step`, and between as often as it
+//! swings.
 
 mod dense;
 mod pair;
 
+use super::drive_resolution::{looks, outruns_step, outruns_wait};
 use super::dry_contact::{PlainContact, wait};
 use super::{Advance, MOST_STIFF_STEPS, State, Tally};
 use crate::physics::segment::Segment;
@@ -193,6 +195,9 @@ impl<'a, 'b, F: FnMut() -> bool> DormandPrince<'a, 'b, F> {
     /// where there is none.
     fn fitting(&mut self, tally: &mut Tally<f64>, end: f64, longest: f64) -> Option<(Step, bool)> {
         if !self.adaptive {
+            if outruns_step(self.segment, self.front.t, longest) {
+                tally.rough += 1.0;
+            }
             let step = self.attempt(longest);
             return Some(self.stopped(&step).map_or((step, false), |step| (step, true)));
         }
@@ -362,8 +367,13 @@ impl<'a, 'b, F: FnMut() -> bool> DormandPrince<'a, 'b, F> {
     /// Rests until friction gives way, at most for `longest`.
     fn rest(&mut self, tally: &mut Tally<f64>, end: f64, longest: f64) {
         let begin = self.front;
-        let (wait, direction) =
-            wait(begin.t, longest, self.locate, |t| self.contact.excess(self.segment, &begin, t));
+        let blind = if self.locate { outruns_wait } else { outruns_step };
+        if blind(self.segment, begin.t, longest) {
+            tally.rough += 1.0;
+        }
+        let looks = looks(self.segment, begin.t, longest);
+        let excess = |t| self.contact.excess(self.segment, &begin, t);
+        let (wait, direction) = wait(begin.t, longest, (self.locate, looks), excess);
         tally.stuck += wait;
         self.front.t = if wait >= end - begin.t { end } else { begin.t + wait };
         (self.front.v, self.front.direction) = (0.0, direction);
