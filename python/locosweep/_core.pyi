@@ -330,6 +330,11 @@ class FrictionParameter:
         At an end of the range that was searched.
         """
     @property
+    def logarithmic(self, /) -> bool:
+        """
+        Its logarithm is what the fit moves and errors are even in.
+        """
+    @property
     def meaning(self, /) -> str: ...
     @property
     def name(self, /) -> str: ...

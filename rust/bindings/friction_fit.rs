@@ -82,6 +82,8 @@ pub struct FrictionParameter {
     value: f64,
     /// inf where the data say nothing of it, NaN where it has none.
     std: f64,
+    /// Its logarithm is what the fit moves and errors are even in.
+    logarithmic: bool,
     /// At an end of the range that was searched.
     bounded: bool,
 }
@@ -94,6 +96,7 @@ impl From<&Found> for FrictionParameter {
             meaning: found.what.meaning(),
             value: found.value,
             std: found.std,
+            logarithmic: found.logarithmic,
             bounded: found.bounded,
         }
     }

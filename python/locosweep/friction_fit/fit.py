@@ -14,7 +14,14 @@ from locosweep.files.columns import checksum
 from locosweep.friction_fit.data import read_friction
 from locosweep.friction_fit.prepare import Prepared, fitted_only, prepare
 from locosweep.friction_fit.result import FittedLaw, FittedParameter, FrictionFit
-from locosweep.friction_fit.verdict import choose, explained_share, left_over, schwarz, summary_of
+from locosweep.friction_fit.verdict import (
+    choose,
+    explained_share,
+    left_over,
+    remarks_on,
+    schwarz,
+    summary_of,
+)
 from locosweep.registry import laws as all_laws
 from locosweep.registry import unknown
 
@@ -33,6 +40,9 @@ _SCOUTED_ROWS = 600
 """Samples that these laws are compared at."""
 
 _CONFIDENCE = 0.95
+
+_MOST_EXPONENT = 300.0
+"""Exponent beyond which an interval of a logarithm is no number any more."""
 
 _NOTHING_LEFT = 1.1
 """Residual over noise up to which laws without bristles suffice, so that none with are fitted."""
@@ -251,13 +261,19 @@ def _ranked(
     lengths = [int(seen[a:b].sum()) for a, b in pairwise(starts)]
     residuals = [np.ascontiguousarray((force - h)[seen]) for h in held]
     ranks = _core.rank_fits(residuals, [n for n in lengths if n])
+    speeds = np.abs(data.column("v"))
+    speeds = speeds[speeds > data.rest_speed]
+    ends = (float(speeds.min()), float(speeds.max())) if speeds.size else (0.0, 0.0)
+    parameters = [
+        {p.name: _parameter(p, outcome.freedom) for p in outcome.parameters} for outcome in outcomes
+    ]
     fitted = [
         FittedLaw(
             law=candidate.law,
             load=candidate.load,
             offset=candidate.offset,
             gain=candidate.gain,
-            parameters={p.name: _parameter(p, outcome.freedom) for p in outcome.parameters},
+            parameters=own,
             rms=outcome.rms,
             held_out_rms=rms,
             sigmas=sigmas,
@@ -265,11 +281,14 @@ def _ranked(
             memory=outcome.memory,
             freedom=outcome.freedom,
             settled=outcome.settled,
+            remarks=remarks_on(own, ends, data.breakaways),
             normal=data.normal,
             predicted=outcome.predicted,
             held_out=outcome.held_out,
         )
-        for candidate, outcome, (rms, sigmas, tied) in zip(candidates, outcomes, ranks, strict=True)
+        for candidate, outcome, own, (rms, sigmas, tied) in zip(
+            candidates, outcomes, parameters, ranks, strict=True
+        )
     ]
     return sorted(fitted, key=lambda law: (not np.isfinite(law.held_out_rms), law.held_out_rms))
 
@@ -282,6 +301,9 @@ def _parameter(found: _core.FrictionParameter, freedom: float) -> FittedParamete
     if std is not None and freedom >= 1:
         reach = std * float(t.ppf(0.5 + 0.5 * _CONFIDENCE, freedom))
         interval = (found.value - reach, found.value + reach)
+        if found.logarithmic:
+            factor = float(np.exp(min(reach / found.value, _MOST_EXPONENT)))
+            interval = (found.value / factor, found.value * factor)
     return FittedParameter(
         found.name, found.unit, found.meaning, found.value, std, interval, found.bounded
     )

@@ -61,6 +61,7 @@ def _law(law: FittedLaw) -> dict[str, object]:
         **{name: getattr(law, name) for name in names},
         "samples_per_independent": law.memory,
         "settled": law.settled,
+        "remarks": law.remarks,
         "parameters": {
             name: {key: getattr(parameter, key) for key in described}
             for name, parameter in law.parameters.items()
@@ -88,6 +89,7 @@ def as_text(fit: FrictionFit) -> str:
         else:
             between = "at the end of its range" if p.bounded else "not determined"
         lines.append(f"{name:<26}{p.value:>12.4g}{between:>26}  {p.unit}")
+    lines += [f"note: {remark}" for remark in fit.chosen.remarks]
     levels = [n for n in ("mu_coulomb", "mu_static") if n in fit.chosen.parameters]
     if levels and fit.chosen.load == "constant":
         newtons = f"{fit.data.normal:.4g} N"

@@ -38,7 +38,8 @@ class FittedParameter:
     """Standard deviation; None where the data do not determine the value, where it is an
     edge on the track, or `bounded`."""
     interval: tuple[float, float] | None
-    """95 % confidence interval."""
+    """95 % confidence interval, even about the value or, where the fit moves it, its
+    logarithm."""
     bounded: bool
     """At an end of the range that was searched."""
 
@@ -70,6 +71,9 @@ class FittedLaw:
         Independent pieces of data beyond the parameters.
     settled : bool
         The search converged.
+    remarks : list of str
+        Parameters at an end of their range and levels outside the speeds measured: such a
+        law does not win against one without among those that tie.
     normal : float
         Normal force [N] that `constant` levels count under.
     predicted, held_out : ndarray
@@ -89,6 +93,7 @@ class FittedLaw:
     memory: float
     freedom: float
     settled: bool
+    remarks: list[str]
     normal: float
     predicted: NDArray[np.float64] = field(repr=False)
     held_out: NDArray[np.float64] = field(repr=False)
@@ -140,7 +145,8 @@ class FrictionFit:
     Attributes
     ----------
     chosen : FittedLaw
-        Of the laws that tie on samples held out the one with the fewest parameters.
+        Of the laws that tie on samples held out the one with the fewest parameters, if
+        possible without `remarks`.
     laws : list of FittedLaw
         All, by what is left on samples held out.
     equal : list of FittedLaw

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from locosweep.friction_fit.prepare import Prepared
-    from locosweep.friction_fit.result import FittedLaw
+    from locosweep.friction_fit.result import FittedLaw, FittedParameter
 
 _REFUTED = 10.0
 """Difference of the Schwarz criterion that is very strong evidence (Kass and Raftery 1995)."""
@@ -31,17 +31,51 @@ def schwarz(rms: float, pieces: float, parameters: int) -> float:
 def choose(
     data: Prepared, laws: list[FittedLaw]
 ) -> tuple[FittedLaw, list[FittedLaw], list[FittedLaw]]:
-    """Take the simplest of the laws that tie with the best one.
+    """Take the simplest of the laws that tie with the best one, without remarks if any is.
 
     Samples held out may be few: a law that they cannot tell from the best one, but that
     the samples fitted to refute, does not tie. `laws` have the best one on held-out samples
     first. Returns the law, and those that tie with it with as many parameters and with more.
     """
     tied = _not_refuted(data, [law for law in laws if law.tied])
-    fewest = min(len(law.parameters) for law in tied)
-    simplest = [law for law in tied if len(law.parameters) == fewest]
+    sound = [law for law in tied if not law.remarks] or tied
+    fewest = min(len(law.parameters) for law in sound)
+    simplest = [law for law in sound if len(law.parameters) == fewest]
     chosen = simplest[0]
-    return chosen, simplest[1:], [law for law in tied if len(law.parameters) > fewest]
+    return chosen, simplest[1:], [law for law in tied if law not in simplest]
+
+
+_FALLS = ("stribeck_speed", "modelica_decay", "mixed_speed", "transition_speed")
+"""Parameters that say over which speeds friction passes from one level to the other."""
+
+
+def remarks_on(
+    parameters: dict[str, FittedParameter], speeds: tuple[float, float], breakaways: int
+) -> list[str]:
+    """Return what a fitted law says that the data do not show, a line each.
+
+    The level at rest is dominant below the speed of the fall, the other one above; so one of
+    them is not seen where no speed measured [m/s, slowest and fastest] lies on its side. A
+    break-away shows the level at rest.
+    """
+    found = [
+        f"{p.name} lies at the end of its range, {p.value:.4g} {p.unit}".removesuffix(" 1")
+        for p in parameters.values()
+        if p.bounded
+    ]
+    fall = next((parameters[name] for name in _FALLS if name in parameters), None)
+    static = parameters.get("mu_static")
+    if fall is None or static is None or static.bounded:
+        return found
+    at = 1.0 / fall.value if fall.name == "modelica_decay" else fall.value
+    slowest, fastest = speeds
+    measured = f"the speeds measured ({slowest:.3g} to {fastest:.3g} m/s; the fall is at {at:.3g})"
+    if at > fastest:
+        level = "mu_coulomb" if "mu_coulomb" in parameters else "viscous"
+        found.append(f"{level} lies beyond {measured}")
+    if at < slowest and not breakaways:
+        found.append(f"mu_static lies below {measured}")
+    return found
 
 
 def _not_refuted(data: Prepared, laws: list[FittedLaw]) -> list[FittedLaw]:

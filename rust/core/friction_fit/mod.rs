@@ -96,7 +96,9 @@ pub struct Found {
     /// Infinite where the data say nothing of it, NaN where it has none: an edge,
     /// or a value at the end of its range.
     pub std: f64,
-    /// At an end of its range.
+    /// The fit moves its logarithm, which is what errors are even in.
+    pub logarithmic: bool,
+    /// At an end of its range; of a static level that is the Coulomb one.
     pub bounded: bool,
 }
 

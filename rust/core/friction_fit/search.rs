@@ -64,6 +64,8 @@ struct Model<'a> {
     measured: &'a Measured,
     candidate: &'a Candidate,
     free: &'a [Free],
+    /// The static level and the Coulomb one that it stands on, where there are both.
+    levels: Option<(usize, usize)>,
     motions: Vec<Motion>,
     /// Rows in use, run by run.
     rows: Vec<Vec<usize>>,
@@ -89,7 +91,7 @@ impl<'a> Model<'a> {
             })
             .collect();
         let rows = measured.runs.iter().map(|run| run.rows.clone()).collect();
-        Model { measured, candidate, free, motions, rows, stop }
+        Model { measured, candidate, free, levels: levels(free), motions, rows, stop }
     }
 
     fn effort(&self) -> &'static Effort {
@@ -128,8 +130,8 @@ impl<'a> Model<'a> {
     fn predicted(&mut self, u: &[f64]) -> Vec<f64> {
         let mut given: Vec<(ParamId, f64)> = Vec::with_capacity(u.len());
         let (mut offset, mut gain) = (0.0, 0.0);
-        for (free, u) in self.free.iter().zip(u) {
-            let value = free.outer(*u);
+        for (i, free) in self.free.iter().enumerate() {
+            let value = self.value(i, u);
             match free.what {
                 What::Law(id) => given.push((id, value)),
                 What::Offset => offset = value,
@@ -154,6 +156,15 @@ impl<'a> Model<'a> {
             }
         }
         all
+    }
+
+    /// Parameter `i`: of the static level the fit moves what it has beyond the Coulomb one.
+    fn value(&self, i: usize, u: &[f64]) -> f64 {
+        let own = self.free[i].outer(u[i]);
+        match self.levels {
+            Some((at_rest, sliding)) if at_rest == i => own + self.free[sliding].outer(u[sliding]),
+            _ => own,
+        }
     }
 
     fn lengths(&self) -> Vec<usize> {
@@ -198,6 +209,13 @@ impl Residuals for Model<'_> {
     fn stop(&self) -> bool {
         (self.stop)()
     }
+}
+
+/// Indices of the static and the Coulomb level, where a law has both: friction falls from
+/// one to the other, so the static level is never the lower one.
+fn levels(free: &[Free]) -> Option<(usize, usize)> {
+    let at = |id| free.iter().position(|f| f.what == What::Law(id));
+    at(ParamId::MuStatic).zip(at(ParamId::MuCoulomb))
 }
 
 /// Number `i` of a sequence that fills the unit interval evenly (Halton).
@@ -327,21 +345,32 @@ fn worth(model: &mut Model, fitted: &Minimum) -> (Vec<Found>, f64, f64, f64) {
         fitted.u[i] <= low + 1e-6 || fitted.u[i] >= high - 1e-6
     };
     let smooth = every(free, |f| !f.edge);
-    let slopes = jacobian(model, &fitted.u, &residuals, &smooth, true);
+    let mut slopes = jacobian(model, &fitted.u, &residuals, &smooth, true);
     let idle = |i: usize| {
         smooth.iter().position(|s| *s == i).is_some_and(|k| slopes.column(k).norm() == 0.0)
     };
     // A bound takes a parameter's freedom away, unless nothing depends on it.
-    let bounded = |i: usize| bounded(i) && !idle(i);
-    let kept: Vec<usize> = (0..smooth.len()).filter(|k| !bounded(smooth[*k])).collect();
+    let bounded: Vec<bool> = (0..free.len()).map(|i| bounded(i) && !idle(i)).collect();
+    let kept: Vec<usize> = (0..smooth.len()).filter(|k| !bounded[smooth[*k]]).collect();
     let moved: Vec<usize> = kept.iter().map(|k| smooth[*k]).collect();
+    if let Some((at_rest, sliding)) = model.levels
+        && !bounded[at_rest]
+    {
+        // From what stands on the Coulomb level to the levels themselves: both have one scale.
+        let column = |i: usize| smooth.iter().position(|s| *s == i);
+        if let Some((above, below)) = column(at_rest).zip(column(sliding)) {
+            let own = slopes.column(below) - slopes.column(above);
+            slopes.set_column(below, &own);
+        }
+    }
     let slopes = slopes.select_columns(&kept);
     let spread = uncertainty(&slopes, &residuals, &blocks(&runs, memory));
     let found = (0..free.len()).map(|i| {
-        let value = free[i].outer(fitted.u[i]);
+        let value = model.value(i, &fitted.u);
         let own = moved.iter().position(|m| *m == i).map_or(f64::NAN, |k| spread.std[k]);
         let std = if free[i].logarithmic { own * value } else { own * free[i].scale };
-        Found { what: free[i].what, value, std, bounded: bounded(i) }
+        let logarithmic = free[i].logarithmic;
+        Found { what: free[i].what, value, std, logarithmic, bounded: bounded[i] }
     });
     let found = found.collect();
     let mean = residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len().max(1) as f64;
