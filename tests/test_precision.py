@@ -232,8 +232,8 @@ class Reference:
         if anchored and forward > 0:
             back = force / (self.anchors * m) - kinetic + pull
             slips = force > capacity and back > 0
-            relative = mp.sqrt(2 * (forward + back) * p["stroke"])
-            changed = p["brake"] > 0 or p["viscous"] > 0 or relative > p["speed_limit"]
+            square = 2 * (forward + back) * p["stroke"]
+            changed = p["brake"] > 0 or p["viscous"] > 0 or square > p["speed_limit"] ** 2
             slip = back / (forward + back) if slips else mp.mpf(0)
             slip = None if slips and changed else slip
             sizes = force / (self.anchors * m) + kinetic + abs(pull)
