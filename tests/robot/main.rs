@@ -4,6 +4,7 @@
 mod conservation;
 mod crawling;
 mod elastic;
+mod events;
 mod gaits;
 mod lanes;
 mod phases;

@@ -38,6 +38,8 @@ pub(super) struct Actuator {
     pub target: f64,
     /// Force now.
     pub force: f64,
+    /// Its limit has let it fall behind its speed, and no time has passed since.
+    let_go: bool,
 }
 
 pub(super) struct Ideal<'a, O> {
@@ -67,7 +69,7 @@ pub(super) fn run<O: Observer<f64>>(
         return GaitTally::none(0.0, Status::Unbounded);
     }
     let n = robot.segments.len();
-    let idle = Actuator { drive: Drive::Locked, rate: 0.0, target: 0.0, force: 0.0 };
+    let idle = Actuator { drive: Drive::Locked, rate: 0.0, target: 0.0, force: 0.0, let_go: false };
     let lengths = robot.joints.iter().zip(&plan.schedule.start);
     let mut state = Ideal {
         robot,
@@ -164,7 +166,7 @@ impl<O: Observer<f64>> Ideal<'_, O> {
             let rate =
                 if time > 0.0 { direction / time } else { direction.signum() * f64::INFINITY };
             let drive = if here { Drive::Locked } else { Drive::Paced };
-            self.joints[j] = Actuator { drive, rate, target, force: 0.0 };
+            self.joints[j] = Actuator { drive, rate, target, force: 0.0, let_go: false };
         }
     }
 
@@ -252,8 +254,12 @@ impl<O: Observer<f64>> Ideal<'_, O> {
         for (j, joint) in self.joints.iter_mut().enumerate() {
             joint.force = self.chain.q[j];
             let limit = robot.joints[j].limit;
-            if joint.drive == Drive::Paced && joint.force.abs() >= limit {
+            // One that is at its speed again in the same instant needs just its limit,
+            // as between equal segments under equal forces: it keeps its speed, or
+            // rounding would let it go for ever.
+            if joint.drive == Drive::Paced && joint.force.abs() >= limit && !joint.let_go {
                 joint.drive = Drive::Push(joint.force.signum());
+                joint.let_go = true;
             }
         }
         Flow::new(self, &self.chain.w, &self.bodies)
@@ -291,6 +297,9 @@ impl<O: Observer<f64>> Ideal<'_, O> {
                 _ => {}
             }
         }
+        // What rounding has put into the past is due now: a step backward in time would
+        // find it again and again.
+        all.iter_mut().for_each(|event| event.0 = event.0.max(0.0));
         let first = all.iter().map(|e| e.0).fold(f64::INFINITY, f64::min);
         if first > left {
             return (left, Vec::new());
@@ -308,6 +317,9 @@ impl<O: Observer<f64>> Ideal<'_, O> {
             self.x[i] += self.v[i] * dt + drift.path(dt);
             self.v[i] += drift.speed(dt);
         }
+        if self.ledger.time + dt > self.ledger.time {
+            self.joints.iter_mut().for_each(|joint| joint.let_go = false);
+        }
         self.ledger.time += dt;
         self.ledger.steps += 1.0;
     }
@@ -318,7 +330,10 @@ impl<O: Observer<f64>> Ideal<'_, O> {
             match *event {
                 Event::Rests(i) => self.v[i] = 0.0,
                 Event::Paced(j) => self.joints[j].drive = Drive::Paced,
-                Event::Limited(j, side) => self.joints[j].drive = Drive::Push(side),
+                Event::Limited(j, side) => {
+                    self.joints[j].drive = Drive::Push(side);
+                    self.joints[j].let_go = true;
+                }
                 Event::Reaches(j) => {
                     self.joints[j].drive = Drive::Locked;
                     locked = true;

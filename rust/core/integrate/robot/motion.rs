@@ -117,11 +117,15 @@ impl Gap {
         if t > 0.0 && t < LONGEST { vec![0.0, t, LONGEST] } else { vec![0.0, LONGEST] }
     }
 
-    /// When the rate has first grown by `change` > 0.
+    /// When the rate has first grown by `change`; what rounding has left negative counts
+    /// as nothing.
     pub fn time_to_rate(&self, change: f64) -> Option<f64> {
+        let a = self.front.a - self.rear.a;
         if self.uniform() {
-            let a = self.front.a - self.rear.a;
             return (a > 0.0).then(|| change / a);
+        }
+        if change <= 0.0 && a > 0.0 {
+            return Some(0.0);
         }
         let turns = self.turns();
         turns.windows(2).find_map(|t| root(|x| self.gain(x) - change, t[0], t[1]))
