@@ -189,6 +189,7 @@ class Status(IntEnum):
     TOO_MANY_STEPS = 19
     MIXED_JOINTS = 20
     NO_CLOSED_FORM = 21
+    ENERGY_OPEN = 22
 
     @property
     def sentence(self) -> str:

@@ -54,3 +54,27 @@ fn waves_of_long_robots_run() {
         }
     }
 }
+
+#[test]
+fn strokes_end_while_a_robot_falls_down_a_pipe() {
+    // The walls hold 2 % too little: each phase has its time, whatever the robot falls.
+    let wall = 0.98 * 5.0 * MG / 2.0;
+    let ground = [(SlopeDeg, 90.0), (WallForce, wall), (WallRelease, 1.0)];
+    let drive = [(DriveLimit, 30.0), (SpeedLimit, 0.01), (Dwell, 0.05), (Cycles, 1.0)];
+    let run = [(Segments, 5.0), (Moving, 1.0), (MuStatic, 0.5), (MuCoulomb, 0.3)];
+    let falls = tally(Gait::Concertina, &with(&run, &with(&ground, &drive)));
+    assert_eq!(falls.status(), Status::Ok);
+    near(falls.time, 5.0 * (STROKE / 0.01 + 0.05), 1e-3);
+    // All walls together hold back no more than a = g - mu_C Q/m.
+    assert!(falls.advance < -0.5 * (G - 0.3 * wall / M) * falls.time * falls.time);
+    assert!(falls.residual.abs() < 1e-9 * falls.friction, "{}", falls.residual);
+}
+
+#[test]
+fn a_fall_beyond_the_digits_of_a_stroke_has_no_value() {
+    // A day of free fall: what the joints do is lost beside the way.
+    let ground = [(SlopeDeg, 90.0), (WallForce, 0.1), (WallRelease, 1.0)];
+    let drive = [(DriveLimit, 30.0), (SpeedLimit, 1e-6), (Cycles, 1.0)];
+    let given = with(&dry(5.0), &with(&ground, &drive));
+    assert_eq!(tally(Gait::Concertina, &given).status(), Status::Unresolved);
+}

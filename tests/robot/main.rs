@@ -1,6 +1,7 @@
 //! The whole robot against the closed forms of its gaits, conservation laws,
 //! symmetries, and the decision about sticking against brute force.
 
+mod battery;
 mod conservation;
 mod crawling;
 mod elastic;

@@ -43,4 +43,5 @@ statuses! {
     TooManySteps 19 "too_many_steps" "the run would take too many steps, or events follow each other without end";
     MixedJoints 20 "mixed_joints" "some joints of the robot are ideal and others elastic";
     NoClosedForm 21 "no_closed_form" "a brake, viscosity or a speed limit acts that the closed form leaves out: simulate the robot";
+    EnergyOpen 22 "energy_open" "the energy balance of the run does not close: a smaller time_step may close it";
 }

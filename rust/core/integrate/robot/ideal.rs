@@ -5,12 +5,12 @@
 
 use super::chain::{Body, Chain, Link, Sliding, solve_with_break_away};
 use super::flow::{Flow, Piece};
-use super::tally::{End, GaitTally, Ledger};
+use super::tally::{End, GaitTally, Ledger, ROUNDING_LOSS};
 use super::trace::Observer;
 use super::{Plan, RunOptions};
 use crate::physics::Status;
 use crate::physics::gait::Phase;
-use crate::physics::robot::{Levels, Robot};
+use crate::physics::robot::{Joint, Levels, Robot};
 
 /// Events per phase before the run is given up.
 const MOST_EVENTS: usize = 2_000;
@@ -18,6 +18,12 @@ const MOST_EVENTS: usize = 2_000;
 const TIE: f64 = 1e-11;
 /// Relative rounding of a length that has been reached.
 const REACHED: f64 = 1e-12;
+/// Rounding of a joint's length per position of its segments, of which it is the
+/// difference: a few units in the last place.
+const POSITION_ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// Most that this rounding may take of a stroke. Beyond it a robot has gone so far (it
+/// falls) that its strokes end by chance; travels of 1e7 m stay below.
+const STROKE_ROUNDING: f64 = 1e-6;
 
 /// What a joint does.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,7 +103,7 @@ pub(super) fn run<O: Observer<f64>>(
     }
     let kinetic = state.kinetic();
     let cycles = plan.cycles as f64;
-    let end = End { x: &state.x, kinetic, elastic: 0.0, cycles, status: 0.0 };
+    let end = End { x: &state.x, kinetic, elastic: 0.0, cycles, status: 0.0, loss: ROUNDING_LOSS };
     state.ledger.close(robot, &end)
 }
 
@@ -126,6 +132,7 @@ impl<O: Observer<f64>> Ideal<'_, O> {
             self.go(&flow, &groups, dt, true);
             self.apply(&happened, options.impact);
         }
+        self.resolves_strokes()?;
         if options.impact == 0.0 {
             self.ledger.impact += self.kinetic();
             self.v.iter_mut().for_each(|v| *v = 0.0);
@@ -155,6 +162,20 @@ impl<O: Observer<f64>> Ideal<'_, O> {
         self.start[j] + (self.x[j] - self.x[j + 1])
     }
 
+    /// How far rounding of the positions can put a joint's length off.
+    fn rounding(&self, j: usize) -> f64 {
+        POSITION_ROUNDING * self.x[j].abs().max(self.x[j + 1].abs())
+    }
+
+    fn resolves_strokes(&self) -> Result<(), Status> {
+        let lost =
+            |(j, joint): (usize, &Joint<f64>)| self.rounding(j) > STROKE_ROUNDING * joint.stroke;
+        if self.robot.joints.iter().enumerate().any(lost) {
+            return Err(Status::Unresolved);
+        }
+        Ok(())
+    }
+
     /// Hands the joints the lengths of a phase.
     fn command(&mut self, phase: &Phase) {
         let times = self.robot.joints.iter().map(|j| j.stroke / j.speed);
@@ -162,7 +183,8 @@ impl<O: Observer<f64>> Ideal<'_, O> {
         for (j, joint) in self.robot.joints.iter().enumerate() {
             let target = joint.stroke * phase.target[j];
             let direction = target - self.length(j);
-            let here = direction.abs() <= REACHED * joint.stroke;
+            // A length that only rounding keeps from its target has no rate to be driven at.
+            let here = direction.abs() <= (REACHED * joint.stroke).max(self.rounding(j));
             let rate =
                 if time > 0.0 { direction / time } else { direction.signum() * f64::INFINITY };
             let drive = if here { Drive::Locked } else { Drive::Paced };

@@ -8,7 +8,7 @@
 
 use super::phase_groups::PhaseGroups;
 use super::stick::Step;
-use super::tally::{End, GaitTally, Ledger};
+use super::tally::{End, GaitTally, Ledger, STEP_LOSS};
 use super::trace::{Now, Observer};
 use super::{Plan, RunOptions};
 use crate::lane::Lane;
@@ -117,6 +117,7 @@ pub(super) fn run<L: Lane, O: Observer<L>>(
         elastic: state.elastic(),
         cycles: zero.splat(plan.cycles as f64),
         status,
+        loss: STEP_LOSS,
     };
     state.ledger.close(robot, &end)
 }

@@ -80,6 +80,14 @@ pub(super) struct Ledger<L> {
     pub last_advance: L,
 }
 
+/// Most that rounding takes from the energies of a run: some 1e-16 of them per entry,
+/// and no run has more than 1e7 entries.
+pub(super) const ROUNDING_LOSS: f64 = 1e-9;
+/// Most that steps over elastic joints take. A step that does not resolve the springs
+/// damps them out on purpose, and their energy is a part of what the drives give; a run
+/// that loses more is about its step.
+pub(super) const STEP_LOSS: f64 = 0.25;
+
 /// State at the end of a run.
 pub(super) struct End<'a, L> {
     pub x: &'a [L],
@@ -87,6 +95,8 @@ pub(super) struct End<'a, L> {
     pub elastic: L,
     pub cycles: L,
     pub status: L,
+    /// Share of the run's energies that its method may lose.
+    pub loss: f64,
 }
 
 impl<L: Lane> Ledger<L> {
@@ -167,9 +177,24 @@ impl<L: Lane> Ledger<L> {
         // A run that has left the range of numbers shows it in its position.
         let finite = total.abs().lt(zero.splat(f64::INFINITY));
         let lost = zero.splat(f64::from(Status::NotFinite as u8));
-        let ok = end.status.lt(zero.splat(0.5));
-        let status = L::select(L::or(finite, zero.lt(end.status)), end.status, lost);
-        tally.only_if(L::and(finite, ok), status)
+        let open = zero.splat(f64::from(Status::EnergyOpen as u8));
+        let status = L::select(tally.balances(end.loss), zero, open);
+        let status = L::select(finite, status, lost);
+        let status = L::select(zero.lt(end.status), end.status, status);
+        tally.only_if(status.lt(zero.splat(0.5)), status)
+    }
+}
+
+impl<L: Lane> GaitTally<L> {
+    /// Whether the energies of the run add up: the method makes none, and loses no more
+    /// than the share `loss` of all that was turned over.
+    #[inline(always)]
+    fn balances(&self, loss: f64) -> L::Mask {
+        let lost = self.friction + self.impact.abs();
+        let stored = self.kinetic + self.potential.abs() + self.elastic;
+        let all = self.work.abs() + lost + stored;
+        let made = (-(all * ROUNDING_LOSS)).le(self.residual);
+        L::and(made, self.residual.le(all * loss))
     }
 }
 
@@ -265,4 +290,45 @@ macro_rules! ledger {
 ledger! {
     time, driven_time, overload, propulsive, propulsive_peak, actuator_peak, electric,
     power_peak, work, joint_work, friction, impact, potential, steps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::robot::Motor;
+
+    /// A run that turned over a joule, and whose balance is `open` by so much.
+    fn closed(open: f64, loss: f64) -> GaitTally<f64> {
+        let mut ledger = Ledger::new(0.0);
+        (ledger.time, ledger.friction) = (1.0, 0.5);
+        (ledger.work, ledger.joint_work) = (0.5 + open, 0.5 + open);
+        let robot = Robot {
+            segments: Vec::new(),
+            joints: Vec::new(),
+            motor: Motor { supply: 10.0, resistance: 20.0, force_constant: 1.7 },
+            wall_release: 0.0,
+            gravity: 9.81,
+        };
+        let end = End { x: &[1.0], kinetic: 0.0, elastic: 0.0, cycles: 1.0, status: 0.0, loss };
+        ledger.close(&robot, &end)
+    }
+
+    #[test]
+    fn an_open_ledger_is_never_ok() {
+        for (open, loss, status) in [
+            (0.0, ROUNDING_LOSS, Status::Ok),
+            (1e-10, ROUNDING_LOSS, Status::Ok),
+            (-1e-10, STEP_LOSS, Status::Ok),
+            (0.1, STEP_LOSS, Status::Ok),
+            (1e-8, ROUNDING_LOSS, Status::EnergyOpen),
+            (-1e-8, ROUNDING_LOSS, Status::EnergyOpen),
+            (-1e-8, STEP_LOSS, Status::EnergyOpen),
+            (1.0, STEP_LOSS, Status::EnergyOpen),
+            (f64::NAN, STEP_LOSS, Status::EnergyOpen),
+        ] {
+            let tally = closed(open, loss);
+            assert_eq!(tally.status(), status, "{open} {loss}");
+            assert_eq!(tally.work.is_nan(), status != Status::Ok);
+        }
+    }
 }
