@@ -190,6 +190,7 @@ class Status(IntEnum):
     MIXED_JOINTS = 20
     NO_CLOSED_FORM = 21
     ENERGY_OPEN = 22
+    SUPPLY_TOO_WEAK = 23
 
     @property
     def sentence(self) -> str:

@@ -90,7 +90,8 @@ fn every_parameter_of_a_robot_moves_some_output() {
                     .change(|c| c.gait = gait.name().to_owned())
                     .with(&[("stroke", 0.02), ("drive_limit", 3.0), ("segments", 4.0)])
                     .with(&[("joint_stiffness", stiffness), ("skin_ratio", 1.1), ("moving", 2.0)])
-                    .with(&[("wall_force", 1.0), ("supply_voltage", 4.0), ("mu_coulomb", 0.2)]);
+                    .with(&[("wall_force", 1.0), ("mu_coulomb", 0.2), ("speed_limit", 0.1)])
+                    .with(&[("supply_voltage", 4.0), ("winding_resistance", 2.0)]);
                 let old = base.given.iter().find(|(name, _)| *name == param.name).unwrap().1;
                 let moved: &[f64] = match (param.integer, old.is_infinite()) {
                     (_, true) => &[1e3],

@@ -15,7 +15,7 @@ fn the_rear_stands_still_below_the_anchoring_capacity() {
             near(run.propulsive_mean, limit, 1e-12);
         }
     }
-    near(MOTOR.stall_force(), 0.85, 1e-15);
+    near(PAPER_MOTOR.stall_force(), 0.85, 1e-15);
 }
 
 #[test]
@@ -24,7 +24,8 @@ fn three_surfaces_of_the_paper() {
     // lubricated one later, the power nearly the same.
     let head = |viscous: f64| {
         let part = Segment { mu_static: 0.3, mu_coulomb: 0.15, viscous, ..segment() };
-        let robot = robot(vec![part; 4], ideal(0.85, f64::INFINITY));
+        let mut robot = robot(vec![part; 4], ideal(0.85, f64::INFINITY));
+        robot.motor = PAPER_MOTOR;
         let mut trace = Trace::new(1e-3);
         let schedule = head_phase(4);
         let plan = Plan { schedule: &schedule, cycles: 1 };
@@ -34,8 +35,9 @@ fn three_surfaces_of_the_paper() {
     assert!(dry.time < oiled.time && oiled.time < late.time && late.time < 1.1 * dry.time);
     for run in [&dry, &oiled, &late] {
         near(run.advance, STROKE / 4.0, 1e-12);
-        // At the stall force the supply limits the voltage: U F/k_F.
-        near(run.power_mean, 10.0 * 0.85 / 1.7, 1e-12);
+        // At the voltage of the supply: U F/k_F, and the force falls with the speed.
+        near(run.power_mean, 10.0 * run.propulsive_mean / 1.7, 1e-6);
+        assert!(run.propulsive_mean > 0.95 * 0.85 && run.propulsive_mean < 0.85);
         assert_eq!(run.slip_max, 0.0);
     }
     let path = on_dry.segment(0);

@@ -8,6 +8,7 @@ mod elastic;
 mod events;
 mod gaits;
 mod lanes;
+mod motor;
 mod phases;
 #[path = "../common/random.rs"]
 mod random;
@@ -82,7 +83,9 @@ fn ideal(limit: f64, speed: f64) -> Joint<f64> {
     Joint { stroke: STROKE, limit, speed, stiffness: f64::INFINITY, damping: 0.0 }
 }
 
-const MOTOR: Motor<f64> = Motor { supply: 10.0, resistance: 20.0, force_constant: 1.7 };
+/// The paper's motor, and the same with a supply that bounds nothing.
+const PAPER_MOTOR: Motor<f64> = Motor { supply: 10.0, resistance: 20.0, force_constant: 1.7 };
+const MOTOR: Motor<f64> = Motor { supply: f64::INFINITY, ..PAPER_MOTOR };
 
 fn robot(segments: Vec<Segment<f64>>, joint: Joint<f64>) -> Robot<f64> {
     let joints = vec![joint; segments.len() - 1];

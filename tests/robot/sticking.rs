@@ -131,7 +131,12 @@ fn sticking_is_decided_as_by_brute_force() {
         };
         let slide = |i: usize| Sliding { ahead: step.ahead_slide[i], back: step.back_slide[i] };
         let sliding: Vec<Sliding> = (0..n).map(slide).collect();
-        let link = |j: usize| Link { gain: step.gain[j], bias: step.bias[j], limit: step.limit[j] };
+        let link = |j: usize| Link {
+            gain: step.gain[j],
+            bias: step.bias[j],
+            low: -step.limit[j],
+            high: step.limit[j],
+        };
         let links: Vec<Link> = (0..n - 1).map(link).collect();
         let mut chain = Chain::default();
         solve_with_break_away(&mut chain, &mut bodies, &sliding, &links);
@@ -163,7 +168,12 @@ fn guesses_and_the_exact_solver_agree_on_long_chains() {
             back: step.back_slide[i],
         };
         let bodies: Vec<Body> = (0..n).map(body).collect();
-        let link = |j: usize| Link { gain: step.gain[j], bias: step.bias[j], limit: step.limit[j] };
+        let link = |j: usize| Link {
+            gain: step.gain[j],
+            bias: step.bias[j],
+            low: -step.limit[j],
+            high: step.limit[j],
+        };
         let links: Vec<Link> = (0..n - 1).map(link).collect();
         let mut chain = Chain::default();
         chain.solve(&bodies, &links);

@@ -36,6 +36,8 @@ _GROUND = {"mu_static": 0.3, "mu_coulomb": 0.15}
 """Friction coefficients of Figure 5: with Figure 2's 0.3 the drive would hardly exceed friction."""
 
 _SEGMENTS, _STROKE = 4, 0.02
+_SUPPLY = 10.0
+"""Supply voltage in V at which the paper states its actuator's force."""
 _SURFACES = {
     "dry": {"viscous": 0.0, "buildup": 0.0},
     "oil": {"viscous": 0.2, "buildup": 0.0},
@@ -76,14 +78,12 @@ def _motor() -> tuple[float, float]:
     The motor pushes with F = k (U - k v)/R: a constant force, and a part that falls
     with speed and so adds to viscous friction in the equation of motion.
     """
-    supply, resistance, constant = (
-        _default(name) for name in ("supply_voltage", "winding_resistance", "force_constant")
-    )
-    return constant * supply / resistance, constant**2 / resistance
+    resistance, constant = (_default(name) for name in ("winding_resistance", "force_constant"))
+    return constant * _SUPPLY / resistance, constant**2 / resistance
 
 
 def _head(surface: str) -> _Head:
-    supply, constant = _default("supply_voltage"), _default("force_constant")
+    constant = _default("force_constant")
     stall, loss = _motor()
     ground = _SURFACES[surface]
     given = {
@@ -95,7 +95,7 @@ def _head(surface: str) -> _Head:
     result = sweep("stroke_time", Grid(stroke=_STROKE, duration=1.0, **given), law="buildup")
     run = simulate(Grid(duration=float(result.values), **given), law="buildup", samples=401)
     force = stall - loss * run.v
-    return _Head(run.t, run.x, force, supply * force / constant, result)
+    return _Head(run.t, run.x, force, _SUPPLY * force / constant, result)
 
 
 def _heads() -> dict[str, _Head]:

@@ -196,8 +196,8 @@ params! {
         "what becomes of the momentum left at the end of an ideal joint's stroke. 1: the robot keeps it (plastic impact); 0: it is dropped, as in the closed forms";
     BreakAway "break_away" r"\beta_\mathrm{s}" ["1"] Some(1.0), 0.0 => 1.0, whole, None,
         "1: a segment that the gait moves must first overcome its static friction; 0: it starts against Coulomb friction, as in the closed forms";
-    SupplyVoltage "supply_voltage" "U" ["V"] Some(10.0), 0.0 => 1e6, real, Some(("motor", "supply_voltage")),
-        "supply voltage of the motor";
+    SupplyVoltage "supply_voltage" "U" ["V"] Some(INF), 0.0 => INF, real, Some(("motor", "supply_voltage")),
+        "supply voltage of each joint's motor, which limits its force as its speed grows";
     WindingResistance "winding_resistance" "R" ["ohm"] Some(20.0), 1e-9 => 1e9, real, Some(("motor", "resistance")),
         "winding resistance of the motor";
     ForceConstant "force_constant" r"k_F" ["N/A"] Some(1.7), 1e-9 => 1e9, real, Some(("motor", "force_constant")),

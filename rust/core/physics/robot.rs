@@ -78,8 +78,8 @@ impl<L: Lane> Levels<L> {
 /// A prismatic actuator. Its drive follows the gait's command at `speed`; a
 /// spring and a damper in parallel stand between the drive and the joint, and
 /// the drive slips where their force would exceed `limit`. An ideal joint
-/// (infinite stiffness) extends under the force `limit` up to `speed`, and is
-/// locked wherever the gait does not move it.
+/// (infinite stiffness) extends under the force `limit`, or what the motor's supply
+/// allows at its speed, up to `speed`, and is locked wherever the gait does not move it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joint<L> {
     /// m.
@@ -113,6 +113,25 @@ impl<L: Lane> Motor<L> {
         let current = force / self.force_constant;
         let voltage = self.resistance * current + self.force_constant * speed;
         voltage.min(self.supply).max(-self.supply) * current
+    }
+
+    /// The same at the voltage that force and speed take: heat of the winding, and
+    /// mechanical power.
+    #[inline(always)]
+    pub fn drawn(&self, force: L, speed: L) -> L {
+        let current = force / self.force_constant;
+        self.voltage(force, speed) * current
+    }
+
+    /// Voltage that a force takes at a joint speed, V.
+    #[inline(always)]
+    pub fn voltage(&self, force: L, speed: L) -> L {
+        self.resistance * (force / self.force_constant) + self.force_constant * speed
+    }
+
+    /// Force that the motor loses per speed at a constant voltage, N s/m.
+    pub fn force_per_speed(&self) -> L {
+        self.force_constant * self.force_constant / self.resistance
     }
 
     /// Force at a standstill under the full supply, N.

@@ -3,7 +3,7 @@
 //!
 //! With w_i the speeds after a step (or the accelerations at an instant), each
 //! segment obeys `inertia w_i = push + q_i - q_(i-1) - friction(w_i)` and each
-//! joint `q = clamp(bias - gain (w_i - w_(i+1)), -limit, limit)`. Friction and
+//! joint `q = clamp(bias - gain (w_i - w_(i+1)), low, high)`. Friction and
 //! joints are monotone, so what the chain ahead of a joint does to it is one
 //! monotone polyline "force over speed", and polylines pass from segment to
 //! segment: no guess, no iteration, one answer.
@@ -21,23 +21,25 @@ pub struct Body {
     pub back: f64,
 }
 
-/// A joint of the chain. A limit of infinity with an infinite gain is rigid.
+/// A joint of the chain. One without limits and with an infinite gain is rigid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Link {
     pub gain: f64,
     pub bias: f64,
-    pub limit: f64,
+    /// Largest force backward and forward, both finite or both infinite.
+    pub low: f64,
+    pub high: f64,
 }
 
 impl Link {
-    pub const RIGID: Link = Link { gain: f64::INFINITY, bias: 0.0, limit: f64::INFINITY };
+    pub const RIGID: Link = Link::held(f64::NEG_INFINITY, f64::INFINITY);
     /// A force that does not depend on the speeds.
     pub fn force(bias: f64) -> Link {
-        Link { gain: 0.0, bias, limit: f64::INFINITY }
+        Link { gain: 0.0, bias, low: f64::NEG_INFINITY, high: f64::INFINITY }
     }
-    /// Rigid up to `limit`.
-    pub fn held(limit: f64) -> Link {
-        Link { gain: f64::INFINITY, bias: 0.0, limit }
+    /// Rigid between two forces.
+    pub const fn held(low: f64, high: f64) -> Link {
+        Link { gain: f64::INFINITY, bias: 0.0, low, high }
     }
 }
 
@@ -134,18 +136,18 @@ impl Line {
         let shift =
             |q: f64| if link.gain.is_infinite() { 0.0 } else { (q - link.bias) / link.gain };
         let series = |slope: f64| 1.0 / (1.0 / slope + 1.0 / link.gain);
-        let limit = link.limit;
+        let (low, high) = (link.low, link.high);
         let vertex = |q: f64| Vertex { w: self.speed(q) + shift(q), q };
-        if limit.is_infinite() {
+        if high.is_infinite() {
             (to.before, to.after) = (series(self.before), series(self.after));
             to.at.extend(self.at.iter().map(|v| Vertex { w: v.w + shift(v.q), q: v.q }));
             return;
         }
-        to.at.push(vertex(-limit));
-        for v in self.at.iter().filter(|v| v.q > -limit && v.q < limit) {
+        to.at.push(vertex(low));
+        for v in self.at.iter().filter(|v| v.q > low && v.q < high) {
             to.at.push(Vertex { w: v.w + shift(v.q), q: v.q });
         }
-        to.at.push(vertex(limit));
+        to.at.push(vertex(high));
     }
 }
 

@@ -7,8 +7,8 @@ use super::motion::{Drift, Gap};
 use super::trace::{Now, Observer};
 use crate::physics::gait::{Phase, Schedule};
 
-/// Nodes and weights of Gauss and Legendre on [0, 1], for the power, whose
-/// limit by the supply has no short integral.
+/// Nodes and weights of Gauss and Legendre on [0, 1], for the power and the force on
+/// the moving segments.
 const NODES: [(f64, f64); 5] = [
     (0.046_910_077_030_668, 0.118_463_442_528_094_55),
     (0.230_765_344_947_158_45, 0.239_314_335_249_683_24),
@@ -99,15 +99,16 @@ impl Flow {
         Gap { rate: state.v[j] - state.v[j + 1], front: self.drift[j], rear: self.drift[j + 1] }
     }
 
-    /// When the force of a joint at its speed reaches its limit, and in which direction.
-    pub fn time_to_limit(&self, j: usize, force: f64, limit: f64) -> Option<(f64, f64)> {
+    /// When the force of a joint at its speed reaches an end of its range, and which.
+    pub fn time_to_limit(&self, j: usize, force: f64, range: (f64, f64)) -> Option<(f64, f64)> {
         let slope = self.slope[j];
-        if slope == 0.0 || limit.is_infinite() {
+        if slope == 0.0 || range.1.is_infinite() {
             return None;
         }
         // Only the change that the drift brings about leads anywhere.
         let side = (slope * self.drift[j].a).signum();
-        let change = (side * limit - force) / slope;
+        let end = if side < 0.0 { range.0 } else { range.1 };
+        let change = (end - force) / slope;
         self.drift[j].time_to(change).map(|t| (t, side))
     }
 
@@ -122,7 +123,7 @@ impl Flow {
             if joint.drive != Drive::Locked {
                 let pace = state.v[j] - state.v[j + 1];
                 let pace = pace + self.drift[j].speed(t) - self.drift[j + 1].speed(t);
-                sum += state.robot.motor.power(self.force(joint.force, j, t), pace);
+                sum += state.robot.motor.drawn(self.force(joint.force, j, t), pace);
             }
         }
         sum

@@ -14,6 +14,8 @@ use crate::physics::robot::{Joint, Levels, Robot};
 
 /// Events per phase before the run is given up.
 const MOST_EVENTS: usize = 2_000;
+/// Pieces of a phase between events, before it is given up: minutes at the usual step.
+const MOST_PIECES: usize = 200_000;
 /// Events this close to each other (relative to the time to the first) count as one.
 const TIE: f64 = 1e-11;
 /// Relative rounding of a length that has been reached.
@@ -44,6 +46,10 @@ pub(super) struct Actuator {
     pub target: f64,
     /// Force now.
     pub force: f64,
+    /// Forces that it can give at its speed, backward and forward.
+    range: (f64, f64),
+    /// The supply allows less than its limit somewhere below its speed.
+    starved: bool,
     /// Its limit has let it fall behind its speed, and no time has passed since.
     let_go: bool,
 }
@@ -61,6 +67,11 @@ pub(super) struct Ideal<'a, O> {
     links: Vec<Link>,
     pub ledger: Ledger<f64>,
     pub phase: usize,
+    /// Force of a motor at a standstill, N, and what it loses per speed, N s/m.
+    stall: f64,
+    loss: f64,
+    /// Longest piece under a force that falls with speed, s.
+    piece: f64,
     pub observer: &'a mut O,
 }
 
@@ -71,11 +82,22 @@ pub(super) fn run<O: Observer<f64>>(
     options: &RunOptions<f64>,
     observer: &mut O,
 ) -> GaitTally<f64> {
-    if robot.joints.iter().any(|j| j.limit.is_infinite() && j.speed.is_infinite()) {
+    let stall = robot.motor.stall_force();
+    let boundless =
+        |j: &Joint<f64>| j.limit.is_infinite() && j.speed.is_infinite() && stall.is_infinite();
+    if robot.joints.iter().any(boundless) {
         return GaitTally::none(0.0, Status::Unbounded);
     }
     let n = robot.segments.len();
-    let idle = Actuator { drive: Drive::Locked, rate: 0.0, target: 0.0, force: 0.0, let_go: false };
+    let idle = Actuator {
+        drive: Drive::Locked,
+        rate: 0.0,
+        target: 0.0,
+        force: 0.0,
+        range: (0.0, 0.0),
+        starved: false,
+        let_go: false,
+    };
     let lengths = robot.joints.iter().zip(&plan.schedule.start);
     let mut state = Ideal {
         robot,
@@ -90,6 +112,9 @@ pub(super) fn run<O: Observer<f64>>(
         links: Vec::new(),
         ledger: Ledger::new(0.0),
         phase: 0,
+        stall,
+        loss: robot.motor.force_per_speed(),
+        piece: options.time_step,
         observer,
     };
     for _ in 0..plan.cycles {
@@ -115,12 +140,12 @@ impl<O: Observer<f64>> Ideal<'_, O> {
         self.command(phase);
         self.jerk(options.impact);
         let groups = Flow::roles(self, phase);
-        let mut events = 0;
+        let (mut events, mut pieces) = (0, 0);
         while self.joints.iter().any(|j| j.drive != Drive::Locked) {
             self.may_go_on(&mut events)?;
             let flow = self.flow();
-            let (dt, happened) = self.next(&flow, f64::INFINITY);
-            if dt.is_infinite() {
+            let (dt, happened) = self.next(&flow, self.longest());
+            if dt.is_infinite() || (happened.is_empty() && self.never_arrives(&flow)) {
                 // A drive that stalls on the way ends the phase where it stands.
                 if events == 1 {
                     return Err(Status::DriveTooWeak);
@@ -131,6 +156,12 @@ impl<O: Observer<f64>> Ideal<'_, O> {
             }
             self.go(&flow, &groups, dt, true);
             self.apply(&happened, options.impact);
+            if happened.is_empty() {
+                (events, pieces) = (events - 1, pieces + 1);
+                if pieces > MOST_PIECES {
+                    return Err(Status::TooManySteps);
+                }
+            }
         }
         self.resolves_strokes()?;
         if options.impact == 0.0 {
@@ -188,8 +219,44 @@ impl<O: Observer<f64>> Ideal<'_, O> {
             let rate =
                 if time > 0.0 { direction / time } else { direction.signum() * f64::INFINITY };
             let drive = if here { Drive::Locked } else { Drive::Paced };
-            self.joints[j] = Actuator { drive, rate, target, force: 0.0, let_go: false };
+            let (range, starved) = self.supplied(joint.limit, rate);
+            let force = 0.0;
+            self.joints[j] = Actuator { drive, rate, target, force, range, starved, let_go: false };
         }
+    }
+
+    /// Forces that a joint can give at a speed, and whether its supply cuts into its limit
+    /// anywhere on the way up to it.
+    fn supplied(&self, limit: f64, rate: f64) -> ((f64, f64), bool) {
+        if self.stall.is_infinite() {
+            return ((-limit, limit), false);
+        }
+        let within = |force: f64| force.max(-limit).min(limit);
+        let lost = self.loss * rate;
+        let range = (within(-self.stall - lost), within(self.stall - lost));
+        (range, self.stall - lost.abs() < limit)
+    }
+
+    fn starves(&self, j: usize) -> bool {
+        self.joints[j].starved && matches!(self.joints[j].drive, Drive::Push(_))
+    }
+
+    /// Longest piece: a force that falls with speed is constant over each.
+    fn longest(&self) -> f64 {
+        let starved = (0..self.joints.len()).any(|j| self.starves(j));
+        if starved { self.piece } else { f64::INFINITY }
+    }
+
+    /// Whether joints that the supply holds back go away from their lengths, faster and
+    /// faster, and nothing else will happen.
+    fn never_arrives(&self, flow: &Flow) -> bool {
+        let recedes = |j: usize| {
+            let gap = flow.gap(self, j);
+            let side = self.joints[j].rate.signum();
+            side * gap.rate <= 0.0 && side * (gap.front.a - gap.rear.a) <= 0.0
+        };
+        (0..self.joints.len()).all(|j| !self.starves(j) || recedes(j))
+            && self.next(flow, f64::INFINITY).0.is_infinite()
     }
 
     /// Joins at once what no finite force keeps apart: locked joints, and those
@@ -198,9 +265,11 @@ impl<O: Observer<f64>> Ideal<'_, O> {
     fn jerk(&mut self, impact: f64) {
         let before = self.kinetic();
         let n = self.x.len();
+        let (robot, stall) = (self.robot, self.stall);
+        let boundless = |j: usize| robot.joints[j].limit.is_infinite() && stall.is_infinite();
         let stiff = |joints: &[Actuator], j: usize| match joints[j].drive {
             Drive::Locked => Some(0.0),
-            _ if self.robot.joints[j].limit.is_infinite() => Some(joints[j].rate),
+            _ if boundless(j) => Some(joints[j].rate),
             _ => None,
         };
         let mut first = 0;
@@ -229,8 +298,7 @@ impl<O: Observer<f64>> Ideal<'_, O> {
             first = last + 1;
         }
         for j in 0..self.joints.len() {
-            let limited = self.robot.joints[j].limit.is_finite();
-            if self.joints[j].drive != Drive::Locked && limited {
+            if self.joints[j].drive != Drive::Locked && !boundless(j) {
                 let short = self.joints[j].rate - (self.v[j] - self.v[j + 1]);
                 let rate = self.joints[j].rate.abs();
                 let paced = rate.is_finite() && short.abs() <= REACHED * rate;
@@ -265,22 +333,30 @@ impl<O: Observer<f64>> Ideal<'_, O> {
             let (ahead, back) = (levels.ahead_slide.min(ahead), levels.back_slide.min(back));
             self.sliding.push(Sliding { ahead, back });
         }
-        for (joint, limits) in self.joints.iter().zip(&robot.joints) {
+        for (j, (joint, limits)) in self.joints.iter().zip(&robot.joints).enumerate() {
             self.links.push(match joint.drive {
                 Drive::Locked => Link::RIGID,
+                // The motor's line at the middle of the piece.
+                Drive::Push(direction) if joint.starved => Link {
+                    gain: 0.5 * self.piece * self.loss,
+                    bias: direction * self.stall - self.loss * (self.v[j] - self.v[j + 1]),
+                    low: -limits.limit,
+                    high: limits.limit,
+                },
                 Drive::Push(direction) => Link::force(direction * limits.limit),
-                Drive::Paced => Link::held(limits.limit),
+                Drive::Paced => Link::held(joint.range.0, joint.range.1),
             });
         }
         solve_with_break_away(&mut self.chain, &mut self.bodies, &self.sliding, &self.links);
         for (j, joint) in self.joints.iter_mut().enumerate() {
             joint.force = self.chain.q[j];
-            let limit = robot.joints[j].limit;
+            let (low, high) = joint.range;
             // One that is at its speed again in the same instant needs just its limit,
             // as between equal segments under equal forces: it keeps its speed, or
             // rounding would let it go for ever.
-            if joint.drive == Drive::Paced && joint.force.abs() >= limit && !joint.let_go {
-                joint.drive = Drive::Push(joint.force.signum());
+            let at_end = joint.force <= low || joint.force >= high;
+            if joint.drive == Drive::Paced && at_end && !joint.let_go {
+                joint.drive = Drive::Push(if joint.force >= high { 1.0 } else { -1.0 });
                 joint.let_go = true;
             }
         }
@@ -312,8 +388,7 @@ impl<O: Observer<f64>> Ideal<'_, O> {
                     all.extend(gap.time_to_rate(short).map(|t| (t, Event::Paced(j))));
                 }
                 Drive::Paced => {
-                    let limit = self.robot.joints[j].limit;
-                    let t = flow.time_to_limit(j, joint.force, limit);
+                    let t = flow.time_to_limit(j, joint.force, joint.range);
                     all.extend(t.map(|(t, side)| (t, Event::Limited(j, side))));
                 }
                 _ => {}

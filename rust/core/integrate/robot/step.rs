@@ -19,6 +19,9 @@ use crate::physics::robot::{MOST_SEGMENTS, Robot};
 /// Most steps of one stretch, beyond which a run is refused.
 const MOST_STEPS: f64 = 1e7;
 
+/// Rounding of the voltage that a joint at its limit takes.
+const VOLTAGE_ROUNDING: f64 = 1e-12;
+
 /// Steps of equal length under constant command rates.
 struct Stretch<'a, L> {
     roles: &'a PhaseGroups<L>,
@@ -55,6 +58,8 @@ struct Elastic<'a, L, O> {
     break_away: L,
     /// 1 where a run is refused.
     endless: L,
+    /// Whether any lane's supply bounds its voltage.
+    supplied: bool,
     phase: usize,
     observer: &'a mut O,
 }
@@ -84,6 +89,7 @@ pub(super) fn run<L: Lane, O: Observer<L>>(
         time_step: options.time_step,
         break_away: options.break_away,
         endless: zero,
+        supplied: L::any(robot.motor.supply.lt(zero.splat(f64::INFINITY))),
         phase: 0,
         observer,
     };
@@ -110,6 +116,9 @@ pub(super) fn run<L: Lane, O: Observer<L>>(
     }
     let code = |status: Status| zero.splat(f64::from(status as u8));
     let status = L::select(zero.lt(moved), zero, code(Status::NoPhaseTime));
+    let supply = robot.motor.supply * (1.0 + VOLTAGE_ROUNDING);
+    let starved = supply.lt(state.ledger.voltage_peak);
+    let status = L::select(starved, code(Status::SupplyTooWeak), status);
     let status = L::select(zero.lt(state.endless), code(Status::TooManySteps), status);
     let end = End {
         x: &state.x[..n],
@@ -152,13 +161,21 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
         let ramp = ramp * phase.pace;
         let gradual = zero.lt(ramp);
         let before = self.elastic();
+        let mut jumps = zero;
         for (j, joint) in self.robot.joints.iter().enumerate() {
             let target = joint.stroke * phase.target[j];
             self.rate[j] = L::select(gradual, (target - self.command[j]) / ramp, zero);
             // Without a speed limit the command jumps.
+            jumps = jumps.max((target - self.command[j]).abs());
             self.command[j] = L::select(gradual, self.command[j], target);
         }
-        self.ledger.work = self.ledger.work + (self.elastic() - before);
+        // A jump has no time for heat; no voltage but an infinite one is fast enough.
+        let given = self.elastic() - before;
+        self.ledger.work = self.ledger.work + given;
+        self.ledger.electric = self.ledger.electric + given;
+        let jumps = L::and(L::not(gradual), zero.lt(jumps));
+        let infinite = L::select(jumps, zero.splat(f64::INFINITY), zero);
+        self.ledger.voltage_peak = self.ledger.voltage_peak.max(infinite);
         self.stretch(schedule, roles, ramp, zero.splat(1.0));
         for (j, joint) in self.robot.joints.iter().enumerate() {
             self.command[j] = joint.stroke * phase.target[j];
@@ -317,7 +334,11 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
                 sums.joint_work = sums.joint_work + q_ahead * pace;
                 sums.work = sums.work + q_ahead * self.rate[i - 1];
                 sums.actuator_peak = sums.actuator_peak.max(force.abs());
-                power = power + robot.motor.power(force, pace);
+                power = power + robot.motor.drawn(force, self.rate[i - 1]);
+                if self.supplied {
+                    let voltage = robot.motor.voltage(force, self.rate[i - 1]);
+                    sums.voltage_peak = sums.voltage_peak.max(voltage.abs());
+                }
             }
             (q_ahead, u_ahead) = (q, u);
         }
@@ -354,8 +375,7 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
         let mut power = zero;
         for (j, force) in force.iter_mut().enumerate().take(n - 1) {
             *force = self.step.q[j] / *h;
-            let pace = self.step.w[j] - self.step.w[j + 1];
-            power = power + self.robot.motor.power(*force, pace);
+            power = power + self.robot.motor.drawn(*force, self.rate[j]);
         }
         let mut drive = zero;
         for (from, to) in &roles.movers {

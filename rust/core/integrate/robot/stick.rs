@@ -242,7 +242,8 @@ impl<L: Lane> Step<L> {
         let link = |i: usize| Link {
             gain: self.gain[i].lane(k),
             bias: self.bias[i].lane(k),
-            limit: self.limit[i].lane(k),
+            low: -self.limit[i].lane(k),
+            high: self.limit[i].lane(k),
         };
         let mut bodies: Vec<Body> = (0..n).map(body).collect();
         let sliding: Vec<Sliding> = (0..n).map(sliding).collect();
@@ -252,7 +253,7 @@ impl<L: Lane> Step<L> {
         let (mut slide, mut bound) = ([0.0; MOST_SEGMENTS], [0.0; MOST_SEGMENTS]);
         for i in 0..n {
             slide[i] = sign(self.chain.w[i]);
-            if i + 1 < n && self.chain.q[i].abs() >= links[i].limit {
+            if i + 1 < n && self.chain.q[i].abs() >= links[i].high {
                 bound[i] = sign(self.chain.q[i]);
             }
         }

@@ -69,6 +69,8 @@ pub(super) struct Ledger<L> {
     pub actuator_peak: L,
     pub electric: L,
     pub power_peak: L,
+    /// Largest voltage that a motor takes in either direction, V.
+    pub voltage_peak: L,
     /// Of the drives and at the joints.
     pub work: L,
     pub joint_work: L,
@@ -112,6 +114,7 @@ impl<L: Lane> Ledger<L> {
             actuator_peak: zero,
             electric: zero,
             power_peak: zero,
+            voltage_peak: zero,
             work: zero,
             joint_work: zero,
             friction: zero,
@@ -289,7 +292,7 @@ macro_rules! ledger {
 }
 ledger! {
     time, driven_time, overload, propulsive, propulsive_peak, actuator_peak, electric,
-    power_peak, work, joint_work, friction, impact, potential, steps
+    power_peak, voltage_peak, work, joint_work, friction, impact, potential, steps
 }
 
 #[cfg(test)]
