@@ -413,7 +413,7 @@ class GaitResult:
     @property
     def slip(self, /) -> Incomplete:
         """
-        Way that each segment slides backward per cycle, m.
+        Distance that each segment slides backward per cycle, m.
         """
     @property
     def status(self, /) -> int:
@@ -727,7 +727,7 @@ def parameters() -> list[Parameter]:
 
 def pressings() -> list[tuple[str, str]]:
     """
-    Name and meaning of every way in which friction levels may follow the load.
+    Name and meaning of every relation between friction level and load.
     """
 
 def quantities() -> list[Quantity]:
