@@ -60,7 +60,7 @@ def quantities() -> list[Quantity]:
     --------
     >>> import locosweep as ls
     >>> best = next(q for q in ls.quantities() if q.name == "optimal_segments")
-    >>> best.source
+    >>> best.source.split(";")[0]
     'paper, equations (7) and (8): the zero of d(mean velocity)/dN'
     """
     return list(_quantities().values())

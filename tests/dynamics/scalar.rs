@@ -36,7 +36,7 @@ fn dry<Q: Dry>(segment: &Segment<f64>, values: &Values, method: &str) -> Tally<f
         }
         _ => {
             let step = segment.step;
-            end(segment, RungeKutta { segment, contact, locate: true, step, go_on })
+            end(segment, RungeKutta::<_, _, _>::new(segment, contact, true, step, go_on))
         }
     }
 }

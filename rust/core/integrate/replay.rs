@@ -181,9 +181,15 @@ fn behind_link<L: Lane>(
         #[inline(always)]
         || ElasticDrive::new(segment, plant.friction, link, &state, (times, go_on)),
     );
-    let given =
-        |method: &ElasticDrive<L, _>, _: &State<L>, _: &Clock<L>| (method.force(), method.held());
-    over_samples(plant, segment, method, given, samples, read);
+    over_samples(
+        plant,
+        segment,
+        method,
+        #[inline(always)]
+        |method: &ElasticDrive<L, _>, _, _| (method.force(), method.held()),
+        samples,
+        read,
+    );
 }
 
 /// A head whose motion has no closed form: every lane takes the steps that its own needs.
@@ -205,7 +211,21 @@ fn in_steps<L: Lane>(
 fn direct<'a, L: Lane, M>(
     segment: &'a Segment<L>,
 ) -> impl Fn(&M, &State<L>, &Clock<L>) -> (L, L) + 'a {
+    #[inline(always)]
     |_, state, clock| (segment.force(state.t, clock, state.x, state.v), state.t.splat(0.0))
+}
+
+/// Force on the head, and the impulse that is not received, with back-EMF.
+#[inline(always)]
+fn felt<L: Lane, M>(
+    plant: &Plant<L>,
+    given: &impl Fn(&M, &State<L>, &Clock<L>) -> (L, L),
+    method: &M,
+    state: &State<L>,
+    clock: &Clock<L>,
+) -> (L, L) {
+    let (force, held) = given(method, state, clock);
+    ((-plant.emf).mul_add(state.v, force), plant.emf.mul_add(state.x, held))
 }
 
 /// Takes head and body from sample to sample; `given` is the force that the drive gives
@@ -222,10 +242,6 @@ fn over_samples<L: Lane, M: Advance<L>>(
     let mut state = samples.start(segment);
     let mut tally = Tally::start(segment, Watch::NOTHING);
     let zero = state.t.splat(0.0);
-    let felt = |method: &M, state: &State<L>, clock: &Clock<L>| {
-        let (force, held) = given(method, state, clock);
-        ((-plant.emf).mul_add(state.v, force), plant.emf.mul_add(state.x, held))
-    };
     let mut body = plant.body.as_ref().map(AnchoredBody::new);
     let longest = longest_under_body(plant, samples.interval);
     for (i, t) in samples.instants() {
@@ -238,13 +254,13 @@ fn over_samples<L: Lane, M: Advance<L>>(
                 let end = segment.drive.piece_end(begin.clock.piece).min(until);
                 let far = (longest * (1.0 + 1e-9)).lt(end - begin.t);
                 next = L::select(far, begin.t + longest, end);
-                from = felt(&method, &begin, &begin.clock);
+                from = felt(plant, &given, &method, &begin, &begin.clock);
             }
             if !method.advance(&mut state, &mut tally, next) {
                 return;
             }
             let Some(body) = &mut body else { break };
-            let to = felt(&method, &state, &begin.clock);
+            let to = felt(plant, &given, &method, &state, &begin.clock);
             zero.outlined(
                 #[inline(always)]
                 || {
@@ -260,7 +276,7 @@ fn over_samples<L: Lane, M: Advance<L>>(
                 break;
             }
         }
-        let (force, _) = felt(&method, &state, &state.clock);
+        let (force, _) = felt(plant, &given, &method, &state, &state.clock);
         let x_rear = body.as_ref().map_or(zero, |body| body.x);
         read(i, Reading { x: state.x, v: state.v, force, x_rear });
     }
