@@ -40,11 +40,11 @@ test: $(VENV)/built lint
 	$(PYTEST) -m "not slow" --doctest-modules python/locosweep tests
 	cargo test $(CARGO_FLAGS) --workspace
 
-# What is left out above for its time, too: whole diagnoses that take seconds each, a battery
-# of robots, and benches as short as shows that they run.
+# What is left out above for its time, too: whole diagnoses that take seconds each, batteries
+# of robots and of pairs of effects, and benches as short as shows that they run.
 test-all: test
 	$(PYTEST) -m slow tests
-	cargo test $(CARGO_FLAGS) --test robot -- --ignored
+	cargo test $(CARGO_FLAGS) --test robot --test replay -- --ignored
 	cargo bench --locked --workspace --bench sweep -- --test
 	cargo bench --locked --workspace --bench dynamics -- --test
 	$(BIN)/python benches/border.py --quick

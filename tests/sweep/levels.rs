@@ -159,6 +159,8 @@ fn sensitivity(value: fn(&Point<f64>) -> f64, given: &[(ParamId, f64)]) -> Optio
 #[test]
 fn baseline_stays_within_its_bound() {
     const ALLOWED: f64 = 4.0;
+    // The zero of a derivative: the rounding of its terms counts beside that of the point.
+    const ALLOWED_OF_A_ZERO: f64 = 8.0;
     if fused().is_empty() || cfg!(target_arch = "aarch64") {
         return;
     }
@@ -188,7 +190,9 @@ fn baseline_stays_within_its_bound() {
                 let relative = (a - b).abs() / a.abs();
                 let w = &mut worst[n];
                 *w = (w.0.max(error), w.1.max(ulp), w.2.max(relative));
-                assert!(error <= ALLOWED, "{name}: {a:e} and {b:e}, {error} at {point:?}");
+                let is_zero = *name == "optimal_segments";
+                let allowed = if is_zero { ALLOWED_OF_A_ZERO } else { ALLOWED };
+                assert!(error <= allowed, "{name}: {a:e} and {b:e}, {error} at {point:?}");
             }
         }
     }
