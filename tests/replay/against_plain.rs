@@ -79,7 +79,8 @@ fn the_body_feels_the_force_between_the_samples() {
 }
 
 /// All pairs: within 1.5 micrometres, behind a joint within 30. A bristle behind a joint is
-/// not modelled (it rests there) and left out, as are two transmissions in one drive.
+/// not modelled (it rests there) and left out, as are two transmissions in one drive. When
+/// the heap before a bristle levels out is left open: a bristle never rests.
 #[test]
 #[ignore = "minutes: part of the long check"]
 fn every_pair_of_effects_follows_the_contract() {
@@ -92,7 +93,9 @@ fn every_pair_of_effects_follows_the_contract() {
         for b in &plant[i..] {
             let joined = joints.contains(a) || joints.contains(b);
             let bristle = [a, b].contains(&&Effect::PreslidingCompliance);
-            if a != b && (joined && bristle || joints.contains(a) && joints.contains(b)) {
+            let heap = [a, b].contains(&&Effect::LubricantBuildup);
+            let unlike = bristle && (joined || heap) || joints.contains(a) && joints.contains(b);
+            if a != b && unlike {
                 continue;
             }
             let [first, second] = [a, b].map(|effect| {
