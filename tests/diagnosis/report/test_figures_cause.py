@@ -63,6 +63,17 @@ class TestParameters:
         (ends,) = ax.collections[0].get_segments()
         np.testing.assert_allclose(ends[:, 0], [0.6 - 0.01176, 0.6 + 0.01176])
 
+    def test_a_narrow_interval_is_shown_about_its_value(self, own: Diagnosis) -> None:
+        own.report["candidates"][0]["parameters"]["lubricant_buildup"]["k_b"]["std"] = 1e-6
+        figure = parameters(own)
+        assert figure is not None
+        (ax,) = figure.axes
+        assert " − 0.6 [N/m]" in ax.get_xlabel()
+        (ends,) = ax.collections[0].get_segments()
+        np.testing.assert_allclose(ends[:, 0], [-1.96e-6, 1.96e-6])
+        figure.canvas.draw()
+        assert not ax.xaxis.get_offset_text().get_text()
+
     def test_an_unknown_deviation_is_said(self, own: Diagnosis) -> None:
         own.report["candidates"][0]["parameters"]["lubricant_buildup"]["k_b"]["std"] = None
         figure = parameters(own)

@@ -35,8 +35,10 @@ def test_several_causes_and_classes() -> None:
     pair = summary(report("ambiguous", ["viscous_friction", "back_emf"], ["drive_lag"]))
     assert "from (viscous friction or back emf) and drive lag" in pair
     assert "cannot tell" in pair
+    assert ": with them the error" in pair
     alone = summary(report("ambiguous", ["viscous_friction", "back_emf"]))
     assert "from viscous friction or back emf" in alone
+    assert ": with it the error" in alone
 
 
 def test_an_improvement_that_is_not_known_is_not_told() -> None:

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 _MOST = 12
 _WIDE = 1.96
 """Standard deviations to either end of a 95 % interval."""
+_NARROW = 1e-3
+"""Width of an axis relative to its value below which four digits of a tick tell nothing."""
 
 
 def candidates(diagnosis: Diagnosis) -> Figure | None:
@@ -83,13 +85,17 @@ def parameters(diagnosis: Diagnosis) -> Figure | None:
     for ax, (name, key, entry) in zip(axes, fitted, strict=True):
         value, std = entry["value"], entry["std"]
         half = _WIDE * std if std else 0.0
-        ax.errorbar(value, 0.0, xerr=half or None, fmt="o", color=style.AUGMENTED["color"],
-                    markersize=6, linewidth=1.8, capsize=4)  # fmt: skip
         symbol = {p.name: p.symbol for p in effect(name).parameters}.get(key, key)
         room = 2.5 * half or 0.1 * abs(value) or 1.0
-        ax.set_xlim(value - room, value + room)
+        label, at = f"${symbol}$", value
+        if room < _NARROW * abs(value):
+            label, at = f"${symbol}$ − {value:.5g}", value - float(f"{value:.5g}")
+        ax.errorbar(at, 0.0, xerr=half or None, fmt="o", color=style.AUGMENTED["color"],
+                    markersize=6, linewidth=1.8, capsize=4)  # fmt: skip
+        ax.set_xlim(at - room, at + room)
+        ax.xaxis.set_major_formatter(lambda tick, _: f"{tick:.4g}")
         ax.set_yticks([])
-        ax.set_xlabel(f"${symbol}$ [{style.unit_text(entry['unit'])}]", fontsize=9,
+        ax.set_xlabel(f"{label} [{style.unit_text(entry['unit'])}]", fontsize=9,
                       labelpad=1)  # fmt: skip
         ax.set_ylabel(style.words(name).replace(" ", "\n"), rotation=0, ha="right", va="center",
                       fontsize=8)  # fmt: skip

@@ -69,7 +69,8 @@ def summary(report: dict[str, Any]) -> str:
     if verdict["law_mismatch"]:
         text = f"The gap may come from {cause}, by another law than the usual formula"
     if gap["shrink"] is not None:
-        text += f": with it the error in {gap['channel']} falls by {gap['shrink']:.1%}"
+        them = "it" if len(causes) == 1 else "them"
+        text += f": with {them} the error in {gap['channel']} falls by {gap['shrink']:.1%}"
         text += f" to {gap['after']:.2g} {gap['unit']} (noise {gap['noise_floor']:.2g})"
     if verdict["status"] == "ambiguous":
         text += "; these runs cannot tell which"
