@@ -43,11 +43,21 @@ const SPEED_ERROR: f64 = 1e-10;
 /// Shortest controlled step, as a share of the longest: a law that jumps has no short
 /// enough one.
 const SHORTEST: f64 = 1e-6;
+/// What a step takes of the length that its error allows, so that the next is seldom cut
+/// again; and how far one step may shrink or grow at a time, as its error is an estimate.
+const SAFETY: f64 = 0.9;
+const MOST_SHRINK: f64 = 0.1;
+const MOST_GROWTH: f64 = 4.0;
+/// Errors below this are rounding, m/s.
+const NO_ERROR: f64 = 1e-30;
 
 /// Steps between two looks at the flag that stops a run.
 const PATIENCE: u32 = 256;
 /// Events that one step may hold before its trajectory is given up.
-const MOST_EVENTS: u32 = 10_000;
+const MOST_EVENTS: u32 = 100;
+/// The same of parts of a controlled step, most of which end for their error: a
+/// trajectory that needs ever shorter ones is given up.
+const MOST_PARTS: u32 = 10_000;
 
 impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool, const CONTROL: bool> Advance<L>
     for RungeKutta<'_, '_, C, L, F, CONTROL>
@@ -191,7 +201,7 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool, const CONTROL: bool
         self.reach = dt;
         while L::any(zero.lt(left)) {
             events += 1;
-            if events > MOST_EVENTS {
+            if events > if CONTROL { MOST_PARTS } else { MOST_EVENTS } {
                 let open = zero.lt(left);
                 tally.lost = L::select(open, tally.lost + 1.0, tally.lost);
                 break;
@@ -266,7 +276,8 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool, const CONTROL: bool
         used
     }
 
-    /// A step cut to where its error is small, and what the next part may reach.
+    /// A step cut to where its error is small; keeps what the next part may reach. Only
+    /// replays ask for it, which count no energy.
     #[inline(always)]
     fn controlled(
         &mut self,
@@ -319,8 +330,8 @@ fn rough<L: Lane>(step: &Slide<L>) -> L::Mask {
 #[inline(always)]
 fn growth<L: Lane>(step: &Slide<L>) -> L {
     let one = step.error.splat(1.0);
-    let share = one * SPEED_ERROR / step.error.max(one * 1e-30);
-    (share.sqrt().sqrt() * 0.9).max(one * 0.1).min(one * 4.0)
+    let share = one * SPEED_ERROR / step.error.max(one * NO_ERROR);
+    (share.sqrt().sqrt() * SAFETY).max(one * MOST_SHRINK).min(one * MOST_GROWTH)
 }
 
 /// Takes a finished step into state and tally, where `mask` holds.

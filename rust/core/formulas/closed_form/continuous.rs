@@ -1,11 +1,11 @@
 //! The best segment count as a real number: equations (7) and (8), and beyond them.
 
-use super::Quantity;
 use super::motion::why_no_phase;
 use super::phase::{braking_works, phase};
 use super::traction::{
     anchored_traction, grip_against_drive, is_limited, limited, limited_growth, traction,
 };
+use super::{Quantity, any_count};
 use crate::describe::Info;
 use crate::lane::Lane;
 use crate::{Point, Status};
@@ -30,25 +30,14 @@ impl Quantity for OptimalSegments {
         source: "paper, equations (7) and (8): the zero of d(mean velocity)/dN; with a brake, viscosity or a limit that acts: derived, s_a and s_b the paths of driving at a and braking at b",
         limits: "more than k and the anchors ahead; with a brake alone A G x^3 + (2(A - G)B - A G)x^2 - 3 B^2 x = B^2 for x = N/k - 1 (per mass: A what an anchor holds, G the same forward, B what drags a mover)",
         meaning: "segment count of highest mean velocity, as a real number",
-        params: &[
-            "mu_static",
-            "mu_coulomb",
-            "slope_deg",
-            "mass",
-            "gravity",
-            "moving",
-            "anchor_weight",
-            "skin_ratio",
-            "wall_force",
-            "wall_release",
-            "corner_deg",
+        params: any_count!(
             "drive_limit",
             "anchors_ahead",
             "stroke",
             "speed_limit",
             "viscous",
-            "brake",
-        ],
+            "brake"
+        ),
         integer: false,
     };
 

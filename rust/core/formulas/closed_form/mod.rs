@@ -98,11 +98,17 @@ macro_rules! anchors {
 }
 pub(crate) use anchors;
 
-/// Lists parameter names: those of what anchors hold and what drags, and more.
-macro_rules! ground {
+/// Lists parameter names: those of what an anchor holds and what drags a mover, and more.
+macro_rules! any_count {
     ($($more:literal),*) => {
-        &["mu_static", "mu_coulomb", "segments", "slope_deg", "mass", "gravity", "moving",
-          "anchor_weight", "skin_ratio", "wall_force", "wall_release", "corner_deg" $(, $more)*]
+        &["mu_static", "mu_coulomb", "slope_deg", "mass", "gravity", "moving", "anchor_weight",
+          "skin_ratio", "wall_force", "wall_release", "corner_deg" $(, $more)*]
     };
+}
+pub(crate) use any_count;
+
+/// The same with the segment count.
+macro_rules! ground {
+    ($($more:literal),*) => { $crate::closed_form::any_count!("segments" $(, $more)*) };
 }
 pub(crate) use ground;

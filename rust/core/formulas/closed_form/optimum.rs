@@ -1,10 +1,10 @@
 //! The best whole segment count and the steepest slope.
 
-use super::Quantity;
 use super::continuous::{ideal_optimum, needed_anchors};
 use super::motion::{MeanVelocity, why_no_phase};
 use super::phase::braking_works;
 use super::traction::{or_else, traction};
+use super::{Quantity, any_count};
 use crate::describe::Info;
 use crate::lane::Lane;
 use crate::point::columns;
@@ -25,18 +25,7 @@ impl Quantity for BestSegments {
         source: "derived: mean velocity has one peak over N, so the first N that its successor does not beat is the best",
         limits: "segments_min and segments_max bound the search; a tie goes to the lower count",
         meaning: "whole segment count of highest mean velocity",
-        params: &[
-            "mu_static",
-            "mu_coulomb",
-            "slope_deg",
-            "mass",
-            "gravity",
-            "moving",
-            "anchor_weight",
-            "skin_ratio",
-            "wall_force",
-            "wall_release",
-            "corner_deg",
+        params: any_count!(
             "drive_limit",
             "anchors_ahead",
             "stroke",
@@ -44,8 +33,8 @@ impl Quantity for BestSegments {
             "viscous",
             "brake",
             "segments_min",
-            "segments_max",
-        ],
+            "segments_max"
+        ),
         integer: true,
     };
 

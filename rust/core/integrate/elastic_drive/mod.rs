@@ -5,8 +5,10 @@
 //!
 //! The state besides the head's position is (a, b, v): of a lag its force a; of a
 //! joint the stretch a and the speed b of the drive's side; v is the head's speed.
-//! Exponentials are kept for steps of h, h/2, h/4, ...: events are found by halving,
-//! and any rest of an interval is made up of them.
+//! Exponentials are kept for steps of h, h/2, h/4, ... (see `propagation`): events are
+//! found by halving, and any rest of an interval is made up of them.
+
+mod propagation;
 
 use super::{Advance, State, Tally};
 use crate::lane::Lane;
@@ -14,6 +16,7 @@ use crate::lane::exp::speed_factor;
 use crate::physics::effects::{Coefficients, Effect, Joint, Measured};
 use crate::physics::friction::{ContactState, Dry};
 use crate::physics::segment::Segment;
+use propagation::{HALVINGS, Inputs, Level, Rates, levels};
 
 /// What stands between the drive and the head.
 #[derive(Clone, Copy)]
@@ -23,127 +26,11 @@ pub enum Link<L> {
     Joint(Joint<L>),
 }
 
-/// State (a, b, v) and inputs: constant acceleration of the head, drive force.
-type Inputs<L> = [L; 5];
-
-/// Where a step leads: a, b, v and the distance gone, by state and inputs.
-#[derive(Clone, Copy)]
-struct Map<L> {
-    rows: [Inputs<L>; 4],
-}
-
-impl<L: Lane> Map<L> {
-    #[inline(always)]
-    fn apply(&self, from: &Inputs<L>) -> [L; 4] {
-        let [a, b, v, g, u] = *from;
-        let mut to = [a; 4];
-        for (to, c) in to.iter_mut().zip(&self.rows) {
-            let near = c[1].mul_add(b, c[0] * a);
-            let far = c[3].mul_add(g, c[2] * v);
-            *to = c[4].mul_add(u, near + far);
-        }
-        to
-    }
-
-    /// The map of two such steps.
-    #[inline(always)]
-    fn twice(&self) -> Map<L> {
-        let mut rows = self.rows;
-        for column in 0..5 {
-            let zero = self.rows[0][0].splat(0.0);
-            let mut half = [zero; 5];
-            for (half, row) in half.iter_mut().zip(&self.rows[..3]) {
-                *half = row[column];
-            }
-            if column > 2 {
-                half[column] = zero.splat(1.0);
-            }
-            let end = self.apply(&half);
-            for row in 0..3 {
-                rows[row][column] = end[row];
-            }
-            rows[3][column] = self.rows[3][column] + end[3];
-        }
-        Map { rows }
-    }
-}
-
-/// What a lane is doing: sliding or at rest, joined or in free flight.
-#[derive(Clone, Copy)]
-struct Rates<L> {
-    per_mass: L,
-    /// Viscous rate of the head.
-    viscous: L,
-    /// Rate of a lag; of a joint its stiffness, damping and the inverse mass behind it.
-    lag: L,
-    stiffness: L,
-    damping: L,
-    per_side: L,
-    is_lag: bool,
-}
-
-impl<L: Lane> Rates<L> {
-    /// Derivatives of (a, b, v, distance gone).
-    #[inline(always)]
-    fn slope(&self, y: &Inputs<L>, slides: bool, joined: bool) -> [L; 4] {
-        let [a, b, v, g, u] = *y;
-        let zero = a.splat(0.0);
-        let v = if slides { v } else { zero };
-        let (da, db, push) = if self.is_lag {
-            ((u - a) * self.lag, zero, a)
-        } else {
-            let rate = b - v;
-            let force = self.damping.mul_add(rate, self.stiffness * a);
-            let force = if joined { force } else { zero };
-            (rate, (u - force) * self.per_side, force)
-        };
-        let dv = (-self.viscous).mul_add(v, push.mul_add(self.per_mass, g));
-        [da, db, if slides { dv } else { zero }, v]
-    }
-
-    /// Taylor's series over a short time.
-    #[inline(always)]
-    fn series(&self, from: &Inputs<L>, dt: L, slides: bool, joined: bool) -> [L; 4] {
-        let zero = dt.splat(0.0);
-        let mut sum = [from[0], from[1], if slides { from[2] } else { zero }, zero];
-        let mut term = *from;
-        for n in 1..=TERMS {
-            let slope = self.slope(&term, slides, joined);
-            let share = dt * (1.0 / n as f64);
-            // Inputs stay as they are: they enter the first derivative only.
-            term = [slope[0] * share, slope[1] * share, slope[2] * share, zero, zero];
-            for (sum, add) in sum.iter_mut().zip(&slope) {
-                *sum = share.mul_add(*add, *sum);
-            }
-        }
-        sum
-    }
-
-    #[inline(always)]
-    fn map(&self, dt: L, slides: bool, joined: bool) -> Map<L> {
-        let zero = dt.splat(0.0);
-        let mut rows = [[zero; 5]; 4];
-        for column in 0..5 {
-            let mut unit = [zero; 5];
-            unit[column] = zero.splat(1.0);
-            let end = self.series(&unit, dt, slides, joined);
-            for row in 0..4 {
-                rows[row][column] = end[row];
-            }
-        }
-        Map { rows }
-    }
-}
-
-/// Terms of the series: it is taken over times far below those of any rate.
-const TERMS: usize = 8;
 /// Longest step between two looks for events, in radians of the joint's oscillation.
 const LOOK: f64 = 0.35;
 /// Steps between two samples beyond which an oscillation is too fast, and its sway
 /// too small, to be followed from event to event.
 const MOST_LOOKS: f64 = 64.0;
-/// Halvings of a step: rates up to a thousand per step are resolved.
-const HALVINGS: i32 = 13;
 /// Events between two samples before a trajectory is given up: a joint can chatter.
 const MOST_EVENTS: f64 = 64.0;
 /// Looks between two samples behind a lag: its force bends, and the speed may dip.
@@ -151,16 +38,6 @@ const LAG_LOOKS: f64 = 2.0;
 
 /// Fastest lag, in rates of the samples: shorter ones are none.
 const FASTEST_LAG: f64 = 1e3;
-
-/// Maps of one step: sliding or not, joined or not.
-#[derive(Clone, Copy)]
-struct Level<L> {
-    dt: L,
-    sliding: Map<L>,
-    resting: Map<L>,
-    sliding_free: Map<L>,
-    resting_free: Map<L>,
-}
 
 /// Where a lane is between events.
 #[derive(Clone, Copy)]
@@ -304,24 +181,7 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         // As many equal steps as fill an interval.
         let looks = (look.max(zero.splat(least)).max(one) * (1.0 - 1e-9)).floor() + 1.0;
         let dt = one * interval / looks * 0.5_f64.powi(HALVINGS);
-        let mut level = Level {
-            dt,
-            sliding: rates.map(dt, true, true),
-            resting: rates.map(dt, false, true),
-            sliding_free: rates.map(dt, true, false),
-            resting_free: rates.map(dt, false, false),
-        };
-        let mut levels = vec![level];
-        for _ in 0..HALVINGS {
-            level = Level {
-                dt: level.dt * 2.0,
-                sliding: level.sliding.twice(),
-                resting: level.resting.twice(),
-                sliding_free: if is_gap { level.sliding_free.twice() } else { level.sliding_free },
-                resting_free: if is_gap { level.resting_free.twice() } else { level.resting_free },
-            };
-            levels.push(level);
-        }
+        let levels = levels(&rates, dt, is_gap);
         let bent = longest.is_some();
         ElasticDrive { segment, law, rates, gap, is_gap, at_once, bent, now, levels, go_on }
     }
