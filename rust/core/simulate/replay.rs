@@ -55,7 +55,7 @@ pub struct Group<'a, 'b, 'c> {
 /// Readings of one pack, a sample after another, kept from group to group.
 #[derive(Default)]
 pub struct Scratch {
-    /// x, v, force and x_rear of all lanes.
+    /// x, v, force of all lanes, and x_rear where a body slides.
     head: Vec<f64>,
     /// What the position sensor reads.
     seen: Vec<f64>,
@@ -102,7 +102,9 @@ impl Task for Group<'_, '_, '_> {
                 || Plant::new(nominal, run.slope_deg, first.active, &values, shares),
             );
             let Scratch { head: motion, seen } = &mut *scratch;
-            let (own, all) = (P::LANES, 4 * P::LANES);
+            let slides = plant.body.is_some();
+            let own = P::LANES;
+            let all = if slides { 4 * own } else { 3 * own };
             // What a cancelled run leaves out is 0, not another column's.
             motion.clear();
             motion.resize(count * all, 0.0);
@@ -118,7 +120,9 @@ impl Task for Group<'_, '_, '_> {
                     reading.x.store(&mut to[..own]);
                     reading.v.store(&mut to[own..2 * own]);
                     reading.force.store(&mut to[2 * own..3 * own]);
-                    reading.x_rear.store(&mut to[3 * own..]);
+                    if slides {
+                        reading.x_rear.store(&mut to[3 * own..]);
+                    }
                 },
             );
             like.outlined(
@@ -147,7 +151,7 @@ impl Task for Group<'_, '_, '_> {
                     spread(&seen[first * own + lane..last * own], own, &mut x[first..last]);
                     spread(&moved[own..], all, &mut v[first..last]);
                     spread(&moved[2 * own..], all, &mut force[first..last]);
-                    if plant.body.is_some() {
+                    if slides {
                         spread(&moved[3 * own..], all, &mut x_rear[first..last]);
                     }
                 }
