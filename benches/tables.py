@@ -190,7 +190,7 @@ def precision_rows(text: str) -> list[list[str]]:
     """Read the table that tests/test_precision.py prints."""
     size = r"\d\.\de[+-]\d\d"
     found = re.findall(rf"^(\w+) +({size}) +({size}) +({size}) +(\d+) values$", text, re.MULTILINE)
-    extra = r"^\.?(\w+): worst error (\d\.\de[+-]\d\d)"
+    extra = r"^\.*(\w+): worst error (\d\.\de[+-]\d\d)"
     for name, worst in re.findall(extra, text, re.MULTILINE):
         found.append((name, "-", "-", worst, "-"))
     return [list(row) for row in found]

@@ -232,11 +232,13 @@ def test_printed_precision_fills_its_table(tmp_path: Path) -> None:
     printed.write_text(
         "worst\nnet_force 3.4e-14 1.1e-15 3.5e-16     732 values\n"
         ".slope_limit_deg: worst error 2.2e-15 relative\n"
+        "..best_velocity: worst error 1.8e-16; 100 ties\n"
     )
     assert tables(tmp_path, "--store", "accuracy", str(printed)).returncode == 0
     text = page.read_text(encoding="utf-8")
     assert "| `net_force` | 732 | 3.4e-14 | 1.1e-15 | 3.5e-16 |" in text
     assert "| `slope_limit_deg` | - | - | - | 2.2e-15 |" in text
+    assert "| `best_velocity` | - | - | - | 1.8e-16 |" in text
 
 
 def test_the_readme_is_short_and_starts_with_the_two_commands() -> None:
