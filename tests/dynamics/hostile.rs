@@ -22,6 +22,9 @@ fn allowed(random: &mut Random, id: ParamId) -> f64 {
     if param.integer { value.floor().max(low) } else { value }
 }
 
+/// Looks of 5 ms each at a job; one that takes longer shows no more than that it can be stopped.
+const PATIENCE: usize = 100;
+
 /// Runs a job for a while at most; `None` if it takes longer.
 fn patiently(job: &Job, names: usize) -> Option<Results> {
     let control = Control::default();
@@ -32,7 +35,7 @@ fn patiently(job: &Job, names: usize) -> Option<Results> {
     let done = std::sync::atomic::AtomicBool::new(false);
     let result = std::thread::scope(|scope| {
         let watch = scope.spawn(|| {
-            for _ in 0..400 {
+            for _ in 0..PATIENCE {
                 if done.load(Ordering::Relaxed) {
                     return;
                 }

@@ -117,7 +117,7 @@ fn what_cannot_run_says_why() {
 #[test]
 fn nothing_within_the_ranges_panics() {
     let mut random = Random(41);
-    for _ in 0..400 {
+    for i in 0..400 {
         let mut given: Vec<(ParamId, f64)> = Vec::new();
         for id in ParamId::all() {
             let (low, high) = id.param().range;
@@ -139,7 +139,10 @@ fn nothing_within_the_ranges_panics() {
         if get(JointStiffness).is_finite() && steps > 30.0 && steps < 1e9 {
             continue;
         }
-        for gait in GAITS {
+        // Runs in steps may go on up to the limit of their number: one gait in turn.
+        let stepped = get(JointStiffness).is_finite() || get(SupplyVoltage).is_finite();
+        let gaits = if stepped { &GAITS[i % GAITS.len()..][..1] } else { GAITS };
+        for gait in gaits {
             let run = gait_tally(*gait, &Values(point));
             assert!(run.status() != Status::Ok || run.advance.is_finite());
         }
