@@ -276,6 +276,12 @@ class TestPictures:
         assert "paper/figure3.png" in files
         assert all((tmp_path / file).stat().st_size > 100 for file in files)
 
+    def test_reproduce_names_every_figure(self, tmp_path):
+        from locosweep.paper.reproduce import _FIGURES
+
+        named = "|".join([*map(str, _FIGURES), "all", "gap"])
+        assert named in "".join(ok("reproduce", "--help", cwd=tmp_path).split())
+
 
 BAD = {
     "no such command": ("sweeep",),
@@ -321,7 +327,7 @@ BAD = {
     "optimum sets segments": ("optimum", *FLAT, "--set", "segments=3"),
     "plot of nothing": ("plot", "none.parquet"),
     "plot of no parquet": ("plot", "bad.toml"),
-    "reproduce what": ("reproduce", "7", "--out", "paper"),
+    "reproduce what": ("reproduce", "6", "--out", "paper"),
     "reproduce where": ("reproduce", "3"),
     "too large": ("sweep", "resistance", "--axis", "mu_coulomb=0:1:9000000", "--axis",
                   "mass=1:2:9000000", "--out", "r.parquet"),

@@ -13,14 +13,15 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("figures", default="all", metavar="[2|3|4|5|10|12|13|all|gap]")
+@click.argument("figures", default="all", metavar="[2|3|4|5|7|8|9|10|11|12|13|all|gap]")
 @out_option("Folder for pictures and tables")
 @robot_option
 @json_option
 def reproduce(figures: str, out: Path, robot: Path | None, json_: bool) -> None:
     """Draw the paper's figures and check the numbers it states.
 
-    The figures use the paper's values; a robot file is held against what the
+    The figures use the paper's values. Figures 7, 8, 9 and 11 are illustrations: the paper prints
+    no numbers of them. A robot file is held against what the
     paper says of its robot. With `gap`, runs of the paper's robot are written whose
     reality has a weaker actuator and a lubricant that builds up: an example for
     diagnose.

@@ -17,7 +17,10 @@ from locosweep.files.atomic import write_text
 from locosweep.files.folder import make_folder
 from locosweep.files.robot import Robot
 from locosweep.paper.claims import CLAIMS, Row, robot_rows
+from locosweep.paper.contact import CONTACT_FIGURES
 from locosweep.paper.figures import FIGURES
+from locosweep.paper.heap import HEAP_FIGURES
+from locosweep.paper.limits import LIMIT_CLAIMS
 from locosweep.paper.surfaces import SURFACE_CLAIMS, SURFACE_FIGURES
 from locosweep.plot.save import save_figure
 from locosweep.provenance import spec_hash
@@ -38,17 +41,21 @@ _OPEN = (
     "the constant in the phase time t = sqrt(2 δ/a): it scales velocities, not the best count",
     "the stroke δ of Figure 2: velocities scale with its root; 20 mm is assumed",
     "whether the viscous solution (10) keeps the Coulomb term (both are shown)",
-    "friction of the three surfaces of Figures 10, 12 and 13, the motor and the stroke",
+    "friction of the three surfaces of Figures 7 to 13, the motor and the stroke",
     "equation numbers: the text cites (6) as equation of motion and (9) as propulsive force",
 )
 _NOT_COMPARED = (
-    "Figures 7 to 9 and 11 and the sensor (range 50 mm, step 5 µm) are measurements, not "
-    "simulations. Figures 10, 12 and 13 are measurements too: here the stroke of the head is "
-    "simulated with assumed oil and lubricant, and compared with what the text says of them."
+    "Figures 7 to 9 and 11 are measurements of which the paper prints no numbers: what is drawn "
+    "here illustrates them and is compared with nothing. Figures 7 to 9 show friction that was "
+    "planted in the simulated sensors of a rig and fitted again, Figure 11 the lubricant of an "
+    "assumed build-up. Figures 10, 12 "
+    "and 13 are measurements too: here the stroke of the head is simulated with "
+    "assumed oil and lubricant, and compared with what the text says of them. The sensor (range "
+    "50 mm, step 5 µm) is taken as stated."
 )
 
-_FIGURES = {**FIGURES, **SURFACE_FIGURES}
-_CLAIMS = {**CLAIMS, **SURFACE_CLAIMS}
+_FIGURES = dict(sorted({**FIGURES, **CONTACT_FIGURES, **HEAP_FIGURES, **SURFACE_FIGURES}.items()))
+_CLAIMS = (CLAIMS, LIMIT_CLAIMS, SURFACE_CLAIMS)
 
 _COLUMNS = (
     ("Claim", 46),
@@ -123,8 +130,8 @@ def reproduce(
     Parameters
     ----------
     figures : "all", int or sequence of int
-        Of 2, 3, 4, 5, 10, 12 and 13. Claims of the text that belong to no figure are always
-        compared.
+        Of 2 to 5 and 7 to 13. Claims of the text that belong to no figure are always compared;
+        7, 8, 9 and 11 are illustrations without a claim.
     out_dir : path-like
         Folder for ``figure2.png`` and so on, ``reproduction.md`` and
         ``reproduction.png``; made if missing.
@@ -145,7 +152,13 @@ def reproduce(
     """
     chosen = _chosen(figures)
     folder = make_folder(out_dir)
-    rows = tuple(row for number in (0, *chosen) for row in _CLAIMS[number]())
+    rows = tuple(
+        row
+        for number in (0, *chosen)
+        for claims in _CLAIMS
+        if number in claims
+        for row in claims[number]()
+    )
     if robot is not None:
         rows += tuple(robot_rows(robot))
     files: list[Path] = []
@@ -161,7 +174,7 @@ def reproduce(
     for number in chosen:
         figure, results = _FIGURES[number]()
         path = folder / f"figure{number}.png"
-        save_figure(figure, path, command=command, spec=spec_hash(*results))
+        save_figure(figure, path, command=command, spec=spec_hash(*results) if results else None)
         done(path)
     table = folder / "reproduction.png"
     save_figure(_table(rows), table, command=command)

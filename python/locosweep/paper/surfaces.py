@@ -32,13 +32,13 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-_GROUND = {"mu_static": 0.3, "mu_coulomb": 0.15}
+GROUND = {"mu_static": 0.3, "mu_coulomb": 0.15}
 """Friction coefficients of Figure 5: with Figure 2's 0.3 the drive would hardly exceed friction."""
 
 _SEGMENTS, _STROKE = 4, 0.02
 _SUPPLY = 10.0
 """Supply voltage in V at which the paper states its actuator's force."""
-_SURFACES = {
+SURFACES = {
     "dry": {"viscous": 0.0, "buildup": 0.0},
     "oil": {"viscous": 0.2, "buildup": 0.0},
     "lubricant": {"viscous": 0.2, "buildup": 5.0},
@@ -85,9 +85,9 @@ def _motor() -> tuple[float, float]:
 def _head(surface: str) -> _Head:
     constant = _default("force_constant")
     stall, loss = _motor()
-    ground = _SURFACES[surface]
+    ground = SURFACES[surface]
     given = {
-        "mu_coulomb": _GROUND["mu_coulomb"],
+        "mu_coulomb": GROUND["mu_coulomb"],
         "viscous": ground["viscous"] + loss,
         "buildup": ground["buildup"],
         "drive_force": stall,
@@ -98,15 +98,16 @@ def _head(surface: str) -> _Head:
     return _Head(run.t, run.x, force, _SUPPLY * force / constant, result)
 
 
-def _heads() -> dict[str, _Head]:
-    return {surface: _head(surface) for surface in _SURFACES}
+def strokes() -> dict[str, _Head]:
+    """Return the head's stroke on each surface."""
+    return {surface: _head(surface) for surface in SURFACES}
 
 
 def _rear() -> tuple[Floats, Floats]:
     """Time and displacement of the rear while the head moves, in the whole robot."""
     run = run_gait(
-        "single", segments=_SEGMENTS, stroke=_STROKE, mu_static=_GROUND["mu_static"],
-        mu_coulomb=_GROUND["mu_coulomb"], drive_limit=_motor()[0], dwell=0.05,
+        "single", segments=_SEGMENTS, stroke=_STROKE, mu_static=GROUND["mu_static"],
+        mu_coulomb=GROUND["mu_coulomb"], drive_limit=_motor()[0], dwell=0.05,
         break_away=0, impact=0, cycles=1, samples=2001,
     )  # fmt: skip
     first = run.phase == 0
@@ -120,7 +121,7 @@ def _sampled(heads: dict[str, _Head], name: str) -> list[Floats]:
 
 
 def _displacement() -> list[Row]:
-    heads = _heads()
+    heads = strokes()
     times = [head.arrival for head in heads.values()]
     dry, oil, lubricant = times
     gap = float(max(np.ptp(np.array(_sampled(heads, "x")), axis=0)))
@@ -128,7 +129,7 @@ def _displacement() -> list[Row]:
     moved = float(np.abs(rear).max())
     hold, strong = (
         float(sweep("propulsive_force", Grid(segments=_SEGMENTS, **mu)).values)
-        for mu in (_GROUND, FIGURE_2)
+        for mu in (GROUND, FIGURE_2)
     )
     drive = float(heads["dry"].force[0])
     return [
@@ -164,7 +165,7 @@ def _displacement() -> list[Row]:
 
 
 def _same(name: str, words: str, source: str, unit: str) -> list[Row]:
-    heads = _heads()
+    heads = strokes()
     table = np.array(_sampled(heads, name))
     apart = float((np.ptp(table, axis=0) / table[0]).max())
     last = [float(getattr(head, name)[-1]) for head in heads.values()]
@@ -186,7 +187,7 @@ def _drawn(number: int, title: str, name: str, label: str, scale: float) -> tupl
                                                                         list[Result]]:  # fmt: skip
     figure = style.figure(9.0, 5.6)
     ax = figure.subplots()
-    heads = _heads()
+    heads = strokes()
     for rank, (surface, head) in enumerate(heads.items()):
         line(head.t, scale * getattr(head, name), ax, label=label, rank=rank,
              name=f"head, {surface}: 20 mm after {head.arrival:.4f} s")  # fmt: skip
@@ -225,7 +226,7 @@ def _figure_12() -> tuple[Figure, list[Result]]:
     figure, ax, results = _drawn(
         12, "propulsive force of the head segment", "force", "propulsive force $F_P$ [N]", 1.0
     )
-    drag = float(sweep("resistance", mu_coulomb=_GROUND["mu_coulomb"]).values)
+    drag = float(sweep("resistance", mu_coulomb=GROUND["mu_coulomb"]).values)
     ax.axhline(drag, color="0.3", linewidth=1.0, linestyle=(0, (6, 3)),
                label=f"dry friction {drag:.3g} N")  # fmt: skip
     ax.set_ylim(0, 1)
