@@ -1,7 +1,7 @@
 from _typeshed import Incomplete, SupportsGetItem
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["CancelToken", "Drive", "Effect", "EffectFit", "EffectShape", "FrictionCandidate", "FrictionData", "FrictionOutcome", "FrictionParameter", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "derivative", "drives", "effect_parameter_count", "effects", "file_choices", "file_keys", "gait_outputs", "gait_parameters", "gait_run", "gaits", "imposed_force", "laws", "methods", "motor_power", "nearest", "noise", "parameters", "pressings", "quantities", "rank_fits", "reality_forms", "reality_run", "reality_source", "reductions", "simd_level", "simd_levels", "spikes", "statuses", "threads_to_use", "version"]
+__all__ = ["CancelToken", "Drive", "Effect", "EffectFit", "EffectShape", "FrictionCandidate", "FrictionData", "FrictionOutcome", "FrictionParameter", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "derivative", "drives", "effect_parameter_count", "effects", "falls", "file_choices", "file_keys", "gait_outputs", "gait_parameters", "gait_run", "gaits", "imposed_force", "laws", "methods", "motor_power", "nearest", "noise", "parameters", "pressings", "quantities", "rank_fits", "reality_forms", "reality_run", "reality_source", "reductions", "simd_level", "simd_levels", "spikes", "statuses", "threads_to_use", "version"]
 
 @final
 class CancelToken:
@@ -650,6 +650,11 @@ def effect_parameter_count() -> int:
 def effects() -> list[Effect]:
     """
     All effects, in the order of the registry.
+    """
+
+def falls() -> list[tuple[str, bool]]:
+    """
+    Name of every parameter that says over which speeds friction passes from one level to the other, and whether it is one over that speed.
     """
 
 def file_choices() -> list[tuple[str, str, list[str]]]:

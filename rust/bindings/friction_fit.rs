@@ -5,7 +5,7 @@ use crate::sweep::CancelToken;
 use locosweep::friction_fit::spread;
 use locosweep::friction_fit::ties::rank;
 use locosweep::friction_fit::velocity;
-use locosweep::friction_fit::{self, Candidate, Found, Measured, Outcome, Pressing, Run};
+use locosweep::friction_fit::{self, Candidate, FALLS, Found, Measured, Outcome, Pressing, Run};
 use locosweep::physics::ParamId;
 use locosweep::physics::friction::LawEntry;
 use locosweep::physics::friction::imposed::Motion;
@@ -18,6 +18,13 @@ type Array<'py> = PyReadonlyArray1<'py, f64>;
 #[pyfunction]
 pub fn pressings() -> Vec<(&'static str, &'static str)> {
     Pressing::ALL.iter().map(|(_, name, meaning)| (*name, *meaning)).collect()
+}
+
+/// Name of every parameter that says over which speeds friction passes from one level to
+/// the other, and whether it is one over that speed.
+#[pyfunction]
+pub fn falls() -> Vec<(&'static str, bool)> {
+    FALLS.iter().map(|(id, inverse)| (id.param().name, *inverse)).collect()
 }
 
 /// A friction law to fit, how its levels follow the load, and what the force

@@ -18,7 +18,7 @@ mod _core {
     use super::effects::{EffectFit, EffectRecord, EffectShape, effect_parameter_count, effects};
     #[pymodule_export]
     use super::friction_fit::{
-        FrictionCandidate, FrictionData, FrictionOutcome, FrictionParameter, derivative,
+        FrictionCandidate, FrictionData, FrictionOutcome, FrictionParameter, derivative, falls,
         imposed_force, noise, pressings, rank_fits, spikes,
     };
     #[pymodule_export]

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from locosweep import _core
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -45,10 +47,6 @@ def choose(
     return chosen, simplest[1:], [law for law in tied if law not in simplest]
 
 
-_FALLS = ("stribeck_speed", "modelica_decay", "mixed_speed", "transition_speed")
-"""Parameters that say over which speeds friction passes from one level to the other."""
-
-
 def remarks_on(
     parameters: dict[str, FittedParameter], speeds: tuple[float, float], breakaways: int
 ) -> list[str]:
@@ -63,11 +61,12 @@ def remarks_on(
         for p in parameters.values()
         if p.bounded
     ]
-    fall = next((parameters[name] for name in _FALLS if name in parameters), None)
+    falls = [(parameters[name], inverse) for name, inverse in _core.falls() if name in parameters]
     static = parameters.get("mu_static")
-    if fall is None or static is None or static.bounded:
+    if not falls or static is None or static.bounded:
         return found
-    at = 1.0 / fall.value if fall.name == "modelica_decay" else fall.value
+    fall, inverse = falls[0]
+    at = 1.0 / fall.value if inverse else fall.value
     slowest, fastest = speeds
     measured = f"the speeds measured ({slowest:.3g} to {fastest:.3g} m/s; the fall is at {at:.3g})"
     if at > fastest:

@@ -235,6 +235,15 @@ pub const FROZEN: &[(ParamId, &str)] = &[
     (ParamId::Attraction, "how fast elements follow a level that falls hardly shows"),
 ];
 
+/// Parameters that say over which speeds friction passes from one level to the other, and
+/// whether they are one over that speed.
+pub const FALLS: &[(ParamId, bool)] = &[
+    (ParamId::StribeckSpeed, false),
+    (ParamId::ModelicaDecay, true),
+    (ParamId::MixedSpeed, false),
+    (ParamId::TransitionSpeed, false),
+];
+
 /// Where a parameter may lie; `None` where fits leave it alone, or the data leave it no
 /// room.
 fn free(id: ParamId, scales: &Scales) -> Option<Free> {
@@ -276,10 +285,6 @@ fn range(id: ParamId, scales: &Scales) -> Option<Free> {
         P::DahlExponent => Free::range(what, 0.3, 2.5),
         P::ElasticShare => Free::range(what, 0.0, 0.95),
         P::StiffnessSpread => Free::decades(what, 1.0, 20.0),
-        P::StribeckSpeed | P::MixedSpeed | P::TransitionSpeed => {
-            Free::decades(what, slow, speed * 3.0)
-        }
-        P::ModelicaDecay => Free::decades(what, 0.3 / speed, 1.0 / slow),
         P::BristleStiffness => Free::decades(what, force / length, force / (direction * 0.01)),
         P::BristleDamping => Free::decades(what, force / speed * 1e-4, force / speed * 30.0),
         P::DwellTime => Free::decades(what, interval, duration),
@@ -294,7 +299,10 @@ fn range(id: ParamId, scales: &Scales) -> Option<Free> {
         P::TrackLength => Free::decades(what, length * 0.5, length * 2.0),
         P::PatchStart => Free { edge: true, ..Free::range(what, track.0, track.1) },
         P::PatchLength => Free { edge: true, ..Free::decades(what, length / 50.0, length) },
-        _ => return None,
+        _ => match FALLS.iter().find(|(fall, _)| *fall == id)? {
+            (_, false) => Free::decades(what, slow, speed * 3.0),
+            (_, true) => Free::decades(what, 1.0 / (speed * 3.0), 1.0 / slow),
+        },
     };
     Some(free)
 }

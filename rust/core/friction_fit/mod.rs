@@ -8,7 +8,7 @@ pub mod squares;
 pub mod ties;
 pub mod velocity;
 
-pub use candidate::{Candidate, FROZEN, Free, Pressing, Scales, What};
+pub use candidate::{Candidate, FALLS, FROZEN, Free, Pressing, Scales, What};
 pub use search::fit;
 
 use crate::error::{Error, Result};
