@@ -186,6 +186,43 @@ fn guesses_and_the_exact_solver_agree_on_long_chains() {
 }
 
 #[test]
+fn forces_keep_their_digits_in_long_chains_of_weak_gain() {
+    // Joints that hardly depend on the speed, as the motor's line does within a step:
+    // each body meets the sum of its forces, whatever the gain.
+    let mut random = Random(24);
+    let mut chain = Chain::default();
+    for round in 0..600 {
+        let n = random.whole(2, 32) as usize;
+        let gain = random.log(1e-9, 1.0);
+        let body = |random: &mut Random| Body {
+            inertia: random.between(0.1, 1.0),
+            push: random.between(-1.0, 1.0),
+            ahead: random.between(0.0, 0.5),
+            back: random.between(0.0, 0.5),
+        };
+        let bodies: Vec<Body> = (0..n).map(|_| body(&mut random)).collect();
+        let link = |random: &mut Random| {
+            let bias = random.between(-20.0, 20.0);
+            Link { gain, bias, low: f64::NEG_INFINITY, high: f64::INFINITY }
+        };
+        let links: Vec<Link> = (1..n).map(|_| link(&mut random)).collect();
+        chain.solve(&bodies, &links);
+        let (w, q) = (&chain.w, &chain.q);
+        for (j, link) in links.iter().enumerate() {
+            let force = link.bias - gain * (w[j] - w[j + 1]);
+            assert!((q[j] - force).abs() < 1e-12 * 20.0, "round {round} of {n}: {} {force}", q[j]);
+        }
+        for (i, body) in bodies.iter().enumerate() {
+            let ahead = if i > 0 { q[i - 1] } else { 0.0 };
+            let need = body.push + q.get(i).copied().unwrap_or(0.0) - ahead;
+            let slides = (need - body.ahead).max(0.0) + (need + body.back).min(0.0);
+            let wrong = body.inertia * w[i] - slides;
+            assert!(wrong.abs() < 1e-11 * 20.0, "round {round} of {n}: {wrong}");
+        }
+    }
+}
+
+#[test]
 fn rigid_joints_make_one_body() {
     let mut random = Random(23);
     let mut chain = Chain::default();

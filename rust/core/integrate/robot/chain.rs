@@ -124,8 +124,9 @@ impl Line {
         self.after += body.inertia;
     }
 
-    /// What the joint behind passes on to the next segment.
-    fn pass(&self, link: &Link, to: &mut Line) {
+    /// What the joint behind passes on to the next segment, whose speed lies between
+    /// `-bound` and `bound`.
+    fn pass(&self, link: &Link, bound: f64, to: &mut Line) {
         to.at.clear();
         (to.before, to.after) = (0.0, 0.0);
         if link.gain == 0.0 {
@@ -133,22 +134,66 @@ impl Line {
             to.at.push(Vertex { w: 0.0, q: link.bias });
             return;
         }
-        let shift =
-            |q: f64| if link.gain.is_infinite() { 0.0 } else { (q - link.bias) / link.gain };
-        let series = |slope: f64| 1.0 / (1.0 / slope + 1.0 / link.gain);
+        let yields = link.gain.is_finite();
         let (low, high) = (link.low, link.high);
-        let vertex = |q: f64| Vertex { w: self.speed(q) + shift(q), q };
+        let behind = |v: &Vertex| Vertex {
+            w: v.w + if yields { (v.q - link.bias) / link.gain } else { 0.0 },
+            q: v.q,
+        };
+        let vertex = |q: f64| behind(&Vertex { w: self.speed(q), q });
         if high.is_infinite() {
+            let series = |slope: f64| 1.0 / (1.0 / slope + 1.0 / link.gain);
             (to.before, to.after) = (series(self.before), series(self.after));
-            to.at.extend(self.at.iter().map(|v| Vertex { w: v.w + shift(v.q), q: v.q }));
-            return;
+            to.at.extend(self.at.iter().map(behind));
+        } else {
+            to.at.push(vertex(low));
+            to.at.extend(self.at.iter().filter(|v| v.q > low && v.q < high).map(behind));
+            to.at.push(vertex(high));
         }
-        to.at.push(vertex(low));
-        for v in self.at.iter().filter(|v| v.q > low && v.q < high) {
-            to.at.push(Vertex { w: v.w + shift(v.q), q: v.q });
+        if yields && bound.is_finite() {
+            // A gain far below the inertia moves kinks outward by their ratio, at every
+            // joint anew; between two that lie so far out a force has no digits left.
+            let ends = [-bound, bound].map(|w| Vertex { w, q: self.force_behind(link, w) });
+            to.at.retain(|v| v.w.abs() < bound);
+            to.at.insert(0, ends[0]);
+            to.at.push(ends[1]);
         }
-        to.at.push(vertex(high));
     }
+
+    /// Force of the joint behind where the next segment has the speed `w`.
+    fn force_behind(&self, link: &Link, w: f64) -> f64 {
+        let next = self.at.partition_point(|v| v.w + (v.q - link.bias) / link.gain < w);
+        let (near, slope) = match (next.checked_sub(1), self.at.get(next)) {
+            (None, _) => (self.at[0], self.before),
+            (Some(a), None) => (self.at[a], self.after),
+            (Some(a), Some(b)) => {
+                let a = self.at[a];
+                (a, (b.q - a.q) / (b.w - a.w))
+            }
+        };
+        // Line and joint in series: a weighted mean, in which nothing cancels.
+        let joint = link.bias + link.gain * (w - near.w);
+        let share = if slope.is_finite() { slope / (slope + link.gain) } else { 1.0 };
+        (near.q * (1.0 - share) + joint * share).max(link.low).min(link.high)
+    }
+}
+
+/// Bound of every joint's force: what the joints want, and what the segments add to it
+/// on the way. Forces spread along the chain by means of neighbours, which exceed nothing.
+fn strongest(bodies: &[Body], links: &[Link]) -> f64 {
+    let limit = |x: f64| if x.is_finite() { x.abs() } else { 0.0 };
+    let given = |link: &Link| link.bias.abs().max(limit(link.low)).max(limit(link.high));
+    links.iter().map(given).fold(0.0, f64::max) + bodies.iter().map(load).sum::<f64>()
+}
+
+/// Most that a segment takes or gives by itself at rest.
+fn load(body: &Body) -> f64 {
+    body.push.abs() + body.ahead.abs().max(body.back.abs())
+}
+
+/// Bound of a segment's speed where joints have at most this force, with room for rounding.
+fn fastest(body: &Body, force: f64) -> f64 {
+    2.0 * (load(body) + 2.0 * force) / body.inertia
 }
 
 impl Chain {
@@ -160,6 +205,7 @@ impl Chain {
         self.joints.resize_with(n, Line::default);
         self.w.resize(n, 0.0);
         self.q.resize(n, 0.0);
+        let force = strongest(bodies, links);
         for i in 0..n {
             let line = &mut self.lines[i];
             if i == 0 {
@@ -170,7 +216,8 @@ impl Chain {
             }
             line.add(&bodies[i]);
             if i + 1 < n {
-                line.pass(&links[i], &mut self.joints[i]);
+                let bound = fastest(&bodies[i + 1], force);
+                line.pass(&links[i], bound, &mut self.joints[i]);
             }
         }
         let mut q = 0.0;
