@@ -5,6 +5,7 @@
 
 use super::chain::{Body, Chain, Link, Sliding, solve_with_break_away};
 use super::flow::{Flow, Piece};
+use super::motion::LONGEST;
 use super::tally::{End, GaitTally, Ledger, ROUNDING_LOSS};
 use super::trace::Observer;
 use super::{Plan, RunOptions};
@@ -144,7 +145,7 @@ impl<O: Observer<f64>> Ideal<'_, O> {
         while self.joints.iter().any(|j| j.drive != Drive::Locked) {
             self.may_go_on(&mut events)?;
             let flow = self.flow();
-            let (dt, happened) = self.next(&flow, self.longest());
+            let (dt, happened) = self.next(&flow, self.longest(&flow));
             if dt.is_infinite() || (happened.is_empty() && self.never_arrives(&flow)) {
                 // A drive that stalls on the way ends the phase where it stands.
                 if events == 1 {
@@ -241,22 +242,32 @@ impl<O: Observer<f64>> Ideal<'_, O> {
         self.joints[j].starved && matches!(self.joints[j].drive, Drive::Push(_))
     }
 
-    /// Longest piece: a force that falls with speed is constant over each.
-    fn longest(&self) -> f64 {
-        let starved = (0..self.joints.len()).any(|j| self.starves(j));
-        if starved { self.piece } else { f64::INFINITY }
+    /// Whether a joint goes away from its length, faster and faster.
+    fn recedes(&self, flow: &Flow, j: usize) -> bool {
+        let gap = flow.gap(self, j);
+        let side = self.joints[j].rate.signum();
+        side * gap.rate <= 0.0 && side * (gap.front.a - gap.rear.a) <= 0.0
+    }
+
+    /// Longest piece: a force that falls with speed is constant over each. Once the speeds
+    /// have settled, or the limit holds for good, it is constant indeed.
+    fn longest(&self, flow: &Flow) -> f64 {
+        let mut starved = (0..self.joints.len()).filter(|j| self.starves(*j)).peekable();
+        if starved.peek().is_none() {
+            return f64::INFINITY;
+        }
+        let limited = |j: usize| self.joints[j].force.abs() >= self.robot.joints[j].limit;
+        let settled =
+            |j: usize| flow.gap(self, j).is_steady() || (limited(j) && self.recedes(flow, j));
+        if starved.all(settled) { LONGEST } else { self.piece }
     }
 
     /// Whether joints that the supply holds back go away from their lengths, faster and
-    /// faster, and nothing else will happen.
+    /// faster, or have settled, and nothing else will happen.
     fn never_arrives(&self, flow: &Flow) -> bool {
-        let recedes = |j: usize| {
-            let gap = flow.gap(self, j);
-            let side = self.joints[j].rate.signum();
-            side * gap.rate <= 0.0 && side * (gap.front.a - gap.rear.a) <= 0.0
-        };
-        (0..self.joints.len()).all(|j| !self.starves(j) || recedes(j))
-            && self.next(flow, f64::INFINITY).0.is_infinite()
+        let lost = |j: usize| self.recedes(flow, j) || flow.gap(self, j).is_steady();
+        (0..self.joints.len()).all(|j| !self.starves(j) || lost(j))
+            && self.next(flow, LONGEST).1.is_empty()
     }
 
     /// Joins at once what no finite force keeps apart: locked joints, and those
@@ -355,7 +366,11 @@ impl<O: Observer<f64>> Ideal<'_, O> {
             // as between equal segments under equal forces: it keeps its speed, or
             // rounding would let it go for ever.
             let at_end = joint.force <= low || joint.force >= high;
-            if joint.drive == Drive::Paced && at_end && !joint.let_go {
+            // Beside a joint that has just changed, one with a supply can need more.
+            let mass = robot.segments[j].mass.min(robot.segments[j + 1].mass);
+            let short = mass * (self.chain.w[j] - self.chain.w[j + 1]).abs();
+            let falls = joint.starved && short > REACHED * low.abs().max(high.abs());
+            if joint.drive == Drive::Paced && at_end && (falls || !joint.let_go) {
                 joint.drive = Drive::Push(if joint.force >= high { 1.0 } else { -1.0 });
                 joint.let_go = true;
             }

@@ -8,7 +8,7 @@
 use crate::lane::exp::log_factor;
 
 /// Longest time that a single piece of motion may take, s.
-const LONGEST: f64 = 1e7;
+pub const LONGEST: f64 = 1e7;
 
 /// The change of a body's speed from now on.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -96,6 +96,11 @@ pub struct Gap {
 impl Gap {
     pub fn flipped(&self) -> Gap {
         Gap { rate: -self.rate, front: self.rear, rear: self.front }
+    }
+
+    /// Whether nothing but rounding still changes the rate.
+    pub fn is_steady(&self) -> bool {
+        (self.front.a - self.rear.a).abs() * LONGEST <= self.rate.abs()
     }
 
     fn gain(&self, t: f64) -> f64 {
