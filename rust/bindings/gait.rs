@@ -115,8 +115,8 @@ impl Observer<f64> for Watched<'_> {
     }
 }
 
-/// What a run leaves. The rows of `x`, `v` and `slide` have a number per segment,
-/// those of `force` one per joint, one row after another.
+/// What a run leaves. The rows of `x`, `v`, `slide` and `heap` have a number per
+/// segment, those of `force` one per joint, one row after another.
 #[pyclass(frozen, get_all, module = "locosweep._core")]
 pub struct GaitResult {
     /// Code of the status; every result is NaN where it is not 0.
@@ -131,6 +131,9 @@ pub struct GaitResult {
     v: Py<PyArray1<f64>>,
     force: Py<PyArray1<f64>>,
     slide: Py<PyArray1<i8>>,
+    /// Fresh ground whose lubricant each segment pushes along, m; empty where the
+    /// robot meets none.
+    heap: Py<PyArray1<f64>>,
     power: Py<PyArray1<f64>>,
     propulsive: Py<PyArray1<f64>>,
 }
@@ -182,6 +185,7 @@ pub fn gait_run(
         v: array(trace.v),
         force: array(trace.force),
         slide: trace.slide.into_pyarray(py).unbind(),
+        heap: array(trace.heap),
         power: array(trace.power),
         propulsive: array(trace.propulsive),
     })

@@ -56,12 +56,24 @@ fn any_robot(random: &mut Random) -> (Gait, Vec<(ParamId, f64)>) {
     (gait, given)
 }
 
+/// One with elastic joints on lubricant.
+fn lubricated_robot(random: &mut Random) -> (Gait, Vec<(ParamId, f64)>) {
+    let (gait, given) = any_robot(random);
+    let joint = [
+        (JointStiffness, random.log(300.0, 2e4)),
+        (JointDamping, random.between(0.0, 40.0)),
+    ];
+    (gait, with(&with(&given, &joint), &lubricant::any(random)))
+}
+
+type Any = fn(&mut Random) -> (Gait, Vec<(ParamId, f64)>);
+
 /// Runs `count` robots; returns how many have a value.
-fn run_all(seed: u64, count: usize) -> usize {
+fn run_all(any: Any, seed: u64, count: usize) -> usize {
     let mut random = Random(seed);
     let mut ok = 0;
     for i in 0..count {
-        let (gait, given) = any_robot(&mut random);
+        let (gait, given) = any(&mut random);
         let run = tally(gait, &given);
         let who = || format!("robot {i} of {seed}: {} {given:?}", gait.name());
         let elastic = given.iter().any(|(id, _)| *id == JointStiffness);
@@ -88,13 +100,26 @@ fn run_all(seed: u64, count: usize) -> usize {
 
 #[test]
 fn robots_at_random_run_or_say_why_not() {
-    let ok = run_all(78, 60);
+    let ok = run_all(any_robot, 78, 60);
     assert!(ok > 30, "{ok}");
+}
+
+#[test]
+fn lubricated_robots_at_random_keep_a_closed_ledger() {
+    let ok = run_all(lubricated_robot, 79, 40);
+    assert!(ok > 35, "{ok}");
+}
+
+#[test]
+#[ignore = "takes half a minute"]
+fn many_lubricated_robots_at_random_keep_a_closed_ledger() {
+    let ok = run_all(lubricated_robot, 80, 400);
+    assert!(ok > 350, "{ok}");
 }
 
 #[test]
 #[ignore = "takes half a minute"]
 fn many_robots_at_random_run_or_say_why_not() {
-    let ok = run_all(77, 900);
+    let ok = run_all(any_robot, 77, 900);
     assert!(ok > 600, "{ok}");
 }

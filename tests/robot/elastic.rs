@@ -3,7 +3,7 @@
 use super::*;
 
 /// Slope of ln(error) over ln(step).
-fn order(steps: &[f64], errors: &[f64]) -> f64 {
+pub fn order(steps: &[f64], errors: &[f64]) -> f64 {
     let n = steps.len() as f64;
     let (x, y): (Vec<f64>, Vec<f64>) =
         steps.iter().zip(errors).map(|(h, e)| (h.ln(), e.ln())).unzip();

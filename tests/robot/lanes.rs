@@ -91,6 +91,37 @@ fn lanes_give_the_bits_of_a_single_robot_in_any_company() {
     }
 }
 
+/// Robots with and without lubricant side by side. Its formulas multiply and add in one
+/// rounding, for which a single robot is the reference where a processor has none.
+#[test]
+fn lubricated_lanes_give_the_bits_of_a_single_robot_in_any_company() {
+    let mut random = Random(32);
+    let mut points = mixed_points(64);
+    let mut lubricated = 0;
+    for point in &mut points {
+        if point[JointStiffness.main()].is_finite() && random.one_in(2) {
+            lubricated += 1;
+            for (id, value) in lubricant::any(&mut random) {
+                point[id.main()] = value;
+            }
+        }
+    }
+    assert!(lubricated > 15, "{lubricated}");
+    for gait in GAITS {
+        let alone: Vec<_> = points.iter().map(|p| gait_tally(*gait, &Values(*p))).collect();
+        for level in Level::available() {
+            let mut out = vec![None; points.len()];
+            let run_on = AtomicBool::new(false);
+            ensemble(level, *gait, points.len(), &|i| points[i], &run_on, &mut |i, t| {
+                out[i] = Some(t)
+            });
+            for (a, b) in alone.iter().zip(&out) {
+                same(a, &b.unwrap());
+            }
+        }
+    }
+}
+
 #[test]
 fn a_trace_changes_nothing_and_ends_where_the_tally_does() {
     let mut random = Random(33);

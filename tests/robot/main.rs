@@ -5,9 +5,12 @@ mod battery;
 mod conservation;
 mod crawling;
 mod elastic;
+#[path = "../common/engine.rs"]
+mod engine;
 mod events;
 mod gaits;
 mod lanes;
+mod lubricant;
 mod motor;
 mod phases;
 #[path = "../common/random.rs"]
@@ -89,7 +92,15 @@ const MOTOR: Motor<f64> = Motor { supply: f64::INFINITY, ..PAPER_MOTOR };
 
 fn robot(segments: Vec<Segment<f64>>, joint: Joint<f64>) -> Robot<f64> {
     let joints = vec![joint; segments.len() - 1];
-    Robot { segments, joints, motor: MOTOR, wall_release: 0.0, gravity: G }
+    Robot {
+        segments,
+        joints,
+        motor: MOTOR,
+        wall_release: 0.0,
+        gravity: G,
+        lubricants: Vec::new(),
+        segment_pitch: 0.0,
+    }
 }
 
 const OPTIONS: RunOptions<f64> =
@@ -154,7 +165,15 @@ fn random_robot(random: &mut Random, n: usize, elastic: bool) -> Robot<f64> {
         damping: if elastic { random.between(0.0, 40.0) } else { 0.0 },
     };
     let joints = (1..n).map(|_| joint(random)).collect();
-    Robot { segments, joints, motor: MOTOR, wall_release: random.unit(), gravity: G }
+    Robot {
+        segments,
+        joints,
+        motor: MOTOR,
+        wall_release: random.unit(),
+        gravity: G,
+        lubricants: Vec::new(),
+        segment_pitch: 0.0,
+    }
 }
 
 fn random_plan(random: &mut Random, n: usize) -> (Gait, Schedule) {

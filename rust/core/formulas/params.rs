@@ -194,6 +194,10 @@ params! {
         "cycles of the gait that are simulated";
     Impact "impact" r"\iota" ["1"] Some(1.0), 0.0 => 1.0, whole, None,
         "what becomes of the momentum left at the end of an ideal joint's stroke. 1: the robot keeps it (plastic impact); 0: it is dropped, as in the closed forms";
+    StribeckTerm "stribeck_term" r"\sigma_\mathrm{s}" ["1"] Some(0.0), 0.0 => 1.0, whole, None,
+        "1: friction of a whole robot's sliding segments falls from static to Coulomb over stribeck_speed; 0: it falls at once. Elastic joints only";
+    SegmentPitch "segment_pitch" r"p" ["m"] Some(0.0), 0.0 => 1e6, real, None,
+        "distance between neighbouring segments of a whole robot at the start, with fresh lubricant between them; 0: only the head finds any";
     BreakAway "break_away" r"\beta_\mathrm{s}" ["1"] Some(1.0), 0.0 => 1.0, whole, None,
         "1: a segment that the gait moves must first overcome its static friction; 0: it starts against Coulomb friction, as in the closed forms";
     SupplyVoltage "supply_voltage" "U" ["V"] Some(INF), 0.0 => INF, real, Some(("motor", "supply_voltage")),

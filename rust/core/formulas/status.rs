@@ -45,4 +45,5 @@ statuses! {
     NoClosedForm 21 "no_closed_form" "a brake, viscosity or a speed limit acts that the closed form leaves out: simulate the robot";
     EnergyOpen 22 "energy_open" "the energy balance of the run does not close: a smaller time_step may close it";
     SupplyTooWeak 23 "supply_too_weak" "the motor's supply cannot deliver the force of an elastic joint at the speed of its drive";
+    ElasticJointsOnly 24 "elastic_joints_only" "Stribeck friction and build-up of a whole robot need elastic joints: give a joint_stiffness";
 }

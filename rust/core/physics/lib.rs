@@ -5,6 +5,7 @@ pub mod drive;
 pub mod effects;
 pub mod friction;
 pub mod gait;
+pub mod lubricant;
 pub mod robot;
 pub mod segment;
 

@@ -5,6 +5,7 @@
 
 use super::friction::Parameters;
 use super::gait::{Grip, Phase};
+use super::lubricant::Lubricant;
 use super::params::ParamId;
 use crate::lane::Lane;
 
@@ -152,6 +153,10 @@ pub struct Robot<L> {
     /// them.
     pub wall_release: L,
     pub gravity: L,
+    /// One per segment, or none where no segment meets any.
+    pub lubricants: Vec<Lubricant<L>>,
+    /// Distance between neighbouring segments at the start, m.
+    pub segment_pitch: L,
 }
 
 impl<L: Lane> Robot<L> {
@@ -182,6 +187,8 @@ impl<L: Lane> Robot<L> {
             stiffness: params.get(ParamId::JointStiffness),
             damping: params.get(ParamId::JointDamping),
         };
+        let lubricant = Lubricant::of(params);
+        let lubricated = L::any(lubricant.acts());
         Robot {
             segments: vec![segment; segments],
             joints: vec![joint; segments.saturating_sub(1)],
@@ -192,6 +199,8 @@ impl<L: Lane> Robot<L> {
             },
             wall_release: params.get(ParamId::WallRelease),
             gravity: params.get(ParamId::Gravity),
+            lubricants: vec![lubricant; if lubricated { segments } else { 0 }],
+            segment_pitch: params.get(ParamId::SegmentPitch),
         }
     }
 
@@ -241,6 +250,8 @@ impl<L: Lane> Robot<L> {
             },
             wall_release: self.wall_release.lane(i),
             gravity: self.gravity.lane(i),
+            lubricants: self.lubricants.iter().map(|l| l.lane(i)).collect(),
+            segment_pitch: self.segment_pitch.lane(i),
         }
     }
 }

@@ -31,6 +31,13 @@ const ROBOT: &[&str] = &[
     "impact",
     "break_away",
     "time_step",
+    "stribeck_term",
+    "stribeck_speed",
+    "stribeck_exponent",
+    "buildup",
+    "buildup_root",
+    "snowplough",
+    "segment_pitch",
 ];
 
 macro_rules! gait_outputs {
@@ -47,7 +54,7 @@ macro_rules! gait_outputs {
                 match self { $(GaitOutput::$id => Info {
                     name: $name, symbol: $symbol, unit: $unit, formula: $formula,
                     source: "simulation of N segments joined by actuators, sticking decided together",
-                    limits: "up to 32 segments", meaning: $meaning, params: ROBOT, integer: false,
+                    limits: "up to 32 segments; lubricant with elastic joints only", meaning: $meaning, params: ROBOT, integer: false,
                 }),+ }
             }
 

@@ -5,6 +5,7 @@ use super::registry::{Entry, Evaluation};
 use crate::cells::columns::{Layout, PADDING};
 use crate::cells::grid::{Axis, Grid};
 use crate::error::{Error, Result};
+use crate::integrate::robot::{STRIBECK, stribeck_needs_its_term};
 use crate::physics::point::{COLUMNS, columns};
 use crate::physics::{Gait, ParamId};
 use crate::simulate::simulation::{Choice, Simulation};
@@ -63,6 +64,17 @@ impl Job {
                 Some(position.ok_or(Error::NotAnAxis { axis: name.to_owned(), axes: names() })?)
             }
         };
+        if gait.is_some() && simulation.is_none() {
+            let values = |id: ParamId| {
+                let axis = grid.axis(id).map_or(&[][..], |axis| &axis.values[..]);
+                axis.iter().copied().chain(grid.fixed[id as usize])
+            };
+            if !values(ParamId::StribeckTerm).any(|on| on > 0.0) {
+                for id in STRIBECK {
+                    stribeck_needs_its_term(*id, values(*id))?;
+                }
+            }
+        }
         for request in &requests {
             if over.is_some() != request.reduce.is_some() {
                 return Err(Error::BadOption {

@@ -1,10 +1,11 @@
 //! Many robots, one per lane. Lanes that run together share segment count,
-//! movers and cycles, so points are grouped by them.
+//! movers, cycles and whether there is lubricant, so points are grouped by them.
 
 use super::{GaitTally, Now, Observer, Plan, RunOptions, simulate, simulate_lanes};
 use crate::lane::{Lane, Level, Pack, Task, run};
 use crate::physics::friction::Parameters;
 use crate::physics::gait::{Gait, Schedule};
+use crate::physics::lubricant::Lubricant;
 use crate::physics::point::COLUMNS;
 use crate::physics::{ParamId, Robot, Status};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -27,13 +28,25 @@ impl<L: Lane> Parameters<L> for Lanes<'_, L> {
     }
 }
 
-/// What lanes must share: ideal joints, segments, movers, cycles.
-type Key = (bool, u64, u64, u64);
+/// What lanes must share.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Key {
+    ideal: bool,
+    lubricated: bool,
+    segments: u64,
+    moving: u64,
+    cycles: u64,
+}
 
 fn key(row: &Row) -> Key {
     let whole = |id: ParamId| row[id.main()] as u64;
-    let ideal = row[ParamId::JointStiffness.main()].is_infinite();
-    (ideal, whole(ParamId::Segments), whole(ParamId::Moving), whole(ParamId::Cycles))
+    Key {
+        ideal: row[ParamId::JointStiffness.main()].is_infinite(),
+        lubricated: Lubricant::of(&Lanes { like: 0.0, rows: &[row] }).acts(),
+        segments: whole(ParamId::Segments),
+        moving: whole(ParamId::Moving),
+        cycles: whole(ParamId::Cycles),
+    }
 }
 
 fn options<L: Lane>(params: &impl Parameters<L>) -> RunOptions<L> {
@@ -46,7 +59,7 @@ fn options<L: Lane>(params: &impl Parameters<L>) -> RunOptions<L> {
 }
 
 fn schedule(gait: Gait, key: Key) -> Result<Schedule, Status> {
-    gait.schedule(key.1 as usize, key.2 as usize)
+    gait.schedule(key.segments as usize, key.moving as usize)
 }
 
 /// Sees nothing of a run but whether it is still wanted.
@@ -70,15 +83,15 @@ fn together<L: Lane>(
     params: &impl Parameters<L>,
     mut flag: impl Observer<L>,
 ) -> GaitTally<L> {
-    let robot = Robot::uniform(params, key.1 as usize);
-    let plan = Plan { schedule, cycles: key.3 as usize };
+    let robot = Robot::uniform(params, key.segments as usize);
+    let plan = Plan { schedule, cycles: key.cycles as usize };
     simulate_lanes(&robot, &plan, &options(params), &mut flag)
 }
 
 fn alone(schedule: &Schedule, key: Key, row: &Row, mut flag: impl Observer<f64>) -> GaitTally<f64> {
     let params = Lanes { like: 0.0, rows: &[row] };
-    let robot = Robot::uniform(&params, key.1 as usize);
-    let plan = Plan { schedule, cycles: key.3 as usize };
+    let robot = Robot::uniform(&params, key.segments as usize);
+    let plan = Plan { schedule, cycles: key.cycles as usize };
     simulate(&robot, &plan, &options(&params), &mut flag)
 }
 
@@ -110,7 +123,7 @@ pub fn gait_tally<L: Lane>(gait: Gait, params: &impl Parameters<L>) -> GaitTally
                 let none = GaitTally::none(0.0, status);
                 members.iter().for_each(|i| done[*i] = Some(none));
             }
-            Ok(schedule) if shared.0 => {
+            Ok(schedule) if shared.ideal => {
                 members
                     .iter()
                     .for_each(|i| done[*i] = Some(alone(&schedule, shared, &rows[*i], ())));
@@ -174,7 +187,7 @@ pub fn ensemble(
         let members: Vec<usize> = group.iter().map(|m| m.1).collect();
         match schedule(gait, shared) {
             Err(status) => members.iter().for_each(|i| each(*i, GaitTally::none(0.0, status))),
-            Ok(schedule) if shared.0 => {
+            Ok(schedule) if shared.ideal => {
                 members.iter().for_each(|i| each(*i, alone(&schedule, shared, &point(*i), flag)));
             }
             Ok(schedule) => {

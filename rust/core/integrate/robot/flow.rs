@@ -218,6 +218,7 @@ impl Flow {
                 v: &v,
                 force: &force,
                 slide: &self.slide,
+                heap: &[],
                 power,
                 propulsive,
             });

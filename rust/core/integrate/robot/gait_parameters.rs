@@ -5,6 +5,7 @@ use super::RunOptions;
 use crate::error::{Error, Result};
 use crate::physics::ParamId;
 use crate::physics::friction::{Parameters, Values};
+use crate::physics::lubricant::Lubricant;
 use crate::physics::robot::{MOST_SEGMENTS, Robot};
 
 /// What a value belongs to: the whole run, or one of the robot's parts, which
@@ -47,6 +48,7 @@ params! {
     Segments Run "robot" "segments";
     Mass Segment "robot" "mass";
     Gravity Run "robot" "gravity";
+    SegmentPitch Run "robot" "segment_pitch";
     MuStatic Segment "surface" "mu_static";
     MuCoulomb Segment "surface" "mu_coulomb";
     Viscous Segment "surface" "viscous";
@@ -55,6 +57,12 @@ params! {
     WallForce Segment "surface" "wall_force";
     CornerDeg Segment "surface" "corner_deg";
     CoulombTerm Run "surface" "coulomb_term";
+    StribeckTerm Segment "surface" "stribeck_term";
+    StribeckSpeed Segment "surface" "stribeck_speed";
+    StribeckExponent Segment "surface" "stribeck_exponent";
+    Buildup Segment "surface" "buildup";
+    BuildupRoot Segment "surface" "buildup_root";
+    Snowplough Segment "surface" "snowplough";
     DriveLimit Joint "drive" "limit";
     SpeedLimit Joint "drive" "speed_limit";
     Stroke Joint "gait" "stroke";
@@ -171,6 +179,17 @@ impl RunParameters {
         for (j, joint) in robot.joints.iter_mut().enumerate() {
             *joint = Robot::uniform(&own(&joint_values, j), 2).joints[0];
         }
+        let lubricant = |i: usize| Lubricant::of(&own(&segment_values, i));
+        let lubricants: Vec<Lubricant<f64>> = (0..segments).map(lubricant).collect();
+        let lubricated = lubricants.iter().any(|l| l.acts());
+        robot.lubricants = if lubricated { lubricants } else { Vec::new() };
+        let falls = |id| (0..segments).any(|i| own(&segment_values, i).get(id) > 0.0);
+        if !falls(ParamId::StribeckTerm) {
+            for id in STRIBECK {
+                let own = (0..segments).map(|i| own(&segment_values, i).get(*id));
+                stribeck_needs_its_term(*id, own)?;
+            }
+        }
         let get = |id| values.get(id);
         let options = RunOptions {
             time_step: get(ParamId::TimeStep),
@@ -180,6 +199,25 @@ impl RunParameters {
         };
         let (moving, cycles) = (get(ParamId::Moving) as usize, get(ParamId::Cycles) as usize);
         Ok(RunParameters { robot, options, segments, moving, cycles })
+    }
+}
+
+/// Parameters that do nothing to a robot without [`ParamId::StribeckTerm`].
+pub const STRIBECK: &[ParamId] = &[ParamId::StribeckSpeed, ParamId::StribeckExponent];
+
+/// Refuses values other than the default of a parameter that has nothing to do.
+pub fn stribeck_needs_its_term(
+    id: ParamId,
+    mut values: impl Iterator<Item = f64>,
+) -> Result<()> {
+    match values.find(|value| Some(*value) != id.param().default) {
+        None => Ok(()),
+        Some(value) => Err(Error::BadOption {
+            name: id.param().name,
+            given: format!("{value}, without stribeck_term"),
+            allowed: "a value beside stribeck_term = 1, with which friction falls over speed"
+                .to_owned(),
+        }),
     }
 }
 

@@ -6,6 +6,7 @@
 //! 1/2 (second order) where the step resolves it, towards 1 (which damps it
 //! out) where it does not, so no stiffness asks for a smaller step.
 
+use super::lubrication::{Heaps, Levels, Lubrication, Span};
 use super::phase_groups::PhaseGroups;
 use super::stick::Step;
 use super::tally::{End, GaitTally, Ledger, STEP_LOSS};
@@ -41,6 +42,7 @@ struct Saved<L> {
     slide: [L; MOST_SEGMENTS],
     bound: [L; MOST_SEGMENTS],
     ledger: Ledger<L>,
+    heaps: Option<Heaps<L>>,
 }
 
 struct Elastic<'a, L, O> {
@@ -60,6 +62,7 @@ struct Elastic<'a, L, O> {
     endless: L,
     /// Whether any lane's supply bounds its voltage.
     supplied: bool,
+    lubrication: Option<Box<Lubrication<L>>>,
     phase: usize,
     observer: &'a mut O,
 }
@@ -90,6 +93,7 @@ pub(super) fn run<L: Lane, O: Observer<L>>(
         break_away: options.break_away,
         endless: zero,
         supplied: L::any(robot.motor.supply.lt(zero.splat(f64::INFINITY))),
+        lubrication: Lubrication::of(robot),
         phase: 0,
         observer,
     };
@@ -236,6 +240,7 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
             slide: self.step.slide,
             bound: self.step.bound,
             ledger: self.ledger.clone(),
+            heaps: self.lubrication.as_ref().map(|all| all.heaps.clone()),
         }
     }
 
@@ -250,6 +255,9 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
             self.step.bound[i] = L::select(mask, self.step.bound[i], saved.bound[i]);
         }
         self.ledger.keep(mask, &saved.ledger);
+        if let (Some(all), Some(heaps)) = (&mut self.lubrication, &saved.heaps) {
+            all.restore(mask, heaps);
+        }
     }
 
     /// What stays the same over a stretch.
@@ -268,6 +276,9 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
         for (j, joint) in robot.joints.iter().enumerate() {
             step.gain[j] = h * theta * (joint.stiffness * h * theta + joint.damping);
             step.limit[j] = h * joint.limit;
+        }
+        if let Some(all) = &mut self.lubrication {
+            all.prepare(step);
         }
     }
 
@@ -294,13 +305,49 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
             step.bias[j] = h * (joint.stiffness * stretch + joint.damping * pace);
             self.command[j] = from[j] + self.rate[j] * next;
         }
-        step.solve();
+        self.lubricate(Levels::Start, stretch);
+        // A second time with levels from the middle of the first solution.
+        let rounds = if self.lubrication.is_some() { 2 } else { 1 };
+        for round in 0..rounds {
+            if round > 0 {
+                self.lubricate(Levels::Middle, stretch);
+            }
+            self.step.solve();
+        }
         self.account(stretch);
+        self.sweep(stretch);
         for i in 0..n {
             self.step.v[i] = self.step.w[i];
         }
         if O::ON {
             self.show(stretch);
+        }
+    }
+
+    /// Levels of friction under lubricant; dry ones stay as they are.
+    #[inline(always)]
+    fn lubricate(&mut self, levels: Levels, stretch: &Stretch<L>) {
+        if let Some(all) = &mut self.lubrication {
+            let Stretch { h, theta, .. } = *stretch;
+            let (robot, x, step) = (self.robot, &self.x[..self.n], &mut self.step);
+            h.outlined(
+                #[inline(always)]
+                || all.levels(levels, robot, Span { h, theta }, x, step),
+            );
+        }
+    }
+
+    /// Sweeps the ground that the segments have moved over.
+    #[inline(always)]
+    fn sweep(&mut self, stretch: &Stretch<L>) {
+        if let Some(all) = &mut self.lubrication {
+            let Stretch { h, theta, .. } = *stretch;
+            let (robot, x, step) = (self.robot, &self.x[..self.n], &self.step);
+            let lost = h.outlined(
+                #[inline(always)]
+                || all.sweep(robot, Span { h, theta }, x, step),
+            );
+            self.ledger.friction = self.ledger.friction + lost;
         }
     }
 
@@ -389,6 +436,7 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
             v: &self.step.w[..n],
             force: &force[..n - 1],
             slide: &self.step.slide[..n],
+            heap: self.lubrication.as_ref().map_or(&[], |all| &all.heaps.swept[..n]),
             power,
             propulsive: drive,
         });

@@ -311,6 +311,8 @@ mod tests {
             motor: Motor { supply: 10.0, resistance: 20.0, force_constant: 1.7 },
             wall_release: 0.0,
             gravity: 9.81,
+            lubricants: Vec::new(),
+            segment_pitch: 0.0,
         };
         let end = End { x: &[1.0], kinetic: 0.0, elastic: 0.0, cycles: 1.0, status: 0.0, loss };
         ledger.close(&robot, &end)

@@ -11,6 +11,9 @@ pub struct Now<'a, L> {
     pub force: &'a [L],
     /// 1 slides forward, 0 sticks, -1 slides backward.
     pub slide: &'a [L],
+    /// Fresh ground whose lubricant each segment pushes along, m; empty where the robot
+    /// meets none.
+    pub heap: &'a [L],
     /// Electrical, of all motors.
     pub power: L,
     /// On the moving segments.
@@ -51,6 +54,9 @@ pub struct Trace {
     pub force: Vec<f64>,
     /// 1 slides forward, 0 sticks, -1 slides backward.
     pub slide: Vec<i8>,
+    /// Fresh ground whose lubricant each segment pushes along, m; empty where the robot
+    /// meets none.
+    pub heap: Vec<f64>,
     /// Electrical power of all motors, W.
     pub power: Vec<f64>,
     /// Force of the joints on the moving segments, N.
@@ -95,6 +101,7 @@ impl Observer<f64> for Trace {
         self.v.extend_from_slice(now.v);
         self.force.extend_from_slice(now.force);
         self.slide.extend(now.slide.iter().map(|s| *s as i8));
+        self.heap.extend_from_slice(now.heap);
         self.power.push(now.power);
         self.propulsive.push(now.propulsive);
     }
