@@ -104,7 +104,7 @@ def test_trace_shapes_and_ledger():
 def test_table_of_the_trace():
     run = ls.run_gait("single", **PAPER, cycles=1, samples=11)
     table = run.to_polars()
-    assert table.shape == (run.x.size, 9)
+    assert table.shape == (run.x.size, 10)
     rear = table.filter(pl.col("segment") == 3)
     assert rear["joint_force"].null_count() == len(run.t)
     assert (rear["x"].to_numpy() == run.x[:, 3]).all()
@@ -171,8 +171,49 @@ def test_same_input_same_bits():
     given = {**DRY, **elastic, "drive_limit": 2, "break_away": 0, "cycles": 2}
     runs = [ls.run_gait("wave", **given) for _ in range(2)]
     assert runs[0].results == runs[1].results
-    for name in ("t", "x", "v", "force", "sliding", "power", "propulsive"):
+    for name in ("t", "x", "v", "force", "sliding", "heap", "power", "propulsive"):
         assert getattr(runs[0], name).tobytes() == getattr(runs[1], name).tobytes()
+
+
+# Lubricant.
+
+ELASTIC = {**DRY, "mu_coulomb": 0.2, "joint_stiffness": 2000, "joint_damping": 20,
+           "speed_limit": 0.1, "drive_limit": 3, "dwell": 0.1, "cycles": 1}  # fmt: skip
+
+
+def test_lubricant_from_a_file_to_the_trace():
+    spec = ls.GaitSpec.load(ROOT / "examples" / "gait_lubricated.toml")
+    run = spec.run(samples=2401)
+    stroke, pitch = run.values["stroke"], run.values["segment_pitch"]
+    assert run.heap.shape == run.x.shape
+    # The head finds fresh ground in every stroke, the followers once, for the pitch.
+    assert run.heap[:, 0].max() == pytest.approx(stroke, rel=0.05)
+    assert run.heap[:, 1:].max(axis=0) == pytest.approx(pitch, rel=0.01)
+    second = run.t > run.t[-1] / 2
+    assert run.heap[second, 0].max() > 0.9 * stroke
+    assert run.heap[second, 1:].max() == 0
+    assert (run.heap[run.sliding != 1] == 0).all()
+    table = run.to_polars()
+    assert (table.filter(pl.col("segment") == 0)["heap"].to_numpy() == run.heap[:, 0]).all()
+    # Each segment may have its own.
+    own = {**spec.values, "buildup": (20.0, 0.0, 0.0, 0.0), "segment_pitch": 0.0}
+    again = ls.GaitSpec.from_toml(ls.GaitSpec("single", own).to_toml()).run()
+    assert again.results == ls.run_gait(**{**spec.values, "segment_pitch": 0.0}).results
+
+
+def test_without_lubricant_nothing_is_pushed():
+    dry = ls.run_gait(**ELASTIC)
+    assert dry.heap.shape == dry.x.shape
+    assert not dry.heap.any()
+    # The ground under a robot without pitch is swept, and its speed of the fall is of no use.
+    assert ls.run_gait(**ELASTIC, segment_pitch=0.05).results == dry.results
+    lubricated = ls.run_gait(**ELASTIC, stribeck_term=1, stribeck_speed=0.02)
+    assert lubricated.results["friction"] > dry.results["friction"]
+    swept = ls.sweep("gait_friction", gait="single", stribeck_term=[0, 1], stribeck_speed=0.02,
+                     **ELASTIC)  # fmt: skip
+    assert swept.values.tolist() == [dry.results["friction"], lubricated.results["friction"]]
+    result = ls.sweep("gait_advance", gait="single", buildup=[0, 5], **PAPER)
+    assert [ls.Status(code).name for code in result.status] == ["OK", "ELASTIC_JOINTS_ONLY"]
 
 
 # Refusals.
@@ -196,6 +237,12 @@ def test_same_input_same_bits():
         ({"segments": 1}, "nothing_anchored"),
         ({"drive_limit": 0.1}, "drive_too_weak"),
         ({"joint_stiffness": [1e3, 1e3, float("inf")]}, "mixed_joints"),
+        ({"buildup": 5}, "need elastic joints: give a joint_stiffness (elastic_joints_only)"),
+        ({"stribeck_term": [0, 0, 1, 0]}, "elastic_joints_only"),
+        ({"stribeck_speed": 0.1}, "stribeck_speed is 0.1, without stribeck_term: allowed is"),
+        ({"buildup": [1, 2, -3, 4]}, "buildup[2] is -3.0"),
+        ({"segment_pitch": -0.1}, "segment_pitch is -0.1 m: allowed is"),
+        ({"segment_pitch": [0.1] * 4}, "segment_pitch has the shape (4,): allowed is one number"),
         ({"samples": 1}, "samples is 1"),
         ({"every": 0.0}, "every is 0.0"),
         ({"every": 1e-30}, "the trace needs"),
@@ -242,7 +289,7 @@ def test_a_token_stops_a_long_run():
 @pytest.mark.parametrize("file", EXAMPLES, ids=lambda file: file.stem)
 def test_examples_move_and_read_back(file):
     spec = ls.GaitSpec.load(file)
-    assert file.stem == f"gait_{spec.schedule}"
+    assert file.stem in {f"gait_{spec.schedule}", "gait_lubricated"}
     again = ls.GaitSpec.from_toml(spec.to_toml())
     assert again == spec
     assert again.to_toml() == spec.to_toml()
@@ -259,7 +306,9 @@ def test_examples_move_and_read_back(file):
 
 
 def test_every_gait_has_an_example():
-    assert {f.stem.removeprefix("gait_") for f in EXAMPLES} == {g.name for g in ls.gaits()}
+    grounds = {"lubricated"}
+    names = {f.stem.removeprefix("gait_") for f in EXAMPLES}
+    assert names == {g.name for g in ls.gaits()} | grounds
 
 
 def test_numbers_keep_their_bits(tmp_path):
@@ -310,6 +359,8 @@ def test_a_robot_file_counts_from_the_gait_file(tmp_path):
         ("0.5", "[0.5, 0.5, -1, 0.5]", "[surface] mu_static[2] is -1.0: allowed is"),
         ("0.85", "[1, 1]", "[drive] limit has 2 values: allowed is one, or 3"),
         ("0.85", "-1", "[drive] limit is -1.0 N: allowed is"),
+        ("0.5", "0.5\nsnowplough = -1", "[surface] snowplough is -1.0 N s^2/m^2: allowed is"),
+        ("0.5", "0.5\nbuildup_root = 1", "elastic_joints_only"),
         ("0.85", f"1{'0' * 400}", "[drive] limit is too large: allowed is"),
         ("0.85", "0.1", "drive_too_weak"),
         ("limit", "limit =", "not TOML"),

@@ -222,6 +222,15 @@ def test_illustrations_are_named_as_such_and_compared_with_nothing(made, tmp_pat
     assert not [r for r in report.rows if "Figure" in r.source and "7" in r.source]
 
 
+def test_build_up_in_the_whole_robot(made):
+    swept = row(made, "Build-up in the whole robot")
+    head, follower = numbers(swept.ours)
+    # As the single segment: the heap holds up the head by some per cent, and nobody else.
+    assert 1 < head < 5
+    assert follower < 0.1
+    assert (swept.verdict, "assumed" in swept.note) == ("agrees", True)
+
+
 def test_dry_head_reaches_the_stroke_as_the_viscous_closed_form():
     from locosweep.paper.surfaces import _head
 

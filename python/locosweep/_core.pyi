@@ -392,11 +392,17 @@ class GaitParameter:
 @final
 class GaitResult:
     """
-    What a run leaves. The rows of `x`, `v` and `slide` have a number per segment,
-    those of `force` one per joint, one row after another.
+    What a run leaves. The rows of `x`, `v`, `slide` and `heap` have a number per
+    segment, those of `force` one per joint, one row after another.
     """
     @property
     def force(self, /) -> Incomplete: ...
+    @property
+    def heap(self, /) -> Incomplete:
+        """
+        Fresh ground whose lubricant each segment pushes along, m; empty where the
+        robot meets none.
+        """
     @property
     def phase(self, /) -> Incomplete: ...
     @property

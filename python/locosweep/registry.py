@@ -191,6 +191,7 @@ class Status(IntEnum):
     NO_CLOSED_FORM = 21
     ENERGY_OPEN = 22
     SUPPLY_TOO_WEAK = 23
+    ELASTIC_JOINTS_ONLY = 24
 
     @property
     def sentence(self) -> str:

@@ -59,10 +59,8 @@ fn any_robot(random: &mut Random) -> (Gait, Vec<(ParamId, f64)>) {
 /// One with elastic joints on lubricant.
 fn lubricated_robot(random: &mut Random) -> (Gait, Vec<(ParamId, f64)>) {
     let (gait, given) = any_robot(random);
-    let joint = [
-        (JointStiffness, random.log(300.0, 2e4)),
-        (JointDamping, random.between(0.0, 40.0)),
-    ];
+    let joint =
+        [(JointStiffness, random.log(300.0, 2e4)), (JointDamping, random.between(0.0, 40.0))];
     (gait, with(&with(&given, &joint), &lubricant::any(random)))
 }
 

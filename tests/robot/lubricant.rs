@@ -2,8 +2,8 @@
 
 use super::elastic::order;
 use super::*;
-use locosweep::physics::lubricant::Lubricant;
 use engine::{options, results};
+use locosweep::physics::lubricant::Lubricant;
 use locosweep::sweep::{Choice, Entry, Grid, Job, Request};
 
 const NONE: Lubricant<f64> = Lubricant {
@@ -228,13 +228,8 @@ fn a_stiff_joint_under_its_limit_takes_the_time_of_the_buildup_law() {
     let head = Segment { mu_static: 0.3, viscous: 0.3, ..segment() };
     let anchor = Segment { mu_static: 1e3, ..segment() };
     // The drive jumps ahead and slips at its limit until well beyond the stroke.
-    let joint = Joint {
-        stroke: 2.0 * STROKE,
-        limit,
-        speed: f64::INFINITY,
-        stiffness: 1e6,
-        damping: 0.0,
-    };
+    let joint =
+        Joint { stroke: 2.0 * STROKE, limit, speed: f64::INFINITY, stiffness: 1e6, damping: 0.0 };
     let mut pair = robot(vec![head, anchor], joint);
     pair.lubricants = vec![Lubricant { buildup: 20.0, ..NONE }, NONE];
     let how = RunOptions { time_step: 1e-5, dwell: time, ..OPTIONS };

@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 def gait(ctx: click.Context, spec: Path, out: Path, force: bool, samples: int, json_: bool) -> None:
     """Simulate one whole robot through its gait.
 
-    Writes spacetime.png (where the segments are, who is anchored and who slides),
+    Writes spacetime.png (where the segments are, who is anchored and who slides, what
+    lubricant they push along),
     forces.png (propulsive force, joint forces, electrical power), summary.md,
     summary.csv and trace.parquet.
     """

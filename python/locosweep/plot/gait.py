@@ -29,6 +29,8 @@ _STATES = (
 )
 """Sliding, words, colour and hatch. The colours differ in lightness too."""
 
+_HEAP = "#5b3a1e"
+"""Colour of lubricant."""
 _MM = 1000.0
 _WIDTH = 11.0
 """Width of a figure in inches."""
@@ -38,6 +40,9 @@ _MANY = 12
 
 def space_time(run: GaitRun, ax: Axes) -> Axes:
     """Draw each segment as a band over time: its position and direction of sliding.
+
+    What it pushes along of a lubricant is a strip before the band, as wide as there is
+    fresh ground swept.
 
     Examples
     --------
@@ -56,6 +61,9 @@ def space_time(run: GaitRun, ax: Axes) -> Axes:
     reach = float(np.ptp(x[:, :-1] - x[:, 1:])) or 1.0
     room = 1.1 * reach - nearest
     half = 0.4 * reach
+    # The widest strip just fits between two bands.
+    most = float(run.heap.max())
+    wide = 0.28 * reach / most if most else 0.0
     for i in range(count):
         middle = x[:, i] - i * room
         for state, _, colour, hatch in _STATES:
@@ -65,6 +73,12 @@ def space_time(run: GaitRun, ax: Axes) -> Axes:
                 run.t, middle - half, middle + half, where=here, facecolor=colour, hatch=hatch,
                 edgecolor="white" if hatch else "none", linewidth=0.0,
             )  # fmt: skip
+        front = middle + half
+        heap = run.heap[:, i]
+        ax.fill_between(
+            run.t, front, front + wide * heap, where=_with_ends(heap > 0), facecolor=_HEAP,
+            linewidth=0.0,
+        )  # fmt: skip
         ax.plot(run.t, middle, color="0.15", linewidth=0.9)
         if count <= _MANY or i % 4 == 0 or i == count - 1:
             ax.annotate(_name(i, count), (run.t[-1], middle[-1]), xytext=(5, 0), fontsize=8,
@@ -78,7 +92,11 @@ def space_time(run: GaitRun, ax: Axes) -> Axes:
               label=words)
         for _, words, colour, hatch in seen
     ]  # fmt: skip
-    ax.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, fontsize=9,
+    if most:
+        fresh = style.with_unit(_MM * most, "mm")
+        words = f"lubricant pushed ahead, of up to {fresh} of fresh ground"
+        handles.append(Patch(facecolor=_HEAP, label=words))
+    ax.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, fontsize=9,
               frameon=False, borderaxespad=0.2)  # fmt: skip
     return ax
 

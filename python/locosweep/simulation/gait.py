@@ -34,6 +34,7 @@ UNITS = {
     "v": "m/s",
     "force": "N",
     "sliding": "1",
+    "heap": "m",
     "power": "W",
     "propulsive": "N",
 }
@@ -101,6 +102,9 @@ class GaitRun:
         (T, N - 1).
     sliding : ndarray of int
         1 slides forward, 0 is anchored, -1 slides backward; shape (T, N).
+    heap : ndarray
+        Fresh ground in m whose lubricant each segment pushes along, swept since its last
+        rest or turn; 0 without lubricant. Shape (T, N).
     power : ndarray
         Electrical power of all motors in W, shape (T,).
     propulsive : ndarray
@@ -117,6 +121,7 @@ class GaitRun:
     v: Floats
     force: Floats
     sliding: NDArray[np.int8]
+    heap: Floats
     power: Floats
     propulsive: Floats
     units: dict[str, str] = field(default_factory=lambda: dict(UNITS), repr=False)
@@ -139,7 +144,7 @@ class GaitRun:
     def to_polars(self) -> pl.DataFrame:
         """Return the trace as a long table, a row for each time and segment.
 
-        Columns are t, phase, segment, x, v, sliding, joint_force (of the joint
+        Columns are t, phase, segment, x, v, sliding, heap, joint_force (of the joint
         behind the segment; none for the rear), power and propulsive, in the units
         of ``units``.
         """
@@ -153,6 +158,7 @@ class GaitRun:
             "x": self.x.ravel(),
             "v": self.v.ravel(),
             "sliding": self.sliding.ravel(),
+            "heap": self.heap.ravel(),
         }
         rear = np.full((times, 1), np.nan)
         behind = pl.Series("joint_force", np.hstack([self.force, rear]).ravel()).fill_nan(None)
@@ -175,7 +181,8 @@ def run_gait(
     Segments in a line are joined by prismatic actuators. Who sticks and who slides
     is decided for all of them together at every instant, so anchors that cannot
     hold slide back. Ideal joints run from event to event without a step size,
-    elastic ones (``joint_stiffness``) in steps of ``time_step``.
+    elastic ones (``joint_stiffness``) in steps of ``time_step``. Friction that falls
+    with the speed and lubricant that piles up need elastic joints.
 
     Parameters
     ----------
@@ -240,11 +247,12 @@ def run_gait(
     if not 0 < every < math.inf:
         raise InputError(f"every is {every!r} s: allowed is a number above 0")
     segments = len(first.slip)
-    # Eight numbers of a sample are shared, four belong to each segment.
-    needed = 8 * (4 * segments + 8) * (results["time"] / every + 2)
+    # Eight numbers of a sample are shared, five belong to each segment.
+    needed = 8 * (5 * segments + 8) * (results["time"] / every + 2)
     memory.check(int(min(needed, 2.0**62)), memory_limit, "the trace", "keep fewer samples")
     trace = _core.gait_run(gait, *lists, every, token)
     times = len(trace.t)
+    heap = trace.heap if len(trace.heap) else np.zeros(times * segments)
     defaults = {name: record.parameter.default for name, record in gait_parameters().items()}
     used: dict[str, float | tuple[float, ...]] = {
         **{name: value for name, value in defaults.items() if value is not None},
@@ -262,6 +270,7 @@ def run_gait(
         v=trace.v.reshape(times, segments),
         force=trace.force.reshape(times, segments - 1),
         sliding=trace.slide.reshape(times, segments),
+        heap=heap.reshape(times, segments),
         power=trace.power,
         propulsive=trace.propulsive,
     )

@@ -49,9 +49,10 @@ class GaitSpec(SpecFile):
 
     - ``[gait]``: schedule (needed), robot (a robot file), stroke (m), moving, cycles, dwell (s),
       wall_release, break_away, impact, time_step (s)
-    - ``[robot]``: segments, mass (kg), gravity (m/s^2)
+    - ``[robot]``: segments, mass (kg), gravity (m/s^2), segment_pitch (m)
     - ``[surface]``: mu_static, mu_coulomb, viscous (N s/m), slope_deg, skin_ratio,
-      wall_force (N), corner_deg, coulomb_term
+      wall_force (N), corner_deg, coulomb_term, stribeck_term, stribeck_speed (m/s),
+      stribeck_exponent, buildup (N/m), buildup_root (N/m^0.5), snowplough (N s^2/m^2)
     - ``[drive]``: limit (N), speed_limit (m/s)
     - ``[joint]``: stiffness (N/m), damping (N s/m)
     - ``[motor]``: supply_voltage (V), resistance (ohm), force_constant (N/A)

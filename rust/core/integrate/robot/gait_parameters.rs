@@ -206,10 +206,7 @@ impl RunParameters {
 pub const STRIBECK: &[ParamId] = &[ParamId::StribeckSpeed, ParamId::StribeckExponent];
 
 /// Refuses values other than the default of a parameter that has nothing to do.
-pub fn stribeck_needs_its_term(
-    id: ParamId,
-    mut values: impl Iterator<Item = f64>,
-) -> Result<()> {
+pub fn stribeck_needs_its_term(id: ParamId, mut values: impl Iterator<Item = f64>) -> Result<()> {
     match values.find(|value| Some(*value) != id.param().default) {
         None => Ok(()),
         Some(value) => Err(Error::BadOption {
