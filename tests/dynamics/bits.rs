@@ -129,6 +129,7 @@ fn company_of_requests_does_not_matter() {
 #[test]
 fn one_job_of_all_kinds_is_three_jobs() {
     let case = Case::usual("static_viscous", DriveKind::Pulse)
+        .dry()
         .over("slope_deg", steps(-3.0, 6.0, 19))
         .over("mu_static", steps(0.2, 0.7, 33));
     let names: Vec<&str> = QUANTITIES.iter().map(|entry| entry.info.name).collect();

@@ -67,6 +67,7 @@ fn running_robots_stop_soon() {
     for (stiffness, cycles) in [(2e3, 300.0), (f64::INFINITY, 1e3)] {
         let case = Case::usual("coulomb", DriveKind::Constant)
             .with(&[("stroke", 0.02), ("drive_limit", 3.0), ("segments", 6.0)])
+            .dry()
             .with(&[("joint_stiffness", stiffness), ("cycles", cycles)])
             .over("mu_static", steps(0.3, 0.6, 1000));
         let job = case.job(&["gait_advance"]);

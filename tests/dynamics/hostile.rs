@@ -119,6 +119,7 @@ proptest! {
         for (name, value) in &mut case.given {
             *value = allowed(&mut random, ParamId::parse(name).unwrap());
         }
+        let case = if random.one_in(2) { case.dry() } else { case };
         let case = case.with(&[
             ("segments", random.whole(1, 5)),
             ("moving", random.whole(1, 3)),

@@ -65,6 +65,11 @@ impl Case {
         self
     }
 
+    /// Without lubricant, which robots with ideal joints refuse.
+    fn dry(self) -> Case {
+        self.with(&[("buildup", 0.0), ("buildup_root", 0.0), ("snowplough", 0.0)])
+    }
+
     fn over(mut self, name: &'static str, values: Vec<f64>) -> Case {
         self.given.retain(|(known, _)| *known != name);
         self.axes.push((name, values));

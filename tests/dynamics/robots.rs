@@ -15,6 +15,7 @@ fn names() -> Vec<&'static str> {
 fn robots(gait: Gait) -> Case {
     Case::usual("coulomb", DriveKind::Constant)
         .change(|c| c.gait = gait.name().to_owned())
+        .dry()
         .with(&[("joint_damping", 20.0), ("stroke", 0.02), ("drive_limit", 5.0)])
         .over("segments", vec![1.0, 2.0, 4.0, 5.0, 33.0])
         .over("joint_stiffness", vec![2e3, f64::INFINITY])
@@ -62,14 +63,18 @@ fn sweeps_give_the_ensembles_own_numbers() {
 #[test]
 fn any_cut_and_level_gives_the_same_bits() {
     for gait in [Gait::Single, Gait::Wave] {
-        let job = robots(gait).job(&names());
-        let expected = results(&job, options(1, 65536));
-        for (threads, chunk) in [(1, 64), (2, 7), (2, 65536), (3, 64)] {
-            assert!(bits_of(&results(&job, options(threads, chunk))) == bits_of(&expected));
-        }
-        for level in fused() {
-            let got = results(&job, Options { level, ..options(2, 64) });
-            assert!(bits_of(&got) == bits_of(&expected), "{} {level:?}", gait.name());
+        let lubricated = robots(gait)
+            .with(&[("buildup", 8.0), ("buildup_root", 0.5), ("segment_pitch", 0.01)])
+            .with(&[("stribeck_term", 1.0)]);
+        for job in [robots(gait), lubricated].map(|case| case.job(&names())) {
+            let expected = results(&job, options(1, 65536));
+            for (threads, chunk) in [(1, 64), (2, 7), (2, 65536), (3, 64)] {
+                assert!(bits_of(&results(&job, options(threads, chunk))) == bits_of(&expected));
+            }
+            for level in fused() {
+                let got = results(&job, Options { level, ..options(2, 64) });
+                assert!(bits_of(&got) == bits_of(&expected), "{} {level:?}", gait.name());
+            }
         }
     }
 }
@@ -92,6 +97,12 @@ fn every_parameter_of_a_robot_moves_some_output() {
                     .with(&[("joint_stiffness", stiffness), ("skin_ratio", 1.1), ("moving", 2.0)])
                     .with(&[("wall_force", 1.0), ("mu_coulomb", 0.2), ("speed_limit", 0.1)])
                     .with(&[("supply_voltage", 4.0), ("winding_resistance", 2.0)]);
+                let base = match stiffness.is_infinite() {
+                    true => base.dry(),
+                    false => base
+                        .with(&[("buildup", 5.0), ("buildup_root", 0.3), ("snowplough", 0.2)])
+                        .with(&[("stribeck_term", 1.0), ("segment_pitch", 0.01)]),
+                };
                 let old = base.given.iter().find(|(name, _)| *name == param.name).unwrap().1;
                 let moved: &[f64] = match (param.integer, old.is_infinite()) {
                     (_, true) => &[1e3],
@@ -115,6 +126,7 @@ fn every_parameter_of_a_robot_moves_some_output() {
 fn reductions_of_robots() {
     let counts = vec![2.0, 3.0, 4.0, 5.0, 33.0];
     let case = Case::usual("coulomb", DriveKind::Constant)
+        .dry()
         .with(&[("stroke", 0.02), ("drive_limit", 3.0)])
         .over("mu_static", steps(0.2, 0.6, 9))
         .over("segments", counts.clone());

@@ -65,13 +65,12 @@ impl Job {
             }
         };
         if gait.is_some() && simulation.is_none() {
-            let values = |id: ParamId| {
-                let axis = grid.axis(id).map_or(&[][..], |axis| &axis.values[..]);
-                axis.iter().copied().chain(grid.fixed[id as usize])
-            };
-            if !values(ParamId::StribeckTerm).any(|on| on > 0.0) {
+            // A fixed value may be there for other sweeps; an axis is there to be seen.
+            let axis = |id| grid.axis(id).map_or(&[][..], |axis: &Axis| &axis.values[..]);
+            let fixed = grid.fixed[ParamId::StribeckTerm as usize];
+            if !axis(ParamId::StribeckTerm).iter().chain(&fixed).any(|on| *on > 0.0) {
                 for id in STRIBECK {
-                    stribeck_needs_its_term(*id, values(*id))?;
+                    stribeck_needs_its_term(*id, axis(*id).iter().copied())?;
                 }
             }
         }
