@@ -5,7 +5,9 @@ use crate::sweep::CancelToken;
 use locosweep::lane::Level;
 use locosweep::physics::effects::{Active, EFFECT_PARAMS, Effect, Nominal};
 use locosweep::physics::robot::Motor;
-use locosweep::sweep::replay::{Column, Run, replay_into, samples};
+use locosweep::sweep::replay::{
+    Column, DIRECTIONS, OTHER_DIRECTIONS, Run, replay_into, replay_with_sensitivities, samples,
+};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use numpy::{PyArrayMethods, PyReadwriteArray2};
 use pyo3::prelude::*;
@@ -94,6 +96,76 @@ impl Replay {
         progress: Option<Py<PyAny>>,
         token: Option<&CancelToken>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let made = self.columns(py, columns, values, shares, starts)?;
+        let level = Level::current().map_err(|error| raise(py, error))?;
+        let control = token.map_or_else(Default::default, CancelToken::control);
+        let total = samples(&made);
+        // NumPy asks for huge pages where there is much of it.
+        let read = PyArray2::<f64>::zeros(py, [4, total], false);
+        let mut writable: PyReadwriteArray2<f64> = read.readwrite();
+        let to = quarters(writable.as_slice_mut(), total).map_err(|e| input_error(py, e))?;
+        let how = (level, threads);
+        let work = || replay_into(&self.nominal, &self.runs, &made, how, &control, to);
+        enter(py, &control, made.len() as u64, progress.as_ref(), work)?;
+        drop(writable);
+        Ok(read)
+    }
+
+    /// The same with derivatives: `directions` lists for every column what they are taken
+    /// by, as `sensitivity_directions` numbers them. Returns the rows of `run`, and rows
+    /// of x, v, x_rear and force in which a column has as many of its lengths as it has
+    /// directions, one direction after another.
+    #[pyo3(signature = (columns, values, shares, starts, directions, threads, progress=None, token=None))]
+    #[allow(clippy::too_many_arguments, clippy::type_complexity)]
+    fn run_with_sensitivities<'py>(
+        &self,
+        py: Python<'py>,
+        columns: Vec<(usize, usize, usize, Vec<String>)>,
+        values: PyReadonlyArray2<'_, f64>,
+        shares: PyReadonlyArray2<'_, f64>,
+        starts: PyReadonlyArray2<'_, f64>,
+        directions: Vec<Vec<usize>>,
+        threads: usize,
+        progress: Option<Py<PyAny>>,
+        token: Option<&CancelToken>,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
+        let made = self.columns(py, columns, values, shares, starts)?;
+        if directions.len() != made.len() || directions.iter().flatten().any(|d| *d >= DIRECTIONS) {
+            let message = format!(
+                "directions: allowed is a list for each of {} columns, of numbers below {DIRECTIONS}",
+                made.len()
+            );
+            return Err(input_error(py, message));
+        }
+        let level = Level::current().map_err(|error| raise(py, error))?;
+        let control = token.map_or_else(Default::default, CancelToken::control);
+        let total = samples(&made);
+        let made: Vec<(Column, Vec<usize>)> = made.into_iter().zip(directions).collect();
+        let length = |column: &Column| column.window.1 - column.window.0;
+        let all: usize = made.iter().map(|(column, by)| length(column) * by.len()).sum();
+        let read = PyArray2::<f64>::zeros(py, [4, total], false);
+        let slopes = PyArray2::<f64>::zeros(py, [4, all], false);
+        let (mut to, mut by) = (read.readwrite(), slopes.readwrite());
+        let to = quarters(to.as_slice_mut(), total).map_err(|e| input_error(py, e))?;
+        let by = quarters(by.as_slice_mut(), all).map_err(|e| input_error(py, e))?;
+        let how = (level, threads);
+        let work =
+            || replay_with_sensitivities(&self.nominal, &self.runs, &made, how, &control, (to, by));
+        enter(py, &control, made.len() as u64, progress.as_ref(), work)?;
+        Ok((read, slopes))
+    }
+}
+
+impl Replay {
+    #[allow(clippy::type_complexity)]
+    fn columns(
+        &self,
+        py: Python<'_>,
+        columns: Vec<(usize, usize, usize, Vec<String>)>,
+        values: PyReadonlyArray2<'_, f64>,
+        shares: PyReadonlyArray2<'_, f64>,
+        starts: PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<Vec<Column>> {
         let count = columns.len();
         let (values, shares, starts) = (values.as_array(), shares.as_array(), starts.as_array());
         let shapes = [values.dim(), shares.dim(), starts.dim()];
@@ -125,23 +197,27 @@ impl Replay {
                 start: (starts[[i, 0]], starts[[i, 1]]),
             });
         }
-        let level = Level::current().map_err(|error| raise(py, error))?;
-        let control = token.map_or_else(Default::default, CancelToken::control);
-        let total = samples(&made);
-        // NumPy asks for huge pages where there is much of it.
-        let read = PyArray2::<f64>::zeros(py, [4, total], false);
-        let mut writable: PyReadwriteArray2<f64> = read.readwrite();
-        let whole = writable.as_slice_mut().map_err(|e| input_error(py, e.to_string()))?;
-        let (front, back) = whole.split_at_mut(2 * total);
-        let (x, v) = front.split_at_mut(total);
-        let (x_rear, force) = back.split_at_mut(total);
-        let to = [x, v, x_rear, force];
-        let how = (level, threads);
-        let work = || replay_into(&self.nominal, &self.runs, &made, how, &control, to);
-        enter(py, &control, count as u64, progress.as_ref(), work)?;
-        drop(writable);
-        Ok(read)
+        Ok(made)
     }
+}
+
+/// Rows of x, v, x_rear and force.
+fn quarters<E: std::fmt::Display>(
+    whole: Result<&mut [f64], E>,
+    length: usize,
+) -> Result<[&mut [f64]; 4], String> {
+    let whole = whole.map_err(|error| error.to_string())?;
+    let (front, back) = whole.split_at_mut(2 * length);
+    let (x, v) = front.split_at_mut(length);
+    let (x_rear, force) = back.split_at_mut(length);
+    Ok([x, v, x_rear, force])
+}
+
+/// Names of what derivatives may be taken by beside the parameters of effects, which
+/// come first: they follow in this order.
+#[pyfunction]
+pub fn sensitivity_directions() -> Vec<&'static str> {
+    OTHER_DIRECTIONS.to_vec()
 }
 
 /// Electric power in W at forces and speeds, of a motor that is given by its supply

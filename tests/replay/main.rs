@@ -6,6 +6,7 @@ mod bits;
 mod limits;
 mod order;
 mod plain;
+mod sensitivities;
 mod steps;
 mod windows;
 

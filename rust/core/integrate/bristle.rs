@@ -154,7 +154,7 @@ where
             let error = L::select(finite, step.error.max(zero.splat(1e-9)), zero.splat(1e6));
             let factor = (cube_root(error) * (1.0 / 0.9)).max(zero.splat(1.0 / 6.0));
             let factor = factor.min(zero.splat(5.0));
-            let proposed = dt / factor;
+            let proposed = (dt / factor).frozen();
             // The last stretch before a station says nothing about the step that
             // fits, unless it was too long.
             let keep = L::and(last, proposed.lt(self.next));

@@ -48,6 +48,18 @@ impl<L: Lane> Cubic<L> {
     /// negative; positive numbers come before.
     #[inline(always)]
     pub fn fall(&self, end: L) -> L {
+        let theta = self.found(end);
+        if !L::DERIVED {
+            return theta;
+        }
+        // The search has no derivative, the root has: by the implicit function.
+        let theta = theta.frozen();
+        let value = self.at(theta);
+        theta - (value - value.frozen()) / self.slope(theta).frozen()
+    }
+
+    #[inline(always)]
+    fn found(&self, end: L) -> L {
         let zero = end.splat(0.0);
         let (mut low, mut high) = (zero, end);
         let mut theta = end * 0.5;
@@ -72,10 +84,30 @@ impl<L: Lane> Cubic<L> {
     }
 }
 
+/// Width of the difference that gives the slope of an excess, as a share of the step:
+/// rounding and bend both leave about 1e-9 of it.
+const SLOPE_WIDTH: f64 = 1e-6;
+
 /// The first theta in (0, 1] at which `excess` is positive, found by bisection and
 /// secants, if it is positive at `end`; it is not at 0.
 #[inline(always)]
 pub fn rise<L: Lane>(end: L, excess: impl Fn(L) -> L) -> L {
+    let theta = risen(end, &excess);
+    if !L::DERIVED {
+        return theta;
+    }
+    // The search has no derivative, the root has: by the implicit function.
+    let theta = theta.frozen();
+    let value = excess(theta);
+    let width = theta.splat(SLOPE_WIDTH);
+    let slope = (excess(theta + width) - excess(theta - width)).frozen() / (width * 2.0);
+    let share = (value - value.frozen()) / slope;
+    // A drive that jumps over the level gives way at its own time.
+    L::select(share.splat(0.0).lt(slope), theta - share, theta)
+}
+
+#[inline(always)]
+fn risen<L: Lane>(end: L, excess: &impl Fn(L) -> L) -> L {
     let zero = end.splat(0.0);
     let (mut low, mut high) = (zero, end);
     let (mut at_low, mut at_high) = (excess(low), excess(high));

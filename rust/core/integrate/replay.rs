@@ -243,7 +243,7 @@ fn over_samples<L: Lane, M: Advance<L>>(
     let mut tally = Tally::start(segment, Watch::NOTHING);
     let zero = state.t.splat(0.0);
     let mut body = plant.body.as_ref().map(AnchoredBody::new);
-    let longest = longest_under_body(plant, samples.interval);
+    let longest = longest_under_body(plant, samples.interval).frozen();
     for (i, t) in samples.instants() {
         let until = zero.splat(t);
         loop {
@@ -332,20 +332,30 @@ pub fn sensed<L: Lane>(
     let (late, x) = if plant.active.has(Effect::SensorDelay) {
         let last = t.splat(times[times.len() - 1]);
         let late = (t - delay).max(t.splat(times[0])).min(last);
-        // Each lane looks between its own two samples.
-        let x = t.fill(|lane| {
-            let at = late.lane(lane);
+        let between = |at: f64| {
             let after = times.partition_point(|time| *time <= at).clamp(1, times.len() - 1);
-            let (a, b) = (after - 1, after);
-            let dt = times[b] - times[a];
-            let (from, to) = (motion(a), motion(b));
-            let cubic = Cubic::new(
-                dt,
-                (from.0.lane(lane), from.1.lane(lane)),
-                (to.0.lane(lane), to.1.lane(lane)),
-            );
-            cubic.at((at - times[a]) / dt)
-        });
+            (after - 1, after)
+        };
+        let x = if L::DERIVED {
+            let (a, b) = between(late.lane(0));
+            let dt = t.splat(times[b] - times[a]);
+            let cubic = Cubic::new(dt, motion(a), motion(b));
+            cubic.at((late - times[a]) / dt)
+        } else {
+            // Each lane looks between its own two samples.
+            t.fill(|lane| {
+                let at = late.lane(lane);
+                let (a, b) = between(at);
+                let dt = times[b] - times[a];
+                let (from, to) = (motion(a), motion(b));
+                let cubic = Cubic::new(
+                    dt,
+                    (from.0.lane(lane), from.1.lane(lane)),
+                    (to.0.lane(lane), to.1.lane(lane)),
+                );
+                cubic.at((at - times[a]) / dt)
+            })
+        };
         (late, x)
     } else {
         (t, motion(i).0)

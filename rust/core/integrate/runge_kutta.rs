@@ -291,7 +291,7 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool, const CONTROL: bool
         let mut step = if L::any(dt.lt(whole)) { self.slide(state, dt, false) } else { slide };
         loop {
             let rough = L::and(L::and(moving, shortest.lt(dt)), rough(&step));
-            self.reach = L::select(moving, dt * growth(&step), self.reach);
+            self.reach = L::select(moving, (dt * growth(&step)).frozen(), self.reach);
             if !L::any(rough) {
                 return (dt, step);
             }

@@ -5,6 +5,7 @@ pub mod outputs;
 pub mod packs;
 pub mod replay;
 mod scalar;
+pub mod sensitivity;
 pub mod simulation;
 pub mod trajectories;
 

@@ -8,6 +8,8 @@ use crate::lane::Level;
 use crate::physics::effects::{Nominal, shortness};
 pub use crate::simulate::replay::{Column, Run};
 use crate::simulate::replay::{Group, PACK, Part, Scratch, replay_pack};
+pub use crate::simulate::sensitivity::{DIRECTIONS, OTHER_DIRECTIONS};
+use crate::simulate::sensitivity::{Derived, Sensitivity, replay_derived};
 use std::sync::atomic::Ordering;
 use std::sync::{Mutex, PoisonError};
 
@@ -95,18 +97,63 @@ pub fn replay_into(
             control.done.fetch_add(count, Ordering::Relaxed);
         }
     };
-    if threads <= 1 || columns.len() <= PACK {
-        work();
-    } else {
-        pool(threads)?.scope(|scope| {
-            for _ in 0..threads {
-                scope.spawn(|_| work());
+    spread_over(if columns.len() <= PACK { 1 } else { threads }, work)?;
+    finished(control, columns.len())
+}
+
+/// Replays every column with its derivatives: `directions` of each column are numbers
+/// below `DIRECTIONS`. Readings go to `to` as from `replay_into`; derivatives of a column
+/// to as many of its lengths as it has directions, one direction after another.
+pub fn replay_with_sensitivities(
+    nominal: &Nominal,
+    runs: &[Run],
+    columns: &[(Column, Vec<usize>)],
+    (level, threads): (Level, usize),
+    control: &Control,
+    (to, slopes): ([&mut [f64]; 4], [&mut [f64]; 4]),
+) -> Result<()> {
+    let length = |(column, _): &(Column, Vec<usize>)| column.window.1 - column.window.0;
+    let readings = parts(to, columns.iter().map(length));
+    let all = |column: &(Column, Vec<usize>)| length(column) * column.1.len();
+    let slopes = parts(slopes, columns.iter().map(all));
+    let intervals: Vec<f64> = runs.iter().map(interval).collect();
+    let queue = Mutex::new(columns.iter().zip(readings.into_iter().zip(slopes)));
+    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let work = || {
+        while let Some(((column, directions), (readings, slopes))) = next() {
+            if control.cancel.load(Ordering::Relaxed) {
+                return;
             }
-        });
+            let (run, interval) = (&runs[column.run], intervals[column.run]);
+            let (cancel, to) = (&control.cancel, Derived { readings, slopes });
+            let one = Sensitivity { nominal, run, interval, column, directions, cancel, to };
+            replay_derived(level, one);
+            control.done.fetch_add(1, Ordering::Relaxed);
+        }
+    };
+    spread_over(threads.min(columns.len()), work)?;
+    finished(control, columns.len())
+}
+
+/// Runs `work` on as many threads.
+fn spread_over(threads: usize, work: impl Fn() + Sync) -> Result<()> {
+    if threads <= 1 {
+        work();
+        return Ok(());
     }
+    pool(threads)?.scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|_| work());
+        }
+    });
+    Ok(())
+}
+
+/// What a call returns that may have been cancelled.
+fn finished(control: &Control, total: usize) -> Result<()> {
     if control.cancel.load(Ordering::Relaxed) {
         let done = control.done.load(Ordering::Relaxed);
-        return Err(Error::Cancelled { done, total: columns.len() as u64 });
+        return Err(Error::Cancelled { done, total: total as u64 });
     }
     Ok(())
 }

@@ -72,6 +72,8 @@ pub trait Task {
     /// Scalars will do below AVX2: large kernels, compiled for processors that
     /// are hardly in use any more, would cost more to build than they save.
     const SCALAR_BASELINE: bool = false;
+    /// AVX2 will do above it, for the same reason.
+    const AVX2_AT_MOST: bool = false;
     fn run<P: Pack>(self, token: P::Token) -> Self::Output;
 }
 
@@ -98,8 +100,9 @@ pub fn run<T: Task>(level: Level, task: T) -> T::Output {
     #[cfg(target_arch = "x86_64")]
     {
         let found = fearless_simd::Level::new();
+        let level = if T::AVX2_AT_MOST && level == Level::Avx512 { Level::Avx2 } else { level };
         match level {
-            Level::Avx512 => {
+            Level::Avx512 if !T::AVX2_AT_MOST => {
                 if let Some(simd) = found.as_avx512() {
                     return simd.vectorize(
                         #[inline(always)]
@@ -121,7 +124,7 @@ pub fn run<T: Task>(level: Level, task: T) -> T::Output {
                     );
                 }
             }
-            Level::Baseline => {}
+            Level::Avx512 | Level::Baseline => {}
         }
         if let Some(simd) = found.as_sse2() {
             if T::SCALAR_BASELINE {

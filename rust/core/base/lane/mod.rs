@@ -6,6 +6,7 @@
 //! AVX-512, AVX2+FMA, NEON and the scalar `f64` give the same bits. Only the
 //! x86 baseline (SSE2, no fused multiply-add) rounds twice there.
 
+mod dual;
 pub mod exp;
 mod level;
 pub mod log;
@@ -14,6 +15,7 @@ pub mod stream;
 pub mod trig;
 mod wide;
 
+pub use dual::Dual;
 pub use level::{Level, Task, run, scalar_token};
 pub use wide::{Pack, Pack1, Pack2, Pack4};
 
@@ -40,6 +42,14 @@ pub trait Lane:
     + Mul<f64, Output = Self>
 {
     type Mask: Copy;
+    /// Whether numbers carry derivatives, see `Dual`.
+    const DERIVED: bool = false;
+
+    /// The number without its derivatives.
+    #[inline(always)]
+    fn frozen(self) -> Self {
+        self
+    }
 
     /// The same number in every lane, as many lanes as `self` has.
     fn splat(self, value: f64) -> Self;

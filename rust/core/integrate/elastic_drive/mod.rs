@@ -340,8 +340,14 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
                 continue;
             }
             let dt = L::select(fits, left.min(level.dt), zero);
+            // The time of a whole step is that of its map, whatever the end hangs on.
+            let dt = dt.frozen();
             let used = self.step(at - 1, fits, (t, state), tally, dt, events);
-            left = L::select(fits, (left - used).max(zero), left);
+            let rest = left - used;
+            // What is left of nothing may still hang on when an event was.
+            let nothing = if L::DERIVED { rest - rest.frozen() } else { zero };
+            let rest = L::select(zero.lt(rest), rest, nothing);
+            left = L::select(fits, rest, left);
             t = t + used;
         }
         let open = (shortest * 1e-6).lt(left);
@@ -355,6 +361,20 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
                     self.settle(open, t + left);
                 },
             );
+        } else if L::DERIVED {
+            let drive = self.segment.drive.mean(t, left, &state.clock);
+            let inputs = self.inputs(&self.now, &self.now, (t, left), drive);
+            let end = self.crept(left - left.frozen(), &self.now, inputs);
+            let now = &mut self.now;
+            for (own, end) in [
+                (&mut now.x, end.x),
+                (&mut now.a, end.a),
+                (&mut now.b, end.b),
+                (&mut now.v, end.v),
+                (&mut now.sliding_distance, end.sliding_distance),
+            ] {
+                *own = own.frozen() + (end - end.frozen());
+            }
         }
     }
 

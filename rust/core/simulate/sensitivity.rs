@@ -1,0 +1,110 @@
+//! Replays with their forward sensitivities: derivatives of what the sensors would read
+//! by parameters, nuisances and start state, exact through stops and break-aways.
+
+use super::replay::{Column, Run};
+use crate::integrate::replay::{Samples, head, sensed};
+use crate::lane::{Dual, Lane, Level, Pack, Task, run};
+use crate::physics::effects::{EFFECT_PARAMS, Nominal, Plant};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What a derivative is taken by: parameters of all effects in the order of the registry,
+/// then the factors on nominal mass, Coulomb level and gain, the clock offset, and position
+/// and speed at the window's start.
+pub const DIRECTIONS: usize = EFFECT_PARAMS + OTHER_DIRECTIONS.len();
+
+/// Those behind the parameters of effects.
+pub const OTHER_DIRECTIONS: &[&str] =
+    &["mass_share", "coulomb_share", "gain_share", "clock_offset", "x_start", "v_start"];
+
+/// Readings and derivatives of one column: x, v, x_rear and force of all samples, and of
+/// each direction the same.
+pub struct Derived<'a> {
+    pub readings: [&'a mut [f64]; 4],
+    pub slopes: [&'a mut [f64]; 4],
+}
+
+/// Replays a column with its derivatives at a level.
+#[inline(never)]
+pub fn replay_derived(level: Level, work: Sensitivity) {
+    run(level, work);
+}
+
+pub struct Sensitivity<'a, 'b> {
+    pub nominal: &'a Nominal,
+    pub run: &'a Run,
+    pub interval: f64,
+    pub column: &'a Column,
+    pub directions: &'b [usize],
+    pub cancel: &'a AtomicBool,
+    pub to: Derived<'b>,
+}
+
+impl Task for Sensitivity<'_, '_> {
+    type Output = ();
+    const SCALAR_BASELINE: bool = true;
+    const AVX2_AT_MOST: bool = true;
+
+    #[inline(always)]
+    fn run<P: Pack>(self, token: P::Token) {
+        let Sensitivity { nominal, run, interval, column, directions, cancel, to } = self;
+        let go_on = || !cancel.load(Ordering::Relaxed);
+        let none = P::broadcast(token, 0.0);
+        let (from, last) = column.window;
+        let count = last - from;
+        let samples =
+            Samples { times: &run.times, drive: &run.drive, window: (from, last), interval };
+        let Derived { readings, slopes } = to;
+        let mut motion: Vec<[Dual<P>; 4]> = Vec::with_capacity(count);
+        let mut unit = vec![0.0; P::LANES];
+        for (turn, group) in directions.chunks(P::LANES).enumerate() {
+            let seeded = |value: f64, direction: usize, unit: &mut [f64]| {
+                for (k, unit) in unit.iter_mut().enumerate() {
+                    *unit = if group.get(k) == Some(&direction) { 1.0 } else { 0.0 };
+                }
+                Dual::new(value, P::load(token, unit))
+            };
+            let values: [Dual<P>; EFFECT_PARAMS] =
+                std::array::from_fn(|k| seeded(column.values[k], k, &mut unit));
+            let shares: [Dual<P>; 4] =
+                std::array::from_fn(|k| seeded(column.shares[k], EFFECT_PARAMS + k, &mut unit));
+            let start = (
+                seeded(column.start.0, EFFECT_PARAMS + 4, &mut unit),
+                seeded(column.start.1, EFFECT_PARAMS + 5, &mut unit),
+            );
+            let like = Dual::new(0.0, none);
+            let [mass, level, gain, clock] = shares;
+            let shares = ([mass, level, gain], clock);
+            let plant = like.outlined(
+                #[inline(always)]
+                || Plant::new(nominal, run.slope_deg, column.active, &values, shares),
+            );
+            motion.clear();
+            head(
+                &plant,
+                samples,
+                start,
+                go_on,
+                #[inline(always)]
+                |_, reading| motion.push([reading.x, reading.v, reading.x_rear, reading.force]),
+            );
+            let mut part = vec![0.0; P::LANES];
+            for i in 0..motion.len() {
+                let [_, v, x_rear, force] = motion[i];
+                let x = sensed(
+                    &plant,
+                    samples,
+                    i,
+                    #[inline(always)]
+                    |i: usize| (motion[i][0], motion[i][1]),
+                );
+                for (k, reading) in [x, v, x_rear, force].into_iter().enumerate() {
+                    readings[k][i] = reading.value();
+                    reading.slopes().store(&mut part);
+                    for (d, slope) in part.iter().enumerate().take(group.len()) {
+                        slopes[k][(turn * P::LANES + d) * count + i] = *slope;
+                    }
+                }
+            }
+        }
+    }
+}
