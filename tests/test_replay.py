@@ -13,7 +13,8 @@ import pytest
 import locosweep as ls
 from locosweep.cli import main
 from locosweep.errors import DataFileError, InputError
-from locosweep.files.runs import load_runs
+from locosweep.files.robot import load_robot
+from locosweep.files.runs import Run, load_runs
 from locosweep.simulation.replay import replay_runs
 
 MODEL = """
@@ -198,3 +199,45 @@ def test_true_effects_bring_labelled_runs_of_another_simulator_to_their_noise():
             assert found < 1.02 * expected, (name, channel)
         seen |= set(truth["effects"])
     assert len(seen) >= 15
+
+
+class TestSensitivities:
+    def runs(self, count=3):
+        t = np.linspace(0.0, 2.0, 401)
+        drive = np.round(0.9 * np.sin(3.1 * t), 2)
+        return [
+            Run(f"r{i}", t[: 401 - i], drive[: 401 - i], {"x": np.zeros(401 - i)})
+            for i in range(count)
+        ]
+
+    def robot(self, folder, tau=0.02):
+        text = MODEL + f"[effects.drive_lag]\nT = {tau}\n"
+        (folder / "lagged.toml").write_text(text)
+        return load_robot("lagged.toml")
+
+    def test_they_are_those_of_differences(self, folder):
+        runs = self.runs()
+        read = replay_runs(self.robot(folder), runs, sensitivities=["v_start", "drive_lag.T"])
+        plain = replay_runs(self.robot(folder), runs)
+        assert read.select(plain.columns).equals(plain)
+        h = 2e-7
+        up, down = (replay_runs(self.robot(folder, 0.02 + s * h), runs) for s in (1, -1))
+        for channel in ("x", "v", "force"):
+            differences = (up[channel] - down[channel]).to_numpy() / (2 * h)
+            found = read[f"{channel}_by_drive_lag.T"].to_numpy()
+            # A sample beside a stop sees it on one side of the difference only.
+            near = np.abs(found - differences) < 1e-3 * np.abs(differences).max()
+            assert near.mean() > 0.98
+        assert read["x_by_v_start"].to_numpy()[0] == 0.0
+
+    def test_unknown_names_list_what_there_is(self, folder):
+        with pytest.raises(InputError, match=r"sensitivity 'drive_lag\.t'.*drive_lag\.T.*x_start"):
+            replay_runs(self.robot(folder), self.runs(1), sensitivities=["drive_lag.t"])
+
+    def test_threads_do_not_change_a_bit(self, folder):
+        names = ["mass_share", "coulomb_share", "gain_share", "clock_offset", "x_start"]
+        one, two = (
+            replay_runs(self.robot(folder), self.runs(5), sensitivities=names, threads=n)
+            for n in (1, 2)
+        )
+        assert one.equals(two)

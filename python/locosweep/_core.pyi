@@ -1,7 +1,7 @@
 from _typeshed import Incomplete, SupportsGetItem
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["CancelToken", "Drive", "Effect", "EffectFit", "EffectShape", "FrictionCandidate", "FrictionData", "FrictionOutcome", "FrictionParameter", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "derivative", "drives", "effect_parameter_count", "effects", "falls", "file_choices", "file_keys", "gait_outputs", "gait_parameters", "gait_run", "gaits", "imposed_force", "laws", "methods", "motor_power", "nearest", "noise", "parameters", "pressings", "quantities", "rank_fits", "reality_forms", "reality_run", "reality_source", "reductions", "simd_level", "simd_levels", "spikes", "statuses", "threads_to_use", "version"]
+__all__ = ["CancelToken", "Drive", "Effect", "EffectFit", "EffectShape", "FrictionCandidate", "FrictionData", "FrictionOutcome", "FrictionParameter", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "derivative", "drives", "effect_parameter_count", "effects", "falls", "file_choices", "file_keys", "gait_outputs", "gait_parameters", "gait_run", "gaits", "imposed_force", "laws", "methods", "motor_power", "nearest", "noise", "parameters", "pressings", "quantities", "rank_fits", "reality_forms", "reality_run", "reality_source", "reductions", "sensitivity_directions", "simd_level", "simd_levels", "spikes", "statuses", "threads_to_use", "version"]
 
 @final
 class CancelToken:
@@ -564,6 +564,13 @@ class Replay:
         s; `starts` position and speed at the window's start. Returns rows of x, v,
         x_rear and force, all columns one after another.
         """
+    def run_with_sensitivities(self, /, columns: SupportsGetItem[int, tuple[SupportsIndex, SupportsIndex, SupportsIndex, SupportsGetItem[int, str]]], values: Incomplete, shares: Incomplete, starts: Incomplete, directions: SupportsGetItem[int, SupportsGetItem[int, SupportsIndex]], threads: SupportsIndex, progress: Any | None = None, token: CancelToken | None = None) -> tuple[Incomplete, Incomplete]:
+        """
+        The same with derivatives: `directions` lists for every column what they are taken
+        by, as `sensitivity_directions` numbers them. Returns the rows of `run`, and rows
+        of x, v, x_rear and force in which a column has as many of its lengths as it has
+        directions, one direction after another.
+        """
 
 @final
 class Sweep:
@@ -660,7 +667,8 @@ def effects() -> list[Effect]:
 
 def falls() -> list[tuple[str, bool]]:
     """
-    Name of every parameter that says over which speeds friction passes from one level to the other, and whether it is one over that speed.
+    Name of every parameter that says over which speeds friction passes from one level to
+    the other, and whether it is one over that speed.
     """
 
 def file_choices() -> list[tuple[str, str, list[str]]]:
@@ -777,6 +785,12 @@ def reality_source() -> str:
 def reductions() -> list[tuple[str, str]]:
     """
     Name and meaning of every reduction.
+    """
+
+def sensitivity_directions() -> list[str]:
+    """
+    Names of what derivatives may be taken by beside the parameters of effects, which
+    come first: they follow in this order.
     """
 
 def simd_level() -> str:

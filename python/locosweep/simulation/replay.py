@@ -98,10 +98,23 @@ def effect_values(chosen: dict[str, dict[str, float]]) -> np.ndarray:
     return row
 
 
+def _directions(chosen: dict[str, dict[str, float]]) -> dict[str, int]:
+    """Return the number of everything that derivatives of a model may be taken by."""
+    found = {}
+    for name in chosen:
+        record = effect(name)
+        for i, parameter in enumerate(record.parameters):
+            found[f"{name}.{parameter.name}"] = record.first + i
+    for i, name in enumerate(_core.sensitivity_directions(), _core.effect_parameter_count()):
+        found[name] = i
+    return found
+
+
 def replay_runs(
     robot: Robot,
     runs: Sequence[Run],
     *,
+    sensitivities: Sequence[str] = (),
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> pl.DataFrame:
@@ -113,6 +126,11 @@ def replay_runs(
         The model (`load_robot`), with its effects if it has any.
     runs : sequence of Run
         Drives and where the head starts (`locosweep.files.runs.load_runs`).
+    sensitivities : sequence of str, optional
+        What derivatives are taken by: parameters of the model's effects, such as
+        ``drive_lag.T``; ``mass_share``, ``coulomb_share`` and ``gain_share``, factors
+        on the nominal values; ``clock_offset`` [s], by which the drive comes late; and
+        ``x_start`` [m] and ``v_start`` [m/s].
     threads : int, optional
         As in `sweep`.
     progress : callable, optional
@@ -121,7 +139,28 @@ def replay_runs(
     Returns
     -------
     polars.DataFrame
-        Columns run, t, x, v, x_rear and force, one row a sample.
+        Columns run, t, x, v, x_rear and force, one row a sample; for every sensitivity
+        ``x_by_NAME``, ``v_by_NAME``, ``x_rear_by_NAME`` and ``force_by_NAME``, the
+        derivatives of these columns.
+
+    Notes
+    -----
+    Derivatives are exact through stops, break-aways and edges of the drive (forward
+    mode, with the jumps that an event's own time makes). Where a parameter moves an edge
+    of the drive that falls on a sample, the derivative is that of one side.
+
+    Examples
+    --------
+    >>> import locosweep as ls, numpy as np
+    >>> from locosweep.files.robot import Robot
+    >>> from locosweep.files.runs import Run
+    >>> from locosweep.replay import replay_runs
+    >>> t = np.linspace(0, 1, 101)
+    >>> run = Run("a", t, np.zeros(101), {"x": np.zeros(101), "v": np.full(101, 0.5)})
+    >>> robot = Robot({"mass": 1.0, "mu_coulomb": 0.1})
+    >>> read = replay_runs(robot, [run], sensitivities=["coulomb_share"])
+    >>> [round(read[name][-1], 6) for name in ("x", "x_by_coulomb_share")]
+    [0.127421, -0.127421]
     """
     import polars as pl
 
@@ -144,11 +183,38 @@ def replay_runs(
     starts = np.array([run.start for run in runs])
     workers = _core.threads_to_use(whole("threads", threads))
     job = _core.Replay({**nominal}, data)
-    read = job.run(columns, values, shares, starts, workers, progress)
+    found: dict[str, np.ndarray]
+    if sensitivities:
+        known = _directions(robot.effects)
+        for name in sensitivities:
+            if name not in known:
+                raise unknown("sensitivity", name, known)
+        by = [[known[name] for name in sensitivities]] * count
+        read, slopes = job.run_with_sensitivities(
+            columns, values, shares, starts, by, workers, progress
+        )
+        found = dict(zip(REPLAYED, read, strict=True)) | _by_name(slopes, sensitivities, runs)
+    else:
+        read = job.run(columns, values, shares, starts, workers, progress)
+        found = dict(zip(REPLAYED, read, strict=True))
     return pl.DataFrame(
         {
             "run": np.repeat([run.label for run in runs], [run.t.size for run in runs]),
             "t": np.concatenate([run.t for run in runs]),
-            **dict(zip(REPLAYED, read, strict=True)),
+            **found,
         }
     )
+
+
+def _by_name(
+    slopes: np.ndarray, names: Sequence[str], runs: Sequence[Run]
+) -> dict[str, np.ndarray]:
+    """Return columns of derivatives from rows in which those of a run follow each other."""
+    parts = np.split(slopes, len(names) * np.cumsum([run.t.size for run in runs])[:-1], axis=1)
+    shaped = [part.reshape(len(REPLAYED), len(names), -1) for part in parts]
+    whole = np.concatenate(shaped, axis=2)
+    return {
+        f"{channel}_by_{name}": whole[c, d]
+        for d, name in enumerate(names)
+        for c, channel in enumerate(REPLAYED)
+    }
