@@ -88,8 +88,11 @@ fn of_law(quantity: &str, law: &str, given: &[(&'static str, f64)]) -> f64 {
     results(&job, options(1, 1)).0[0][0]
 }
 
+/// Parameters of a segment's own law, by name.
+type LawValues = Vec<(&'static str, f64)>;
+
 /// Stick and slip under a falling level; a heap with all its terms.
-fn pulled() -> [(Pulled, &'static str, Vec<(&'static str, f64)>); 3] {
+fn pulled() -> [(Pulled, &'static str, LawValues); 3] {
     let spring = |head: Segment<f64>, lubricant| Pulled {
         head,
         lubricant,
