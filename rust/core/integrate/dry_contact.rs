@@ -235,30 +235,37 @@ pub fn wait<L: Lane>(
     (wait.min(left), direction)
 }
 
+/// By how much the push exceeds what holds at a share of a time from its start on.
+#[inline(always)]
+fn excess<L: Lane>(at: &impl Fn(L) -> (L, L), (from, left): (L, L), share: L) -> L {
+    at(from + left * share).1
+}
+
 /// A wait with one look: at its ends, its middle and a peak between.
 #[inline(always)]
 fn look<L: Lane>(from: L, left: L, excess_at: &impl Fn(L) -> (L, L)) -> (L, L) {
     let zero = left.splat(0.0);
-    let excess = |theta: L| excess_at(from + left * theta).1;
+    let part = (from, left);
     let one = left.splat(1.0);
-    let end = excess(one);
-    let (start, half) = (excess(zero), excess(one * 0.5));
+    let end = excess(excess_at, part, one);
+    let (start, half) = (excess(excess_at, part, zero), excess(excess_at, part, one * 0.5));
     // A peak between the ends, from the parabola through three points.
     let bend = start + end - half * 2.0;
     let tilt = end - start;
     let peak = L::select(bend.lt(zero), (tilt / bend) * -0.25 + 0.5, one);
     let inside = L::and(zero.lt(peak), peak.lt(one));
     let mut peak = L::select(inside, peak, one);
-    let mut at_peak = excess(peak);
+    let mut at_peak = excess(excess_at, part, peak);
     let seeming = L::and((bend * SEEMING).lt(at_peak), L::not(zero.lt(at_peak)));
     let near = L::and(inside, seeming);
     if L::any(near) {
-        let (before, after) = (excess(peak - NARROW), excess(peak + NARROW));
+        let (before, after) =
+            (excess(excess_at, part, peak - NARROW), excess(excess_at, part, peak + NARROW));
         let bend = before + after - at_peak * 2.0;
         let better = peak - ((after - before) / bend) * (0.5 * NARROW);
         let usable = L::and(L::and(zero.lt(better), better.lt(one)), bend.lt(zero));
         let better = L::select(L::and(near, usable), better, peak);
-        let at_better = excess(better);
+        let at_better = excess(excess_at, part, better);
         let higher = at_peak.lt(at_better);
         peak = L::select(higher, better, peak);
         at_peak = L::select(higher, at_better, at_peak);
@@ -268,7 +275,11 @@ fn look<L: Lane>(from: L, left: L, excess_at: &impl Fn(L) -> (L, L)) -> (L, L) {
     if !L::any(breaks) {
         return (left, zero);
     }
-    let theta = rise(reach, excess);
+    let theta = rise(
+        reach,
+        #[inline(always)]
+        |theta| excess(excess_at, part, theta),
+    );
     let wait = L::select(breaks, left * theta, left);
     let (push, _) = excess_at(from + wait);
     (wait, L::select(breaks, push.sign(), zero))
