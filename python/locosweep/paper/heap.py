@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from locosweep.paper.surfaces import _Head
+    from locosweep.paper.surfaces import Head
     from locosweep.result import Result
 
     Floats = NDArray[np.float64]
@@ -70,7 +70,7 @@ def heap_size(way: float) -> tuple[float, float]:
     return height / slope, height
 
 
-def _motion(ax: Axes, heads: dict[str, _Head]) -> None:
+def _motion(ax: Axes, heads: dict[str, Head]) -> None:
     small = ax.inset_axes((0.58, 0.09, 0.32, 0.26))
     late = min(head.arrival for head in heads.values())
     for surface, head in heads.items():
@@ -91,7 +91,7 @@ def _motion(ax: Axes, heads: dict[str, _Head]) -> None:
     ax.legend(loc="upper left", fontsize=8.5, handlelength=3)
 
 
-def _push(ax: Axes, heads: dict[str, _Head]) -> None:
+def _push(ax: Axes, heads: dict[str, Head]) -> None:
     dry = GROUND["mu_coulomb"] * _weight()
     for surface, head in heads.items():
         force = heap_force(head.t, head.x, surface)

@@ -53,7 +53,7 @@ _NEAR = 0.1
 
 
 @dataclass(frozen=True)
-class _Head:
+class Head:
     """One stroke of the head: time in s, displacement in m, force in N, power in W."""
 
     t: Floats
@@ -84,7 +84,7 @@ def _motor() -> tuple[float, float]:
     return constant * _SUPPLY / resistance, constant**2 / resistance
 
 
-def _head(surface: str) -> _Head:
+def _head(surface: str) -> Head:
     constant = _default("force_constant")
     stall, loss = _motor()
     ground = SURFACES[surface]
@@ -97,10 +97,10 @@ def _head(surface: str) -> _Head:
     result = sweep("stroke_time", Grid(stroke=_STROKE, duration=1.0, **given), law="buildup")
     run = simulate(Grid(duration=float(result.values), **given), law="buildup", samples=401)
     force = stall - loss * run.v
-    return _Head(run.t, run.x, force, _SUPPLY * force / constant, result)
+    return Head(run.t, run.x, force, _SUPPLY * force / constant, result)
 
 
-def strokes() -> dict[str, _Head]:
+def strokes() -> dict[str, Head]:
     """Return the head's stroke on each surface."""
     return {surface: _head(surface) for surface in SURFACES}
 
@@ -116,7 +116,7 @@ def _rear() -> tuple[Floats, Floats]:
     return run.t[first], run.x[first, -1]
 
 
-def _sampled(heads: dict[str, _Head], name: str) -> list[Floats]:
+def _sampled(heads: dict[str, Head], name: str) -> list[Floats]:
     """One number on all surfaces at common times, as long as all heads move."""
     times = np.linspace(0.0, min(head.arrival for head in heads.values()), 401)
     return [np.interp(times, head.t, getattr(head, name)) for head in heads.values()]

@@ -56,7 +56,9 @@ impl Task for Sensitivity<'_, '_> {
         let Derived { readings, slopes } = to;
         let mut motion: Vec<[Dual<P>; 4]> = Vec::with_capacity(count);
         let mut unit = vec![0.0; P::LANES];
-        for (turn, group) in directions.chunks(P::LANES).enumerate() {
+        // Without directions there still are readings.
+        let alone = directions.is_empty().then_some(directions);
+        for (turn, group) in directions.chunks(P::LANES).chain(alone).enumerate() {
             let seeded = |value: f64, direction: usize, unit: &mut [f64]| {
                 for (k, unit) in unit.iter_mut().enumerate() {
                     *unit = if group.get(k) == Some(&direction) { 1.0 } else { 0.0 };

@@ -191,9 +191,13 @@ fn load(body: &Body) -> f64 {
     body.push.abs() + body.ahead.abs().max(body.back.abs())
 }
 
-/// Bound of a segment's speed where joints have at most this force, with room for rounding.
+/// Room for rounding in the bound of a segment's speed: any factor above 1 will do, as
+/// kinks beyond the bound only cost digits.
+const ROOM: f64 = 2.0;
+
+/// Bound of a segment's speed where joints have at most this force.
 fn fastest(body: &Body, force: f64) -> f64 {
-    2.0 * (load(body) + 2.0 * force) / body.inertia
+    ROOM * (load(body) + 2.0 * force) / body.inertia
 }
 
 impl Chain {
