@@ -144,7 +144,13 @@ fn levels_and_company_do_not_change_a_derivative() {
         for level in Level::available() {
             let [_, alone] = derived(&runs, &column, &[*direction], level);
             let [read, _] = derived(&runs, &column, &[], level);
-            let plain = replay(&NOMINAL, &runs, &[column.clone()], (level, 1), &Control::default());
+            let plain = replay(
+                &NOMINAL,
+                &runs,
+                std::slice::from_ref(&column),
+                (level, 1),
+                &Control::default(),
+            );
             assert_eq!(read.x, plain.unwrap().x, "no direction");
             assert_eq!(alone.x, together.x[d * 300..(d + 1) * 300], "direction {direction}");
         }

@@ -64,6 +64,7 @@ class Head:
 
     @property
     def arrival(self) -> float:
+        """When the stroke has ended, in s."""
         return float(self.t[-1])
 
 
