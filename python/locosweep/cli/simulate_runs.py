@@ -7,10 +7,13 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli.options import meter, show
+from locosweep.errors import SolveError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
+
+    import polars as pl
 
 
 def replay(
@@ -40,3 +43,17 @@ def replay(
     effects = list(robot.effects)
     report = {"file": out, "runs": len(measured), "rows": frame.height, "effects": effects}
     show(json_, report, out)
+    if lost := _lost(frame):
+        raise SolveError(f"{out}: {lost}")
+
+
+def _lost(frame: pl.DataFrame) -> str:
+    """Return which runs have no values, and from when on; nothing if all have."""
+    import polars as pl
+
+    gone = frame.filter(pl.col("x").is_nan()).group_by("run", maintain_order=True).first()
+    if gone.is_empty():
+        return ""
+    run, t = gone["run"][0], gone["t"][0]
+    others = f", and {gone.height - 1} other runs" if gone.height > 1 else ""
+    return f"run {run} leaves all bounds or cannot be resolved from {t:g} s on (NaN){others}"

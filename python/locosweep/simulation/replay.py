@@ -141,7 +141,8 @@ def replay_runs(
     polars.DataFrame
         Columns run, t, x, v, x_rear and force, one row a sample; for every sensitivity
         ``x_by_NAME``, ``v_by_NAME``, ``x_rear_by_NAME`` and ``force_by_NAME``, the
-        derivatives of these columns.
+        derivatives of these columns. NaN from where a run has left all bounds or cannot
+        be resolved.
 
     Notes
     -----
@@ -175,6 +176,12 @@ def replay_runs(
         )
         for run in runs
     ]
+    heavier = robot.effects.get("payload_mass", {}).get("dm", 0.0)
+    if nominal["mass"] + heavier <= 0.0:
+        raise InputError(
+            f"payload_mass.dm is {heavier} kg: allowed is more than {-nominal['mass']} kg, "
+            "as the head must have a mass"
+        )
     names = list(robot.effects)
     columns = [(i, 0, run.t.size, names) for i, run in enumerate(runs)]
     count = len(runs)

@@ -69,6 +69,52 @@ fn spread(from: &[f64], stride: usize, to: &mut [f64]) {
     }
 }
 
+/// Nothing that a bench measures moves as fast, m/s (rad/s of a pendulum): the speed of
+/// light. A replay beyond it has diverged, also where its numbers are still finite.
+const FASTEST: f64 = 299_792_458.0;
+
+/// Whether the motion at a sample, `dt` after the start at `start`, are those of a motion.
+pub(super) fn bounded(dt: f64, start: f64, x: f64, v: f64, others: [f64; 2]) -> bool {
+    let others = others.iter().all(|value| value.is_finite());
+    others && v.abs() <= FASTEST && (x - start).abs() <= FASTEST * dt + start.abs()
+}
+
+/// The first sample of a divergence, if there is one, from the positions that were read. The
+/// last sample shows whether there is one: no position finds back from there.
+pub(super) fn divergence(read: &[f64], fine: impl Fn(usize) -> bool) -> Option<usize> {
+    if read.is_empty() || fine(read.len() - 1) {
+        return None;
+    }
+    // A sensor with a negative delay reads ahead.
+    (0..read.len()).find(|i| !fine(*i) || !read[*i].is_finite())
+}
+
+/// The head's own motion in one lane of a pack, a row a sample.
+struct Motion<'a> {
+    rows: &'a [f64],
+    stride: usize,
+    own: usize,
+    slides: bool,
+}
+
+impl Motion<'_> {
+    fn is_bounded(&self, i: usize, start: f64, dt: f64) -> bool {
+        let row = &self.rows[i * self.stride..];
+        let rear = if self.slides { row[3 * self.own] } else { 0.0 };
+        bounded(dt, start, row[0], row[self.own], [row[2 * self.own], rear])
+    }
+
+    /// Readings from the divergence on are no numbers.
+    fn end_where_diverged(&self, start: f64, times: &[f64], readings: &mut Part) {
+        let fine = |i: usize| self.is_bounded(i, start, times[i] - times[0]);
+        if let Some(first) = divergence(readings[0], fine) {
+            for reading in readings {
+                reading[first..].fill(f64::NAN);
+            }
+        }
+    }
+}
+
 /// Samples that go to the columns at a time.
 const TILE: usize = 32;
 
@@ -155,6 +201,10 @@ impl Task for Group<'_, '_, '_> {
                         spread(&moved[3 * own..], all, &mut x_rear[first..last]);
                     }
                 }
+            }
+            for (lane, (column, readings)) in part.iter_mut().enumerate() {
+                let motion = Motion { rows: &motion[lane..], stride: all, own, slides };
+                motion.end_where_diverged(column.start.0, &run.times[from..to], readings);
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Replays with their forward sensitivities: derivatives of what the sensors would read
 //! by parameters, nuisances and start state, exact through stops and break-aways.
 
-use super::replay::{Column, Run};
+use super::replay::{Column, Run, bounded, divergence};
 use crate::integrate::replay::{Samples, head, sensed};
 use crate::lane::{Dual, Lane, Level, Pack, Task, run};
 use crate::physics::effects::{EFFECT_PARAMS, Nominal, Plant};
@@ -104,6 +104,20 @@ impl Task for Sensitivity<'_, '_> {
                     reading.slopes().store(&mut part);
                     for (d, slope) in part.iter().enumerate().take(group.len()) {
                         slopes[k][(turn * P::LANES + d) * count + i] = *slope;
+                    }
+                }
+            }
+            let fine = |i: usize| {
+                let [x, v, x_rear, force] = motion[i].map(|reading| reading.value());
+                let dt = run.times[from + i] - run.times[from];
+                bounded(dt, column.start.0, x, v, [x_rear, force])
+            };
+            if let Some(first) = divergence(&readings[0][..motion.len()], fine) {
+                for k in 0..readings.len() {
+                    readings[k][first..].fill(f64::NAN);
+                    for d in 0..group.len() {
+                        let end = (turn * P::LANES + d + 1) * count;
+                        slopes[k][end - count + first..end].fill(f64::NAN);
                     }
                 }
             }
