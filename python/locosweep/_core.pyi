@@ -628,10 +628,11 @@ class Sweep:
         """
         Whether trajectories are simulated.
         """
-    def trace(self, /, stations: Incomplete, threads: SupportsIndex, progress: Any | None = None, token: CancelToken | None = None) -> list[Incomplete]:
+    def trace(self, /, stations: Incomplete, threads: SupportsIndex, progress: Any | None = None, token: CancelToken | None = None) -> tuple[list[Incomplete], Incomplete]:
         """
         Position, speed, drive force and direction of sliding (0 at rest) of every
-        cell at `stations` (shares of the duration): shape (cells, stations) each.
+        cell at `stations` (shares of the duration): shape (cells, stations) each; and
+        the status codes of the cells.
         """
     def working_bytes(self, /, threads: SupportsIndex) -> int:
         """

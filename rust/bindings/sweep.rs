@@ -147,7 +147,8 @@ impl Sweep {
     }
 
     /// Position, speed, drive force and direction of sliding (0 at rest) of every
-    /// cell at `stations` (shares of the duration): shape (cells, stations) each.
+    /// cell at `stations` (shares of the duration): shape (cells, stations) each; and
+    /// the status codes of the cells.
     #[pyo3(signature = (stations, threads, progress=None, token=None))]
     fn trace<'py>(
         &self,
@@ -156,16 +157,17 @@ impl Sweep {
         threads: usize,
         progress: Option<Py<PyAny>>,
         token: Option<&CancelToken>,
-    ) -> PyResult<[Bound<'py, PyArray1<f64>>; 4]> {
+    ) -> PyResult<([Bound<'py, PyArray1<f64>>; 4], Bound<'py, PyArray1<u8>>)> {
         let stations = stations.as_array().to_vec();
         let level = Level::current().map_err(|error| raise(py, error))?;
         let options = Options { threads, chunk: DEFAULT_CHUNK, level, fresh: true };
         let control = token.map_or_else(Default::default, CancelToken::control);
         let total = self.job.cells() as u64;
         let work = || trace(&self.job, &stations, options, &control);
-        let Traces { x, v, force, direction } =
+        let Traces { x, v, force, direction, statuses } =
             enter(py, &control, total, progress.as_ref(), work)?;
-        Ok([x, v, force, direction].map(|field| field.into_pyarray(py)))
+        let fields = [x, v, force, direction].map(|field| field.into_pyarray(py));
+        Ok((fields, statuses.into_pyarray(py)))
     }
 
     /// Bytes needed beside the results.

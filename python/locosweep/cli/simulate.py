@@ -13,7 +13,7 @@ from locosweep.cli import options
 from locosweep.cli.options import called, fixed, on_terminal, show, values_of
 from locosweep.cli.simulate_runs import replay
 from locosweep.cli.simulation_options import refuse_beside, refuse_idle, simulation_options
-from locosweep.errors import InputError
+from locosweep.errors import InputError, SolveError
 from locosweep.files.strict_json import plain
 
 if TYPE_CHECKING:
@@ -141,6 +141,29 @@ def simulate(
         text = f"the energy ledger leaves {open_share:.2g} of the work open: with a smaller {aim}"
         now = "an axis" if aim in run.axes else f"now {run.fixed[aim]:g}"
         click.echo(f"locosweep: note: {text} ({now}) the motion may differ", err=True)
+    if lost := _lost(run):
+        raise SolveError(lost)
+
+
+def _lost(run: Trajectories) -> str:
+    """Return which curves fail, why and from when on; nothing if none does."""
+    import numpy as np
+
+    from locosweep.registry import Status
+
+    failed = np.argwhere(run.status)
+    if not len(failed):
+        return ""
+    at = tuple(failed[0])
+    status = Status(int(run.status[at]))
+    times = np.broadcast_to(run.t, run.x.shape)[at][np.isnan(run.x[at])]
+    gone = f"no values from {times[0]:g} s on: " if times.size else ""
+    place = ", ".join(
+        f"{name}={values[i]:g}" for (name, values), i in zip(run.axes.items(), at, strict=True)
+    )
+    others = f"; {len(failed) - 1} other curves fail too" if len(failed) > 1 else ""
+    curve = f"{place}: " if place else ""
+    return f"{curve}{gone}{status.sentence} ({status.name.lower()}){others}"
 
 
 def _open_share(run: Trajectories, simulation: Simulation, threads: int | None) -> float:

@@ -39,6 +39,8 @@ class Trajectories:
         Force of the drive on the segment in N.
     way : ndarray
         Direction of sliding, 1 or -1; 0 while friction holds the segment.
+    status : ndarray of uint8
+        Codes of ``locosweep.Status``, shape of the grid: 0 is ok.
     axes : dict of str to ndarray
         The grid's axes.
     fixed : dict of str to float
@@ -52,6 +54,7 @@ class Trajectories:
     v: NDArray[np.float64]
     force: NDArray[np.float64]
     way: NDArray[np.float64]
+    status: NDArray[np.uint8]
     axes: dict[str, NDArray[np.float64]]
     fixed: dict[str, float]
     law: str
@@ -112,7 +115,8 @@ def simulate(
     Returns
     -------
     Trajectories
-        NaN where a trajectory could not be resolved.
+        NaN from where a trajectory has left all bounds or could not be followed;
+        ``status`` says why, and which motion is too coarse to trust.
 
     Raises
     ------
@@ -148,7 +152,7 @@ def simulate(
     memory.check(needed, memory_limit, "the trajectories")
     shares = np.linspace(0.0, 1.0, count)
     meter = Meter("simulate") if progress is True else progress or None
-    fields = job.trace(shares, workers, meter, token)
+    fields, codes = job.trace(shares, workers, meter, token)
     chosen = job.choice
     adaptive = method is None and chosen is not None and chosen[2] == _ADAPTIVE
     if adaptive and not np.isfinite(fields[0]).all():
@@ -170,4 +174,5 @@ def simulate(
     used = job.choice
     if used is None:  # pragma: no cover - a simulated quantity always has one
         raise InputError("nothing to simulate")
-    return Trajectories(t, x, v, force, way, axes, values, *used)
+    status = codes.reshape(job.shape)
+    return Trajectories(t, x, v, force, way, status, axes, values, *used)

@@ -210,6 +210,23 @@ impl<'a, L: Lane> Drive<'a, L> {
         }
     }
 
+    /// A force that the drive never exceeds in either direction, from the largest sample of
+    /// its table.
+    #[inline(always)]
+    pub fn largest(&self, sample: f64) -> L {
+        let factor = match self.kind {
+            DriveKind::Constant => return self.offset.abs(),
+            // All harmonics at once.
+            DriveKind::Multisine => self.fourth,
+            DriveKind::Pulse => {
+                return self.offset.abs() + self.amplitude.abs().max(self.third.abs());
+            }
+            DriveKind::Table => self.offset.splat(sample),
+            _ => self.offset.splat(1.0),
+        };
+        factor.mul_add(self.amplitude.abs(), self.offset.abs())
+    }
+
     /// About how many pieces a run of a pulse train has; 0 of the others, which
     /// have few or as many as there are samples.
     #[inline(always)]

@@ -1,6 +1,7 @@
 //! Trajectories and replays of packs of cells: integrators joined to friction laws and
 //! compiled per SIMD level. A layer of its own, since that takes long.
 
+mod bounds;
 pub mod outputs;
 pub mod packs;
 pub mod replay;

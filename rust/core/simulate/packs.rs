@@ -1,5 +1,6 @@
 //! Trajectories of a stretch of cells, pack by pack.
 
+use super::bounds::Bounds;
 use super::outputs::Output;
 use super::simulation::Simulation;
 use crate::columns::Columns;
@@ -66,7 +67,6 @@ pub(super) fn each_pack<P: Pack>(
     mut one: impl FnMut(&Cells<P>, &Segment<P>, &mut Visit<P>) -> Tally<P>,
 ) {
     let simulation = stretch.simulation;
-    let dry = simulation.law.kind == Kind::Dry;
     let mut start = 0;
     while start < stretch.count && !stretch.cancel.load(Ordering::Relaxed) {
         let cells = Cells { token, columns: stretch.columns, start };
@@ -76,7 +76,7 @@ pub(super) fn each_pack<P: Pack>(
             len: stretch.len,
             start,
             segment: &segment,
-            dry,
+            simulation,
         };
         let tally = one(&cells, &segment, &mut visit);
         keep(&segment, &tally, start, &mut stretch);
@@ -104,7 +104,9 @@ fn keep<P: Pack>(segment: &Segment<P>, tally: &Tally<P>, start: usize, stretch: 
 
 #[inline(always)]
 fn keep_here<P: Pack>(segment: &Segment<P>, tally: &Tally<P>, start: usize, stretch: &mut Stretch) {
-    let fate = Fate::of(tally);
+    let Simulation { largest, sprung, .. } = *stretch.simulation;
+    let bounds = Bounds::new(segment, largest, sprung);
+    let fate = Fate::of(tally, bounds.hold(segment.duration, tally.x, tally.v));
     fate.store(&mut stretch.fates[start..]);
     let found = fate.le(fate.splat(Fate::FOUND));
     for (output, to) in stretch.outputs.iter_mut() {
@@ -124,10 +126,9 @@ impl Fate {
     pub const LONG: f64 = 3.0;
 
     #[inline(always)]
-    fn of<L: Lane>(tally: &Tally<L>) -> L {
+    fn of<L: Lane>(tally: &Tally<L>, bounded: L::Mask) -> L {
         let size = tally.x;
-        let finite = L::and(tally.x.is_finite(), tally.v.is_finite());
-        let code = L::select(finite, size.splat(Fate::FOUND), size.splat(Fate::DIVERGED));
+        let code = L::select(bounded, size.splat(Fate::FOUND), size.splat(Fate::DIVERGED));
         let code = L::select(tally.lost.le(size.splat(0.0)), code, size.splat(Fate::LOST));
         L::select(tally.long.le(size.splat(0.0)), code, size.splat(Fate::LONG))
     }
@@ -139,31 +140,40 @@ pub(super) struct Visit<'a, 'b, 'c, P> {
     len: usize,
     start: usize,
     segment: &'b Segment<'c, P>,
-    dry: bool,
+    simulation: &'a Simulation,
 }
 
 impl<P: Pack> Visit<'_, '_, '_, P> {
     #[inline(always)]
     pub fn drive(&mut self, method: impl Advance<P>, watch: Watch) -> Tally<P> {
-        let (segment, len, start, dry) = (self.segment, self.len, self.start, self.dry);
+        let (segment, len, start) = (self.segment, self.len, self.start);
+        let Simulation { law, largest, sprung, .. } = *self.simulation;
+        let dry = law.kind == Kind::Dry;
         let stations = self.trace.as_ref().map_or(&[][..], |trace| trace.stations);
         let trace = &mut self.trace;
+        let bounds = trace.is_some().then(|| Bounds::new(segment, largest, sprung));
+        let (one, mut gone) = (segment.x.splat(1.0), segment.x.splat(0.0));
         drive(
             segment,
             method,
             stations,
             #[inline(always)]
             |i: usize, state: &State<P>| {
-                let Some(Trace { x, v, force, direction, .. }) = trace.as_deref_mut() else {
+                let (Some(trace), Some(bounds)) = (trace.as_deref_mut(), &bounds) else {
                     return;
                 };
+                let Trace { x, v, force, direction, .. } = trace;
                 let at = i * len + start;
-                state.x.store(&mut x[at..]);
-                state.v.store(&mut v[at..]);
-                segment.force(state.t, &state.clock, state.x, state.v).store(&mut force[at..]);
+                // What has diverged has no value any more, also where it comes back.
+                gone = P::select(bounds.hold(state.t, state.x, state.v), gone, one);
+                let there = gone.lt(one);
+                state.x.only_if(there).store(&mut x[at..]);
+                state.v.only_if(there).store(&mut v[at..]);
+                let given = segment.force(state.t, &state.clock, state.x, state.v);
+                given.only_if(there).store(&mut force[at..]);
                 // Only dry friction holds: the others slide whenever they move.
                 let sliding = if dry { state.direction } else { state.v.sign() };
-                sliding.store(&mut direction[at..]);
+                sliding.only_if(there).store(&mut direction[at..]);
             },
             watch,
         )

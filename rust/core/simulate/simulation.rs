@@ -57,6 +57,8 @@ pub struct Simulation {
     pub sprung: bool,
     pub times: Vec<f64>,
     pub values: Vec<f64>,
+    /// Largest sample in either direction.
+    pub largest: f64,
     /// Shape of the drive over every step, where it is the same for all points.
     pub ahead: Vec<[f64; 3]>,
 }
@@ -92,6 +94,7 @@ impl Simulation {
             sprung,
             times: choice.times.clone(),
             values: choice.values.clone(),
+            largest: choice.values.iter().fold(0.0, |most, value| most.max(value.abs())),
             ahead: Vec::new(),
         };
         if method == Method::RungeKutta

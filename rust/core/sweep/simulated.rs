@@ -134,10 +134,8 @@ impl Simulated {
 
     /// Why cell `i` of the last block has no value.
     pub fn status(&self, i: usize, output: Output) -> Status {
-        match self.fates.get(i) {
-            Some(&fate) if fate == Fate::LOST => Status::Unresolved,
-            Some(&fate) if fate == Fate::DIVERGED => Status::Diverged,
-            Some(&fate) if fate == Fate::LONG => Status::TooManySteps,
+        match self.fates.get(i).map_or(Status::Ok, |fate| status_of(*fate)) {
+            status if status != Status::Ok => status,
             _ if output == Output::StrokeTime => Status::NotReached,
             _ => Status::NotFinite,
         }
@@ -149,5 +147,15 @@ impl Simulated {
             Some(Status::Ok) | None => Status::NotFinite,
             Some(status) => *status,
         }
+    }
+}
+
+/// What became of a trajectory, as a status.
+pub fn status_of(fate: f64) -> Status {
+    match fate {
+        Fate::LOST => Status::Unresolved,
+        Fate::DIVERGED => Status::Diverged,
+        Fate::LONG => Status::TooManySteps,
+        _ => Status::Ok,
     }
 }

@@ -3,10 +3,11 @@
 use super::execute::{Control, Options};
 use super::job::Job;
 use super::pool::pool;
-use super::simulated::SIMULATED_BLOCK;
+use super::simulated::{SIMULATED_BLOCK, status_of};
 use crate::cells::columns::{Cursor, PADDING, Vary};
 use crate::error::{Error, Result};
 use crate::integrate::Watch;
+use crate::physics::Status;
 use crate::simulate::packs::{Stretch, Trace};
 use crate::simulate::trajectories::simulate;
 use std::sync::atomic::Ordering;
@@ -20,6 +21,8 @@ pub struct Traces {
     pub v: Vec<f64>,
     pub force: Vec<f64>,
     pub direction: Vec<f64>,
+    /// Of each cell; from where it has diverged it has no states.
+    pub statuses: Vec<u8>,
 }
 
 /// Simulates every cell of a job and keeps its state at `stations`, shares of
@@ -34,15 +37,17 @@ pub fn trace(job: &Job, stations: &[f64], options: Options, control: &Control) -
     };
     let (cells, count) = (job.cells(), stations.len());
     let make = || vec![f64::NAN; cells * count];
-    let mut traces = Traces { x: make(), v: make(), force: make(), direction: make() };
+    let statuses = vec![Status::Ok as u8; cells];
+    let mut traces = Traces { x: make(), v: make(), force: make(), direction: make(), statuses };
     let watch = Watch { energy: false, stroke: false, peaks: false };
     {
         let size = SIMULATED_BLOCK * count.max(1);
         let fields = [&mut traces.x, &mut traces.v, &mut traces.force, &mut traces.direction];
         let mut parts = fields.map(|field| field.chunks_mut(size));
+        let mut codes = traces.statuses.chunks_mut(SIMULATED_BLOCK);
         let blocks = std::iter::from_fn(|| {
             let [x, v, force, direction] = &mut parts;
-            Some([x.next()?, v.next()?, force.next()?, direction.next()?])
+            Some(([x.next()?, v.next()?, force.next()?, direction.next()?], codes.next()?))
         });
         let queue = Mutex::new(blocks.enumerate());
         let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
@@ -50,7 +55,7 @@ pub fn trace(job: &Job, stations: &[f64], options: Options, control: &Control) -
             let mut cursor = Cursor::new(&job.layout, &job.fixed);
             let mut buffers: [Vec<f64>; 4] = Default::default();
             let mut fates = Vec::new();
-            while let Some((number, mut targets)) = next() {
+            while let Some((number, (mut targets, codes))) = next() {
                 let (begin, len) = (number * SIMULATED_BLOCK, targets[0].len() / count);
                 let mut offset = 0;
                 while offset < len && !control.cancel.load(Ordering::Relaxed) {
@@ -78,6 +83,9 @@ pub fn trace(job: &Job, stations: &[f64], options: Options, control: &Control) -
                             cancel: &control.cancel,
                         },
                     );
+                    for (code, fate) in codes[offset..].iter_mut().zip(&fates[..now]) {
+                        *code = status_of(*fate) as u8;
+                    }
                     for (target, buffer) in targets.iter_mut().zip(&buffers) {
                         for (i, one) in
                             target[offset * count..].chunks_mut(count).take(now).enumerate()
