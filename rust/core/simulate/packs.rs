@@ -104,8 +104,7 @@ fn keep<P: Pack>(segment: &Segment<P>, tally: &Tally<P>, start: usize, stretch: 
 
 #[inline(always)]
 fn keep_here<P: Pack>(segment: &Segment<P>, tally: &Tally<P>, start: usize, stretch: &mut Stretch) {
-    let Simulation { largest, sprung, .. } = *stretch.simulation;
-    let bounds = Bounds::new(segment, largest, sprung);
+    let bounds = Bounds::new(stretch.simulation, segment);
     let fate = Fate::of(tally, bounds.hold(segment.duration, tally.x, tally.v));
     fate.store(&mut stretch.fates[start..]);
     let found = fate.le(fate.splat(Fate::FOUND));
@@ -147,11 +146,11 @@ impl<P: Pack> Visit<'_, '_, '_, P> {
     #[inline(always)]
     pub fn drive(&mut self, method: impl Advance<P>, watch: Watch) -> Tally<P> {
         let (segment, len, start) = (self.segment, self.len, self.start);
-        let Simulation { law, largest, sprung, .. } = *self.simulation;
-        let dry = law.kind == Kind::Dry;
+        let simulation = self.simulation;
+        let dry = simulation.law.kind == Kind::Dry;
         let stations = self.trace.as_ref().map_or(&[][..], |trace| trace.stations);
         let trace = &mut self.trace;
-        let bounds = trace.is_some().then(|| Bounds::new(segment, largest, sprung));
+        let bounds = trace.is_some().then(|| Bounds::new(simulation, segment));
         let (one, mut gone) = (segment.x.splat(1.0), segment.x.splat(0.0));
         drive(
             segment,
