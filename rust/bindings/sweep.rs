@@ -12,6 +12,9 @@ use pyo3::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
+/// Fields of a trace, and the status codes of its cells.
+type Traced<'py> = ([Bound<'py, PyArray1<f64>>; 4], Bound<'py, PyArray1<u8>>);
+
 /// Stops a running sweep from another thread.
 #[pyclass(frozen, module = "locosweep._core")]
 #[derive(Default)]
@@ -157,7 +160,7 @@ impl Sweep {
         threads: usize,
         progress: Option<Py<PyAny>>,
         token: Option<&CancelToken>,
-    ) -> PyResult<([Bound<'py, PyArray1<f64>>; 4], Bound<'py, PyArray1<u8>>)> {
+    ) -> PyResult<Traced<'py>> {
         let stations = stations.as_array().to_vec();
         let level = Level::current().map_err(|error| raise(py, error))?;
         let options = Options { threads, chunk: DEFAULT_CHUNK, level, fresh: true };
