@@ -176,12 +176,14 @@ def replay_runs(
         )
         for run in runs
     ]
-    heavier = robot.effects.get("payload_mass", {}).get("dm", 0.0)
-    if nominal["mass"] + heavier <= 0.0:
-        raise InputError(
-            f"payload_mass.dm is {heavier} kg: allowed is more than {-nominal['mass']} kg, "
-            "as the head must have a mass"
-        )
+    for name, given in robot.effects.items():
+        for parameter in effect(name).parameters:
+            added = given.get(parameter.name, 0.0) if parameter.unit == "kg" else 0.0
+            if nominal["mass"] + added <= 0.0:
+                raise InputError(
+                    f"{name}.{parameter.name} is {added} kg: allowed is more than "
+                    f"{-nominal['mass']} kg, as the head must have a mass"
+                )
     names = list(robot.effects)
     columns = [(i, 0, run.t.size, names) for i, run in enumerate(runs)]
     count = len(runs)
