@@ -1,15 +1,17 @@
 """How long a diagnosis takes: 6 runs of 2000 samples, by what is wrong with the rig.
 
-    python benches/diagnosis.py [--rounds 3] [--threads 2] [--quick] [--json FILE]
+    python benches/diagnosis.py [--rounds 3] [--threads 2] [--quick] [--profile] [--json FILE]
 
 `singles` is the time until every single effect is fitted and ranked; `whole` adds pairs,
 rivals, intervals and the written report with its pictures. The physical limit beside them
 is that of the replays alone, at the speed of an exact one (`dynamics_peers.py --only replay`).
+`--profile` adds how much of the whole the replays take, in one round on one thread.
 """
 
 from __future__ import annotations
 
 import argparse
+import cProfile
 import statistics
 import tempfile
 import time
@@ -85,12 +87,24 @@ def timed(frame: pl.DataFrame, threads: int) -> tuple[float, float, str]:
     return min(after) - marks["single effects"], whole, names or found.status
 
 
+def replayed(frame: pl.DataFrame) -> tuple[float, float, int]:
+    """Seconds in the replays of a diagnosis, seconds of all of it, and calls of the replay."""
+    profiler = cProfile.Profile()
+    begin = time.perf_counter()
+    profiler.runcall(ls.diagnose, frame, ROBOT, threads=1)
+    whole = time.perf_counter() - begin
+    name = "'run' of 'locosweep._core.Replay'"
+    replays = [one for one in profiler.getstats() if name in str(one.code)]
+    return sum(one.totaltime for one in replays), whole, sum(one.callcount for one in replays)
+
+
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--quick", action="store_true", help="short runs, one round")
+    parser.add_argument("--profile", action="store_true", help="how much the replays take")
     json_option(parser)
     asked = parser.parse_args()
     runs = drives(200 if asked.quick else 2000)
@@ -106,6 +120,12 @@ def main() -> None:
         lines.append([name, f"{singles:.2f}", f"{whole:.2f}", took[0][2]])
         found.append({"case": name, "singles": singles, "whole": whole, "said": took[0][2]})
     print(table(lines))
+    if asked.profile:
+        rows = [["what is wrong", "in replays, s", "of, s", "calls"]]
+        for name in cases:
+            inside, whole, calls = replayed(frames[name])
+            rows.append([name, f"{inside:.1f}", f"{whole:.1f}", str(calls)])
+        print(table(rows))
     print(describe(["numpy", "polars"]), f"threads {asked.threads}")
     write(asked.json, {"threads": asked.threads, "rows": found})
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import polars as pl
 import pytest
@@ -11,6 +13,7 @@ from locosweep.cli import main
 from locosweep.errors import InputError
 from locosweep.files.robot import Robot
 from locosweep.files.runs import Run
+from locosweep.plot import motion
 from locosweep.registry import Status
 from locosweep.simulation.replay import replay_runs
 
@@ -43,15 +46,13 @@ DIVERGING = [
 T = 0.005 * np.arange(600)
 NOMINAL = {"segments": 4.0, "mass": 0.271, "mu_coulomb": 0.15}
 GROWS = {"viscous_friction": {"c": -300.0}}
-MODEL = """
-[robot]
-segments = 4
-mass = 0.271
-[surface]
-mu_coulomb = 0.15
-[effects.viscous_friction]
-c = -300.0
-"""
+MODEL = "".join(
+    f"{key} = {value}\n" for key, value in
+    [("robot.segments", 4), ("robot.mass", NOMINAL["mass"]),
+     ("surface.mu_coulomb", NOMINAL["mu_coulomb"]),
+     ("effects.viscous_friction.c", GROWS["viscous_friction"]["c"])]
+)  # fmt: skip
+"""The same as a file."""
 
 
 def pushed(label: str, force: float) -> Run:
@@ -77,6 +78,15 @@ class TestSegments:
         for field in (run.x, run.v, run.force, run.way):
             assert np.isfinite(field[:first]).all()
             assert np.isnan(field[first:]).all()
+
+    def test_picture_says_which_curve_ends(self):
+        given = {"law": "dahl", "method": "rosenbrock_fixed", "time_step": 0.05, "mass": 0.3}
+        ends = "diverged, no values from 0.1 s on"
+        several = motion(ls.simulate(**given, **MU, drive_force=[1.0, 1e8], samples=11))[0]
+        words = [text.get_text() for text in several.get_legend().get_texts()]
+        assert words == ["$F_0$ = 1 N", f"$F_0$ = 1e+08 N,\n{ends}"]
+        one = motion(ls.simulate(**given, **MU, drive_force=1e8, samples=11))[0]
+        assert one.get_title(loc="left").endswith(f"\n{ends}")
 
     def test_a_law_that_lacks_a_level_of_friction_is_bounded_too(self):
         found = ls.sweep("final_speed", law="coulomb_viscous", mu_coulomb=0.3, drive_force=1.0)
@@ -105,6 +115,16 @@ class TestSegments:
         assert frame.filter(pl.col("drive_force") == 1.0)["x"].is_finite().all()
         assert frame["x"].is_infinite().sum() == 0
         assert frame["x"].is_nan().sum() == 10
+
+    def test_json_has_no_ledger_where_no_curve_has_one(self, tmp_path, monkeypatch, capsys):
+        monkeypatch.chdir(tmp_path)
+        arguments = ["--law", "dahl", "--method", "rosenbrock_fixed", "--set", "mu_static=.5",
+                     "--set", "mu_coulomb=.3", "--set", "mass=0.3", "--set", "time_step=.05",
+                     "--set", "drive_force=1e8", "--samples", "11"]  # fmt: skip
+        assert main(["simulate", *arguments, "--out", "a.csv", "--json"]) == 1
+        report = json.loads(capsys.readouterr().out)
+        assert report["curves_with_values"] == 0
+        assert report["energy_residual"] is None
 
 
 class TestReplays:

@@ -149,15 +149,12 @@ def _lost(run: Trajectories) -> str:
     """Return which curves fail, why and from when on; nothing if none does."""
     import numpy as np
 
-    from locosweep.registry import Status
-
     failed = np.argwhere(run.status)
     if not len(failed):
         return ""
-    at = tuple(failed[0])
-    status = Status(int(run.status[at]))
-    times = np.broadcast_to(run.t, run.x.shape)[at][np.isnan(run.x[at])]
-    gone = f"no values from {times[0]:g} s on: " if times.size else ""
+    at = tuple(failed[0].tolist())
+    status, since = run.failure(at)
+    gone = "" if since is None else f"no values from {since:g} s on: "
     place = ", ".join(
         f"{name}={values[i]:g}" for (name, values), i in zip(run.axes.items(), at, strict=True)
     )
@@ -167,7 +164,7 @@ def _lost(run: Trajectories) -> str:
 
 
 def _open_share(run: Trajectories, simulation: Simulation, threads: int | None) -> float:
-    """Return the largest share of the work that the energy ledger leaves open."""
+    """Return the largest share of the work that the energy ledger leaves open, NaN without one."""
     import numpy as np
 
     from locosweep.engine import sweep
@@ -176,7 +173,7 @@ def _open_share(run: Trajectories, simulation: Simulation, threads: int | None) 
     options = simulation.options()
     values = sweep(_LEDGER, Grid(**run.axes, **run.fixed), **options, threads=threads).values
     found = np.abs(values[np.isfinite(values)])
-    return float(found.max()) if found.size else 0.0
+    return float(found.max()) if found.size else math.nan
 
 
 def _summary(run: Trajectories) -> dict[str, object]:

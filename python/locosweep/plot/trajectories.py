@@ -33,7 +33,8 @@ def motion(
     """Draw position, speed and drive force over time, one above the other.
 
     Phases in which dry friction holds the segment are shaded and named; where
-    there are several trajectories, each has its own bar below the speeds.
+    there are several trajectories, each has its own bar below the speeds. The legend, or
+    the title of a single one, says which trajectory fails, why and from when on.
 
     Parameters
     ----------
@@ -77,17 +78,22 @@ def motion(
         style.zero_line(ax)
         for rank, (t, values) in enumerate(zip(times, field, strict=True)):
             colour, dash, _ = style.LINES[rank]
-            ax.plot(t, values, color=colour, linestyle=dash, linewidth=1.5, label=_name(run, rank))
+            # A line of one point would be invisible.
+            lone = "o" if np.isfinite(values).sum() == 1 else ""
+            ax.plot(t, values, color=colour, linestyle=dash, linewidth=1.5, label=_name(run, rank),
+                    marker=lone, clip_on=not lone)  # fmt: skip
         style.grid(ax)
-        ax.margins(x=0)
+        ax.set_xlim(float(times.min()), float(times.max()))
     top.set_ylabel("position $x$ [m]")
     middle.set_ylabel("speed $v$ [m/s]")
     bottom.set(ylabel="drive force $F_P$ [N]", xlabel="time $t$ [s]")
     # Smooth laws never hold, and bristles always yield a little.
     if law(run.law).kind == "dry":
         _shade((top, middle, bottom), times, run.way.reshape(count, -1))
-    top.set_title(title or f"law {run.law}, drive {run.drive}, method {run.method}", fontsize=10,
-                  loc="left")  # fmt: skip
+    said = title or f"law {run.law}, drive {run.drive}, method {run.method}"
+    if count == 1 and run.status.any():
+        said += f"\n{_name(run, 0)}"
+    top.set_title(said, fontsize=10, loc="left")
     if count > 1:
         top.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8, frameon=False,
                    handlelength=2.6)  # fmt: skip
@@ -97,13 +103,17 @@ def motion(
 def _name(run: Trajectories, rank: int) -> str:
     """Say which point of the grid a curve is."""
     shape = run.x.shape[:-1]
-    index = np.unravel_index(rank, shape) if shape else ()
+    index = tuple(int(i) for i in np.unravel_index(rank, shape)) if shape else ()
     words = [
         style.setting(name, float(values[i]))
         for (name, values), i in zip(run.axes.items(), index, strict=True)
     ]
-    lost = "" if np.isfinite(run.x.reshape(-1, run.x.shape[-1])[rank]).all() else ": no value"
-    return ", ".join(words) + lost
+    status, since = run.failure(index)
+    if status:
+        end = "" if since is None else f", no values from {since:g} s on"
+        fate = f"{status.name.lower()}{end}"
+        return ",\n".join([", ".join(words), fate]) if words else fate
+    return ", ".join(words)
 
 
 def _shade(axes: tuple[Axes, Axes, Axes], times: Floats, sliding: Floats) -> None:

@@ -12,6 +12,7 @@ from locosweep.engine import samples_of, whole
 from locosweep.errors import InputError
 from locosweep.grid import Grid
 from locosweep.progress import Meter
+from locosweep.registry import Status
 
 if TYPE_CHECKING:
     import polars as pl
@@ -60,6 +61,31 @@ class Trajectories:
     law: str
     drive: str
     method: str
+
+    def failure(self, index: tuple[int, ...]) -> tuple[Status, float | None]:
+        """Return why the curve at a grid index fails, and from when on it has no values.
+
+        Parameters
+        ----------
+        index : tuple of int
+            Position in ``status``; the empty tuple where there is no axis.
+
+        Returns
+        -------
+        Status
+            ``Status.OK`` if it does not fail.
+        float or None
+            Seconds; None where it has all its values.
+
+        Examples
+        --------
+        >>> import locosweep as ls
+        >>> run = ls.simulate(law="coulomb", mu_coulomb=0.3, drive_force=2)
+        >>> run.failure(())
+        (<Status.OK: 0>, None)
+        """
+        gone = np.broadcast_to(self.t, self.x.shape)[index][np.isnan(self.x[index])]
+        return Status(int(self.status[index])), float(gone[0]) if gone.size else None
 
     def to_polars(self) -> pl.DataFrame:
         """Return a long table: the axes, then t, x, v, force and way."""

@@ -10,8 +10,8 @@ use crate::integrate::Method;
 use crate::lane::Lane;
 use crate::physics::segment::Segment;
 
-/// Factor on the bound: steps that are coarse but stable overshoot, and bristles that
-/// spring back push for a while.
+/// Factor on the bound. The motion itself keeps within 1; steps that are coarse but stable
+/// overshoot, and their open energy ledger is what tells of them. Divergence passes any factor.
 const SLACK: f64 = 2.0;
 /// Rounding of positions over a run, as a share of the start position.
 const ROUNDING: f64 = 1e-6;

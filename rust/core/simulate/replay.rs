@@ -73,14 +73,15 @@ fn spread(from: &[f64], stride: usize, to: &mut [f64]) {
 /// light. A replay beyond it has diverged, also where its numbers are still finite.
 const FASTEST: f64 = 299_792_458.0;
 
-/// Whether the motion at a sample, `dt` after the start at `start`, are those of a motion.
+/// Whether a head can be at `x` with speed `v`, `dt` seconds after it was at `start`; the
+/// `others` of its readings only have to be numbers.
 pub(super) fn bounded(dt: f64, start: f64, x: f64, v: f64, others: [f64; 2]) -> bool {
     let others = others.iter().all(|value| value.is_finite());
     others && v.abs() <= FASTEST && (x - start).abs() <= FASTEST * dt + start.abs()
 }
 
-/// The first sample of a divergence, if there is one, from the positions that were read. The
-/// last sample shows whether there is one: no position finds back from there.
+/// The sample from which on the positions that were read have no meaning, if there is one.
+/// Only the last sample says whether there is one: what has diverged does not come back.
 pub(super) fn divergence(read: &[f64], fine: impl Fn(usize) -> bool) -> Option<usize> {
     if read.is_empty() || fine(read.len() - 1) {
         return None;

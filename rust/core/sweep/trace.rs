@@ -21,7 +21,7 @@ pub struct Traces {
     pub v: Vec<f64>,
     pub force: Vec<f64>,
     pub direction: Vec<f64>,
-    /// Of each cell; from where it has diverged it has no states.
+    /// Code of each cell; one that has diverged has no states from there on.
     pub statuses: Vec<u8>,
 }
 
