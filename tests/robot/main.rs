@@ -4,6 +4,7 @@
 mod battery;
 mod conservation;
 mod crawling;
+mod drive_work;
 mod elastic;
 #[path = "../common/engine.rs"]
 mod engine;

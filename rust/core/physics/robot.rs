@@ -77,8 +77,9 @@ impl<L: Lane> Levels<L> {
 }
 
 /// A prismatic actuator. Its drive follows the gait's command at `speed`; a
-/// spring and a damper in parallel stand between the drive and the joint, and
-/// the drive slips where their force would exceed `limit`. An ideal joint
+/// spring and a damper in parallel stand between the drive and the joint, whose
+/// force never exceeds `limit`: the drive does not get farther from the joint than
+/// the spring stretches under it (`held`), and is dragged along. An ideal joint
 /// (infinite stiffness) extends under the force `limit`, or what the motor's supply
 /// allows at its speed, up to `speed`, and is locked wherever the gait does not move it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,6 +94,15 @@ pub struct Joint<L> {
     pub stiffness: L,
     /// N s/m.
     pub damping: L,
+}
+
+impl<L: Lane> Joint<L> {
+    /// Stretch of the spring where the command is this far from the joint, m.
+    #[inline(always)]
+    pub fn held(&self, lead: L) -> L {
+        let most = self.limit / self.stiffness;
+        lead.min(most).max(-most)
+    }
 }
 
 /// The DC motor that stands behind every joint.

@@ -3,6 +3,7 @@
 //! together in both (`chain`, `stick`).
 
 mod chain;
+mod drive_work;
 mod ensemble;
 mod flow;
 mod gait_parameters;

@@ -6,6 +6,7 @@
 //! 1/2 (second order) where the step resolves it, towards 1 (which damps it
 //! out) where it does not, so no stiffness asks for a smaller step.
 
+use super::drive_work::{Dragged, Given};
 use super::lubrication::{Heaps, Levels, Lubrication, Span};
 use super::phase_groups::PhaseGroups;
 use super::stick::Step;
@@ -55,6 +56,9 @@ struct Elastic<'a, L, O> {
     start: [L; MOST_SEGMENTS],
     step: Step<L>,
     ledger: Ledger<L>,
+    /// Electrical power of the motors whose drives are dragged, beyond what they would draw
+    /// at their commands' speed, W.
+    power_dragged: L,
     theta_rate: L,
     time_step: L,
     break_away: L,
@@ -88,6 +92,7 @@ pub(super) fn run<L: Lane, O: Observer<L>>(
         start: [zero; MOST_SEGMENTS],
         step: Step::new(n, like),
         ledger: Ledger::new(like),
+        power_dragged: zero,
         theta_rate: stiffest(robot),
         time_step: options.time_step,
         break_away: options.break_away,
@@ -169,8 +174,10 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
         for (j, joint) in self.robot.joints.iter().enumerate() {
             let target = joint.stroke * phase.target[j];
             self.rate[j] = L::select(gradual, (target - self.command[j]) / ramp, zero);
-            // Without a speed limit the command jumps.
-            jumps = jumps.max((target - self.command[j]).abs());
+            // Without a speed limit the command jumps, and the drive as far as its force goes.
+            let length = self.start[j] + (self.x[j] - self.x[j + 1]);
+            let (from, to) = (self.command[j] - length, target - length);
+            jumps = jumps.max((joint.held(to) - joint.held(from)).abs());
             self.command[j] = L::select(gradual, self.command[j], target);
         }
         // A jump has no time for heat; no voltage but an infinite one is fast enough.
@@ -362,7 +369,7 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
         let rest = -(theta - 1.0);
         let per_h = h.splat(1.0) / h;
         let mut q_ahead = zero;
-        let mut power = zero;
+        let (mut power, mut power_dragged) = (zero, zero);
         let mut u_ahead = zero;
         for i in 0..n {
             let segment = &robot.segments[i];
@@ -378,17 +385,36 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
             if i > 0 {
                 let pace = u_ahead - u;
                 let force = q_ahead * per_h;
+                let (joint, rate) = (&robot.joints[i - 1], self.rate[i - 1]);
+                let length = self.start[i - 1] + (self.x[i - 1] - self.x[i]);
+                let lead = self.command[i - 1] - length;
+                let gained = h * (rate - pace);
+                let most = lead.abs().max((lead - gained).abs());
+                let slips = (joint.stiffness * most).gt(joint.limit);
+                let mut given = Given { work: q_ahead * rate, pace: rate };
+                let mut drawn = robot.motor.drawn(force, rate);
+                if L::any(slips) {
+                    let impulse = q_ahead;
+                    let dragged = Dragged { joint, lead, gained, impulse, pace, h, theta };
+                    let other = dragged.given();
+                    given = Given::select(slips, other, given);
+                    let heat = robot.motor.drawn(force, zero);
+                    let other = L::select(slips, heat + other.work * per_h, drawn);
+                    power_dragged = power_dragged + (other - drawn);
+                    drawn = other;
+                }
                 sums.joint_work = sums.joint_work + q_ahead * pace;
-                sums.work = sums.work + q_ahead * self.rate[i - 1];
+                sums.work = sums.work + given.work;
                 sums.actuator_peak = sums.actuator_peak.max(force.abs());
-                power = power + robot.motor.drawn(force, self.rate[i - 1]);
+                power = power + drawn;
                 if self.supplied {
-                    let voltage = robot.motor.voltage(force, self.rate[i - 1]);
+                    let voltage = robot.motor.voltage(force, given.pace);
                     sums.voltage_peak = sums.voltage_peak.max(voltage.abs());
                 }
             }
             (q_ahead, u_ahead) = (q, u);
         }
+        self.power_dragged = power_dragged;
         sums.electric = sums.electric + power * h;
         sums.power_peak = sums.power_peak.max(power);
         let between = |from: usize, to: usize| {
@@ -437,7 +463,7 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
             force: &force[..n - 1],
             slide: &self.step.slide[..n],
             heap: self.lubrication.as_ref().map_or(&[], |all| &all.heaps.swept[..n]),
-            power,
+            power: power + self.power_dragged,
             propulsive: drive,
         });
     }
@@ -451,14 +477,13 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
         sum
     }
 
-    /// Energy in the joints; a drive that slips holds what its limit allows.
+    /// Energy in the joints' springs.
     #[inline(always)]
     fn elastic(&self) -> L {
         let mut sum = self.ledger.time.splat(0.0);
         for (j, joint) in self.robot.joints.iter().enumerate() {
             let length = self.start[j] + (self.x[j] - self.x[j + 1]);
-            let most = joint.limit / joint.stiffness;
-            let stretch = (self.command[j] - length).min(most).max(-most);
+            let stretch = joint.held(self.command[j] - length);
             sum = sum + joint.stiffness * stretch * stretch * 0.5;
         }
         sum

@@ -37,7 +37,7 @@ pub struct GaitTally<L> {
     pub work: L,
     /// Lost in friction between segments and ground, J.
     pub friction: L,
-    /// Lost between drive and joint: in the damper, and where the drive slips.
+    /// Lost between drive and joint, in the damper.
     pub damping: L,
     /// Lost in impacts at the end of a stroke, J; negative where a drive of
     /// unlimited force starts with a jerk.

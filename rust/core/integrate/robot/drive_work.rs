@@ -1,0 +1,54 @@
+//! Work of an elastic joint's drive.
+//!
+//! Between a drive and its joint stands a spring. Up to the stretch at which the spring
+//! alone takes all of the drive's force, the drive follows its command; beyond, the joint
+//! drags it along at that stretch. Either way a drive gives its force times its own pace:
+//! what the joint takes, and what the spring and the damper take on top of that.
+
+use crate::lane::Lane;
+use crate::physics::robot::Joint;
+
+/// What a drive gives in a step.
+#[derive(Clone, Copy)]
+pub(super) struct Given<L> {
+    /// J.
+    pub work: L,
+    /// Mean speed of the drive, m/s.
+    pub pace: L,
+}
+
+/// A joint over a step whose command, at its start or end, is farther away than its drive.
+pub(super) struct Dragged<'a, L> {
+    pub joint: &'a Joint<L>,
+    /// From the joint to the command at the end of the step, and what it has gained, m.
+    pub lead: L,
+    pub gained: L,
+    /// Of the joint's force, and the joint's pace.
+    pub impulse: L,
+    pub pace: L,
+    /// Length of the step, and the intermediate time at which it takes its forces.
+    pub h: L,
+    pub theta: L,
+}
+
+impl<L: Lane> Dragged<'_, L> {
+    #[inline(always)]
+    pub fn given(&self) -> Given<L> {
+        let &Dragged { joint, lead, gained, impulse, pace, h, theta } = self;
+        let (before, after) = (joint.held(lead - gained), joint.held(lead));
+        let change = after - before;
+        // The step's force is that of its whole lead; here counts the part in which the
+        // drive keeps its command. It never takes less from the drive than the spring gains.
+        let stretch = (before + after) * 0.5 + (theta - 0.5) * change;
+        let force = joint.stiffness * stretch + joint.damping * (gained / h);
+        let force = force.min(joint.limit).max(-joint.limit);
+        Given { work: impulse * pace + force * change, pace: pace + change / h }
+    }
+}
+
+impl<L: Lane> Given<L> {
+    #[inline(always)]
+    pub fn select(mask: L::Mask, a: Given<L>, b: Given<L>) -> Given<L> {
+        Given { work: L::select(mask, a.work, b.work), pace: L::select(mask, a.pace, b.pace) }
+    }
+}
