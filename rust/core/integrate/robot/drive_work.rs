@@ -17,7 +17,8 @@ pub(super) struct Given<L> {
     pub pace: L,
 }
 
-/// A joint over a step whose command, at its start or end, is farther away than its drive.
+/// A joint over a step at whose start or end the command is farther from it than its drive
+/// can be.
 pub(super) struct Dragged<'a, L> {
     pub joint: &'a Joint<L>,
     /// From the joint to the command at the end of the step, and what it has gained, m.
@@ -37,8 +38,9 @@ impl<L: Lane> Dragged<'_, L> {
         let &Dragged { joint, lead, gained, impulse, pace, h, theta } = self;
         let (before, after) = (joint.held(lead - gained), joint.held(lead));
         let change = after - before;
-        // The step's force is that of its whole lead; here counts the part in which the
-        // drive keeps its command. It never takes less from the drive than the spring gains.
+        // Against its joint the drive moves from one stretch to the other, with the force of the
+        // stretch at the intermediate time theta, at which the step takes all its forces. As
+        // theta is 1/2 or more, it gives at least what the spring gains.
         let stretch = (before + after) * 0.5 + (theta - 0.5) * change;
         let force = joint.stiffness * stretch + joint.damping * (gained / h);
         let force = force.min(joint.limit).max(-joint.limit);
