@@ -9,7 +9,6 @@ use crate::lane::Lane;
 use crate::physics::robot::Joint;
 
 /// What a drive gives in a step.
-#[derive(Clone, Copy)]
 pub(super) struct Given<L> {
     /// J.
     pub work: L,
@@ -45,12 +44,5 @@ impl<L: Lane> Dragged<'_, L> {
         let force = joint.stiffness * stretch + joint.damping * (gained / h);
         let force = force.min(joint.limit).max(-joint.limit);
         Given { work: impulse * pace + force * change, pace: pace + change / h }
-    }
-}
-
-impl<L: Lane> Given<L> {
-    #[inline(always)]
-    pub fn select(mask: L::Mask, a: Given<L>, b: Given<L>) -> Given<L> {
-        Given { work: L::select(mask, a.work, b.work), pace: L::select(mask, a.pace, b.pace) }
     }
 }

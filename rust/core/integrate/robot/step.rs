@@ -6,7 +6,7 @@
 //! 1/2 (second order) where the step resolves it, towards 1 (which damps it
 //! out) where it does not, so no stiffness asks for a smaller step.
 
-use super::drive_work::{Dragged, Given};
+use super::drive_work::Dragged;
 use super::lubrication::{Heaps, Levels, Lubrication, Span};
 use super::phase_groups::PhaseGroups;
 use super::stick::Step;
@@ -56,6 +56,9 @@ struct Elastic<'a, L, O> {
     start: [L; MOST_SEGMENTS],
     step: Step<L>,
     ledger: Ledger<L>,
+    /// By how much a joint is stretched beyond what its drive's force holds, as a force,
+    /// N; the most of all joints, negative where every drive keeps its command.
+    overstretch: L,
     /// Electrical power of the motors whose drives are dragged, beyond what they would draw
     /// at their commands' speed, W.
     power_dragged: L,
@@ -92,6 +95,7 @@ pub(super) fn run<L: Lane, O: Observer<L>>(
         start: [zero; MOST_SEGMENTS],
         step: Step::new(n, like),
         ledger: Ledger::new(like),
+        overstretch: zero,
         power_dragged: zero,
         theta_rate: stiffest(robot),
         time_step: options.time_step,
@@ -227,6 +231,8 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
         let one = count.splat(1.0);
         let half = count.splat(0.5);
         self.prepare(schedule, stretch.h, stretch.theta);
+        // A command may have jumped since the last step.
+        self.overstretch = count.splat(f64::INFINITY);
         let mut left = count;
         while L::any(left.gt(half)) && self.observer.go_on() {
             let waiting = L::any((one - left).gt(half)).then(|| self.saved());
@@ -369,8 +375,9 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
         let rest = -(theta - 1.0);
         let per_h = h.splat(1.0) / h;
         let mut q_ahead = zero;
-        let (mut power, mut power_dragged) = (zero, zero);
+        let mut power = zero;
         let mut u_ahead = zero;
+        let mut overstretch = zero.splat(f64::NEG_INFINITY);
         for i in 0..n {
             let segment = &robot.segments[i];
             let (v, w) = (step.v[i], step.w[i]);
@@ -385,36 +392,28 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
             if i > 0 {
                 let pace = u_ahead - u;
                 let force = q_ahead * per_h;
-                let (joint, rate) = (&robot.joints[i - 1], self.rate[i - 1]);
+                let joint = &robot.joints[i - 1];
                 let length = self.start[i - 1] + (self.x[i - 1] - self.x[i]);
-                let lead = self.command[i - 1] - length;
-                let gained = h * (rate - pace);
-                let most = lead.abs().max((lead - gained).abs());
-                let slips = (joint.stiffness * most).gt(joint.limit);
-                let mut given = Given { work: q_ahead * rate, pace: rate };
-                let mut drawn = robot.motor.drawn(force, rate);
-                if L::any(slips) {
-                    let impulse = q_ahead;
-                    let dragged = Dragged { joint, lead, gained, impulse, pace, h, theta };
-                    let other = dragged.given();
-                    given = Given::select(slips, other, given);
-                    let heat = robot.motor.drawn(force, zero);
-                    let other = L::select(slips, heat + other.work * per_h, drawn);
-                    power_dragged = power_dragged + (other - drawn);
-                    drawn = other;
-                }
+                let lead = (self.command[i - 1] - length).abs();
+                overstretch = overstretch.max(joint.stiffness * lead - joint.limit);
                 sums.joint_work = sums.joint_work + q_ahead * pace;
-                sums.work = sums.work + given.work;
+                sums.work = sums.work + q_ahead * self.rate[i - 1];
                 sums.actuator_peak = sums.actuator_peak.max(force.abs());
-                power = power + drawn;
-                if self.supplied {
-                    let voltage = robot.motor.voltage(force, given.pace);
-                    sums.voltage_peak = sums.voltage_peak.max(voltage.abs());
-                }
+                power = power + robot.motor.drawn(force, self.rate[i - 1]);
             }
             (q_ahead, u_ahead) = (q, u);
         }
-        self.power_dragged = power_dragged;
+        let dragged = L::any(zero.lt(self.overstretch.max(overstretch)));
+        self.overstretch = overstretch;
+        self.power_dragged = zero;
+        if dragged || self.supplied {
+            h.outlined(
+                #[inline(always)]
+                || self.account_drives(stretch),
+            );
+            power = power + self.power_dragged;
+        }
+        let (step, sums) = (&self.step, &mut self.ledger);
         sums.electric = sums.electric + power * h;
         sums.power_peak = sums.power_peak.max(power);
         let between = |from: usize, to: usize| {
@@ -437,6 +436,39 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
         sums.time = sums.time + h;
         sums.driven_time = sums.driven_time + h * driven;
         sums.steps = sums.steps + 1.0;
+    }
+
+    /// Drives that a joint drags along, and what the motors' supply has to give. Rare, hence
+    /// not in the loop of every step.
+    #[inline(always)]
+    fn account_drives(&mut self, stretch: &Stretch<L>) {
+        let Stretch { h, theta, .. } = *stretch;
+        let (robot, step, sums) = (self.robot, &self.step, &mut self.ledger);
+        let zero = h.splat(0.0);
+        let per_h = h.splat(1.0) / h;
+        for (j, joint) in robot.joints.iter().enumerate() {
+            let rest = -(theta - 1.0);
+            let ahead = theta * step.w[j] + rest * step.v[j];
+            let pace = ahead - (theta * step.w[j + 1] + rest * step.v[j + 1]);
+            let (impulse, rate) = (step.q[j], self.rate[j]);
+            let force = impulse * per_h;
+            let length = self.start[j] + (self.x[j] - self.x[j + 1]);
+            let lead = self.command[j] - length;
+            let gained = h * (rate - pace);
+            let most = lead.abs().max((lead - gained).abs());
+            let slips = (joint.stiffness * most).gt(joint.limit);
+            let given = Dragged { joint, lead, gained, impulse, pace, h, theta }.given();
+            let more = given.work - impulse * rate;
+            sums.work = sums.work + L::select(slips, more, zero);
+            let drawn = robot.motor.drawn(force, zero) + given.work * per_h;
+            let more = drawn - robot.motor.drawn(force, rate);
+            self.power_dragged = self.power_dragged + L::select(slips, more, zero);
+            if self.supplied {
+                let pace = L::select(slips, given.pace, rate);
+                let voltage = robot.motor.voltage(force, pace);
+                sums.voltage_peak = sums.voltage_peak.max(voltage.abs());
+            }
+        }
     }
 
     #[inline(never)]
