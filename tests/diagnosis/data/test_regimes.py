@@ -4,9 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.signal import savgol_filter
 
 from diagnosis_small import NOISE, problem
-from locosweep.diagnosis.data.regimes import REGIMES, MeasuredMotion, measured_motion, regimes_of
+from locosweep.diagnosis.data.regimes import (
+    REGIMES,
+    MeasuredMotion,
+    _local_parabolas,
+    measured_motion,
+    regimes_of,
+)
 from locosweep.files.runs import Run
 
 RATE = 100.0
@@ -74,3 +81,18 @@ def test_missing_readings_are_bridged() -> None:
 def test_nothing_measured_is_at_rest() -> None:
     run = Run("0", np.arange(50) / RATE, np.zeros(50), {"x": np.full(50, np.nan)})
     assert set(kinds(run)) == {"at_rest"}
+
+
+@pytest.mark.parametrize(("count", "width"), [(5, 5), (9, 5), (301, 37), (2000, 251)])
+def test_local_parabolas_are_the_filter_of_savitzky_and_golay(count, width):
+    x = np.cumsum(np.random.default_rng(3).normal(size=count))
+    value, slope = _local_parabolas(x, width)
+    assert value == pytest.approx(savgol_filter(x, width, 2), abs=1e-9)
+    assert slope == pytest.approx(savgol_filter(x, width, 2, deriv=1), abs=1e-9)
+
+
+def test_local_parabolas_follow_a_parabola_to_its_ends():
+    t = np.arange(40.0)
+    value, slope = _local_parabolas(2.0 - 3.0 * t + 0.5 * t**2, 11)
+    assert value == pytest.approx(2.0 - 3.0 * t + 0.5 * t**2)
+    assert slope == pytest.approx(t - 3.0, abs=1e-9)

@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from locosweep.diagnosis.report.figures_localization import (
+    _REGIME_COLOURS,
     _joined,
     force_view,
     origin_strips,
@@ -55,9 +57,13 @@ def test_strips_are_the_residual_and_boxes_the_windows(found):
 def test_kinds_of_motion_are_strips_over_the_whole_run(found):
     ax = origin_strips(found, Figure().subplots())
     trace = found.traces[0]
-    own = [bars for bars in ax.collections if bars.get_paths()[0].get_extents().y0 == -0.4]
-    assert len(own) == 1 + np.count_nonzero(np.diff(trace.regime))
-    width = sum(bars.get_paths()[0].get_extents().width for bars in own)
+    (strip,) = [s for s in ax.collections if s.get_paths()[0].get_extents().y0 == -0.4]
+    bars = [path.get_extents() for path in strip.get_paths()]
+    assert len(bars) == 1 + np.count_nonzero(np.diff(trace.regime))
+    changes = np.flatnonzero(np.diff(trace.regime, prepend=-1))
+    colours = [to_rgba(_REGIME_COLOURS[kind]) for kind in trace.regime[changes]]
+    assert [tuple(colour) for colour in strip.get_facecolors()] == colours
+    width = sum(bar.width for bar in bars)
     assert width == pytest.approx(trace.t[-1] - trace.t[0])
 
 

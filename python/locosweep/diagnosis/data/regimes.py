@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.signal import savgol_filter
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -47,10 +46,33 @@ def measured_motion(run: Run, noise: Noise) -> MeasuredMotion:
     width = int(np.ceil((3.5 * noise.sd / (0.05 * fast * step)) ** (2.0 / 3.0)))
     width = int(np.clip(width | 1, 5, max(5, (t.size // 8) | 1)))
     even = np.linspace(t[0], t[-1], t.size)
-    smooth = savgol_filter(np.interp(even, t, x), width, 2)
-    speed = savgol_filter(np.interp(even, t, x), width, 2, deriv=1, delta=even[1] - even[0])
+    smooth, slope = _local_parabolas(np.interp(even, t, x), width)
+    speed = slope / (even[1] - even[0])
     deviation = noise.sd * np.sqrt(12.0 / width**3) / step
     return MeasuredMotion(np.interp(t, even, smooth), np.interp(t, even, speed), float(deviation))
+
+
+def _local_parabolas(
+    x: NDArray[np.float64], width: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Smooth even samples by least-squares parabolas over `width` of them, an odd number.
+
+    Returns values and slopes per sample (Savitzky and Golay 1964); the first and the last
+    parabola reach to the ends. SciPy has this filter too, but its import takes longer than
+    the diagnosis of a short run.
+    """
+    half = width // 2
+    at = np.arange(-half, half + 1.0)
+    powers = np.vander(at, 3, increasing=True)
+    weights = np.linalg.pinv(powers)
+    value, slope = (np.correlate(x, row, mode="valid") for row in weights[:2])
+    first, last = weights @ x[:width], weights @ x[-width:]
+    before, after = powers[:half], powers[half + 1 :]
+    turns = np.array([0.0, 1.0, 2.0])[:, None] * np.vstack([np.zeros(width), powers.T[:2]])
+    return (
+        np.concatenate([before @ first, value, after @ last]),
+        np.concatenate([first @ turns[:, :half], slope, last @ turns[:, half + 1 :]]),
+    )
 
 
 def regimes_of(motion: MeasuredMotion) -> NDArray[np.int64]:

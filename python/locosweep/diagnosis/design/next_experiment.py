@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtr
 
 from locosweep.diagnosis.data.noise import Noise
 from locosweep.diagnosis.design.menu import FORCE_NOISE, MENU, PAYLOAD
@@ -131,7 +131,7 @@ def next_experiment(
 def _promise(distances: Floats, weights: Floats) -> tuple[float, float]:
     """Return the probability that the truth is told from all others, and the mean distance."""
     least = np.clip(distances, 1e-9, _FAR)
-    chance = weights @ norm.cdf((least**2 - RESOLVED**2) / (2.0 * least))
+    chance = weights @ ndtr((least**2 - RESOLVED**2) / (2.0 * least))
     return float(chance), float(weights @ np.minimum(distances, _FAR))
 
 

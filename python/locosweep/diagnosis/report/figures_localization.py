@@ -61,9 +61,10 @@ def origin_strips(diagnosis: Diagnosis, ax: Axes) -> Axes:
     for y, trace in enumerate(traces):
         edges = _edges(trace.t)
         change = np.flatnonzero(np.diff(trace.regime)) + 1
-        for first, last in zip([0, *change], [*change, trace.t.size], strict=True):
-            ax.broken_barh([(edges[first], edges[last] - edges[first])], (y - 0.4, 0.8),
-                           facecolor=_REGIME_COLOURS[int(trace.regime[first])])  # fmt: skip
+        first, last = np.r_[0, change], np.r_[change, trace.t.size]
+        bars = list(zip(edges[first], edges[last] - edges[first], strict=True))
+        colours = [_REGIME_COLOURS[int(kind)] for kind in trace.regime[first]]
+        ax.broken_barh(bars, (y - 0.4, 0.8), facecolors=colours)
     _boxes(ax, traces, diagnosis.where["origin"])
     return _runs_axis(ax, traces, "where it arises: residual after a restart at the window's start")
 

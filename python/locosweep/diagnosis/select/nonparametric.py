@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.linalg import block_diag
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from locosweep.diagnosis.estimate.least_squares import jacobian_of
 from locosweep.diagnosis.estimate.motion import ALL, motion_of, response, terms_of
@@ -223,7 +223,7 @@ class NonparametricCorrection:
                 continue
             fall, more, _ = self.solve([*beside, variable])
             if more > terms:
-                chance = chi2.sf((fall - base) / noise, more - terms) * len(self.variables)
+                chance = float(chdtrc(more - terms, (fall - base) / noise)) * len(self.variables)
                 if chance < SIGNIFICANCE:
                     rows.append((variable, (fall - base) / total))
         return sorted(rows, key=lambda row: -row[1])
