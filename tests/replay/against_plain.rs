@@ -57,6 +57,22 @@ fn friction_along_the_way_is_followed_to_a_micrometre() {
     }
 }
 
+/// A step from wave to wave, or to the same height of another wave, sees no change.
+#[test]
+fn fast_waves_of_friction_along_the_way_are_not_jumped_over() {
+    for (strength, a) in [(1.0, 0.9), (1.5, 0.5), (3.0, 0.5)] {
+        for dt in [1e-3, 2e-3] {
+            let mut run = pulses(dt, 1.0);
+            run.drive.iter_mut().for_each(|drive| *drive *= strength);
+            let waves: &[f64] = &[a, 0.004, 0.7];
+            let (x, _) = errors(&[(Effect::PositionDependentFriction, waves)], &run, 1e-7);
+            // Of which a part is the plain integration's own.
+            let what = format!("{strength} times the drive, a {a}, samples of {dt} s");
+            assert!(x < 2.0 * MICROMETRE, "{what}: {x} m");
+        }
+    }
+}
+
 /// What acts between the samples moves the body, not the mean of the samples' forces.
 #[test]
 fn the_body_feels_the_force_between_the_samples() {

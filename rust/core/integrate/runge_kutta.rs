@@ -19,6 +19,9 @@ pub struct RungeKutta<'a, 'b, C: ?Sized, L, F, const CONTROL: bool = false> {
     locate: bool,
     /// Longest step.
     step: L,
+    /// Longest way of a controlled step, m: a step from crest to crest of what varies along
+    /// the track sees nothing of it, nor does its error.
+    stride: L,
     /// What the error of the last part of a step would have allowed.
     reach: L,
     go_on: F,
@@ -32,7 +35,13 @@ impl<'a, 'b, C: ?Sized, L: Lane, F, const CONTROL: bool> RungeKutta<'a, 'b, C, L
         step: L,
         go_on: F,
     ) -> Self {
-        RungeKutta { segment, contact, locate, step, reach: step, go_on }
+        let stride = step.splat(f64::INFINITY);
+        RungeKutta { segment, contact, locate, step, stride, reach: step, go_on }
+    }
+
+    /// The same with steps that go no further than `stride`, m.
+    pub fn within(self, stride: L) -> Self {
+        RungeKutta { stride, ..self }
     }
 }
 
@@ -142,7 +151,8 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool, const CONTROL: bool
         if !L::any(resting) || (self.locate && self.stays(state, resting, dt)) {
             let length = L::select(moving, dt, zero);
             let step = self.slide(state, length, tally.watch.energy);
-            let rough = if CONTROL { L::and(moving, rough(&step)) } else { zero.lt(zero) };
+            let rough =
+                if CONTROL { L::and(moving, self.rough(state, &step, dt)) } else { zero.lt(zero) };
             if !L::any(L::or(rough, L::and(moving, self.stops(state, &step, dt)))) {
                 take(self.segment, self.contact.placed(), state, tally, &step, dt, moving);
                 tally.stuck = L::select(resting, tally.stuck + dt, tally.stuck);
@@ -251,7 +261,7 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool, const CONTROL: bool
                 if CONTROL {
                     // The last of the way is where friction may be steepest: a part ends
                     // before the stop where the step to it is too long.
-                    let early = L::and(stops, rough(&step));
+                    let early = L::and(stops, self.rough(state, &step, until));
                     if L::any(early) {
                         (until, step) = self.controlled(state, early, (until, step));
                         stops = L::and(stops, L::not(early));
@@ -290,14 +300,23 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool, const CONTROL: bool
         let mut dt = L::select(moving, whole.min(self.reach), whole);
         let mut step = if L::any(dt.lt(whole)) { self.slide(state, dt, false) } else { slide };
         loop {
-            let rough = L::and(L::and(moving, shortest.lt(dt)), rough(&step));
-            self.reach = L::select(moving, (dt * growth(&step)).frozen(), self.reach);
+            let rough = self.rough(state, &step, dt);
+            let rough = L::and(L::and(moving, shortest.lt(dt)), rough);
+            let reach = (dt * growth(&step)).min(self.stride * SAFETY / fastest(state, &step));
+            self.reach = L::select(moving, reach.frozen(), self.reach);
             if !L::any(rough) {
                 return (dt, step);
             }
             dt = L::select(rough, self.reach.max(shortest), dt);
             step = self.slide(state, dt, false);
         }
+    }
+
+    /// Lanes whose step of `dt` is too long, for its error or for the way that it takes.
+    #[inline(always)]
+    fn rough(&self, state: &State<L>, step: &Slide<L>, dt: L) -> L::Mask {
+        let inexact = dt.splat(SPEED_ERROR).lt(step.error);
+        L::or(inexact, self.stride.lt(dt * fastest(state, step)))
     }
 
     /// When the speed passes zero: from the cubic, then by Newton on the step
@@ -320,10 +339,10 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool, const CONTROL: bool
     }
 }
 
-/// Lanes whose step is too long for its error.
+/// The higher one of the speeds at a step's ends.
 #[inline(always)]
-fn rough<L: Lane>(step: &Slide<L>) -> L::Mask {
-    step.error.splat(SPEED_ERROR).lt(step.error)
+fn fastest<L: Lane>(state: &State<L>, step: &Slide<L>) -> L {
+    state.v.abs().max(step.v.abs())
 }
 
 /// Factor by which a step may grow, or has to shrink: the error goes with its fourth power.

@@ -261,6 +261,14 @@ impl<L: Lane> Plant<L> {
         !self.rotary && !loaded && !self.active.any(&bent)
     }
 
+    /// Way after which friction along the track repeats, m.
+    #[inline(always)]
+    pub fn wave_length(&self) -> L {
+        let like = self.friction.per_length;
+        let waves = self.active.has(Effect::PositionDependentFriction);
+        if waves { like.splat(1.0) / like } else { like.splat(f64::INFINITY) }
+    }
+
     /// Whether friction changes over speeds or ways that a step may jump over.
     pub fn is_steep(&self) -> bool {
         self.active.any(&[Effect::StribeckFriction, Effect::PositionDependentFriction])
