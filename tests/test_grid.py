@@ -1,10 +1,11 @@
 """Grids against hostile values: refused with a message, or taken exactly."""
 
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
@@ -40,6 +41,7 @@ def test_a_number_is_taken_exactly_or_refused(record, value):
         ls.Grid(**{record.name: value})
 
 
+@example(registry.parameter("drive_limit"), [2**64])
 @given(RECORDS, st.lists(ANY, max_size=5))
 def test_an_axis_is_taken_exactly_or_refused(record, values):
     try:
@@ -53,6 +55,18 @@ def test_an_axis_is_taken_exactly_or_refused(record, values):
         return
     with pytest.raises(ls.InputError, match=record.name):
         ls.Grid(**{record.name: values})
+
+
+def test_numbers_of_any_kind_are_taken_alone_and_in_lists():
+    for value in (2**64, Fraction(1, 4), np.float32(0.5), np.int8(3)):
+        assert ls.Grid(drive_limit=value).fixed["drive_limit"] == float(value)
+        assert ls.Grid(drive_limit=[1, value]).axes["drive_limit"].tolist() == [1.0, float(value)]
+
+
+@pytest.mark.parametrize("value", [10**400, [1, 10**400], [2**64, True], [2**64, "3"], [1, None]])
+def test_what_is_no_number_or_too_large_is_refused_in_one_line(value):
+    with pytest.raises(ls.InputError, match=r"^drive_limit [^\n]*$"):
+        ls.Grid(drive_limit=value)
 
 
 def test_a_wrong_value_is_named_with_its_place():

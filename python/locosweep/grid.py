@@ -89,8 +89,8 @@ class Grid:
 
 def _read(name: str, value: Any) -> tuple[float, NDArray[np.float64] | None]:
     """Turn what a user gave into a number or an axis."""
-    if not isinstance(value, bool | np.bool_) and isinstance(value, Real):
-        return float(value), None
+    if _is_number(value):
+        return float(real_array(name, value)), None
     if hasattr(value, "magnitude") and hasattr(value, "to"):
         unit = parameter(name).unit
         value = value.to("dimensionless" if unit == "1" else unit).magnitude
@@ -105,6 +105,10 @@ def _read(name: str, value: Any) -> tuple[float, NDArray[np.float64] | None]:
     return 0.0, array
 
 
+def _is_number(value: Any) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool | np.bool_)
+
+
 def real_array(name: str, value: Any) -> NDArray[np.float64]:
     """Return a copy as an array; text, truth values and masked arrays are no numbers."""
     if np.ma.isMaskedArray(value):
@@ -115,6 +119,13 @@ def real_array(name: str, value: Any) -> NDArray[np.float64]:
         array = np.asarray(value)
     except ValueError as error:
         raise InputError(f"{name} is not an array of numbers: {error}") from None
+    given = hasattr(value, "dtype")
+    if array.dtype == object and not given and array.size and all(map(_is_number, array.flat)):
+        # Whole numbers beyond 64 bits, and fractions, are numbers in a list as well as alone.
+        try:
+            array = array.astype(np.float64)
+        except OverflowError:
+            raise InputError(f"{name} has a number beyond 1.8e308: allowed is less") from None
     if array.dtype.kind not in "iuf":
         fault = f"has type {array.dtype}" if array.ndim else f"is {value!r}"
         raise InputError(f"{name} {fault}: allowed is a number, or several")

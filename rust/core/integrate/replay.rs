@@ -50,8 +50,9 @@ impl Samples<'_> {
 /// bends smoothly, where a joint or a lag stands beside it, s.
 const STEEP: f64 = 1e-3;
 const BENT: f64 = 2e-3;
-/// Longest step as a share of the wave length of friction along the track: errors of steps
-/// within it show. Set by `cargo test --test replay fast_waves`.
+/// Longest way of a step as a share of the wavelength of friction along the track. A step that
+/// spans a wave can miss it, and so can the estimate of its error. Set by
+/// `cargo test --test replay fast_waves`.
 const STRIDE: f64 = 0.125;
 /// Local error of the stiff method: what it leaves is far below what sensors see.
 const TOLERANCE: f64 = 1e-4;
@@ -206,7 +207,7 @@ fn in_steps<L: Lane>(
 ) {
     let contact = &Bound::<Measured, L>(plant.friction);
     let method = RungeKutta::<_, _, _, true>::new(segment, contact, true, segment.step, go_on)
-        .within(plant.wave_length() * STRIDE);
+        .within(plant.wavelength() * STRIDE);
     over_samples(plant, segment, method, direct(segment), samples, read);
 }
 

@@ -19,8 +19,8 @@ pub struct RungeKutta<'a, 'b, C: ?Sized, L, F, const CONTROL: bool = false> {
     locate: bool,
     /// Longest step.
     step: L,
-    /// Longest way of a controlled step, m: a step from crest to crest of what varies along
-    /// the track sees nothing of it, nor does its error.
+    /// Longest way of a controlled step, m: a step that spans a wave of friction along the
+    /// track can miss it, and so can the estimate of its error.
     stride: L,
     /// What the error of the last part of a step would have allowed.
     reach: L,

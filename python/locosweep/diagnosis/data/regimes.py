@@ -58,8 +58,8 @@ def _local_parabolas(
     """Smooth even samples by least-squares parabolas over `width` of them, an odd number.
 
     Returns values and slopes per sample (Savitzky and Golay 1964); the first and the last
-    parabola reach to the ends. SciPy has this filter too, but its import takes longer than
-    the diagnosis of a short run.
+    parabola reach to the ends. SciPy has this filter too, in a package whose import adds
+    more than half to that of the diagnosis.
     """
     half = width // 2
     at = np.arange(-half, half + 1.0)

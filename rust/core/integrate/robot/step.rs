@@ -438,16 +438,17 @@ impl<L: Lane, O: Observer<L>> Elastic<'_, L, O> {
         sums.steps = sums.steps + 1.0;
     }
 
-    /// Drives that a joint drags along, and what the motors' supply has to give. Rare, hence
-    /// not in the loop of every step.
+    /// Enters what the drives that their joints drag along give beyond what `account` took
+    /// for them, and the voltage that a bounded supply has to give. Both are rare, hence not
+    /// in the loop of every step.
     #[inline(always)]
     fn account_drives(&mut self, stretch: &Stretch<L>) {
         let Stretch { h, theta, .. } = *stretch;
         let (robot, step, sums) = (self.robot, &self.step, &mut self.ledger);
         let zero = h.splat(0.0);
         let per_h = h.splat(1.0) / h;
+        let rest = -(theta - 1.0);
         for (j, joint) in robot.joints.iter().enumerate() {
-            let rest = -(theta - 1.0);
             let ahead = theta * step.w[j] + rest * step.v[j];
             let pace = ahead - (theta * step.w[j + 1] + rest * step.v[j + 1]);
             let (impulse, rate) = (step.q[j], self.rate[j]);

@@ -261,9 +261,9 @@ impl<L: Lane> Plant<L> {
         !self.rotary && !loaded && !self.active.any(&bent)
     }
 
-    /// Way after which friction along the track repeats, m.
+    /// Wavelength of friction along the track, m; infinite where it does not vary there.
     #[inline(always)]
-    pub fn wave_length(&self) -> L {
+    pub fn wavelength(&self) -> L {
         let like = self.friction.per_length;
         let waves = self.active.has(Effect::PositionDependentFriction);
         if waves { like.splat(1.0) / like } else { like.splat(f64::INFINITY) }
