@@ -8,11 +8,18 @@ import numpy as np
 
 from diagnosis_small import ROBOT, measured, problem
 from locosweep.diagnosis.effects.scale import scale_of
-from locosweep.diagnosis.estimate.least_squares import Fit, Nuisances, fit_all, start_fits
+from locosweep.diagnosis.estimate.equation_error import equation_error
+from locosweep.diagnosis.estimate.least_squares import (
+    Fit,
+    Nuisances,
+    chi2_of,
+    fit_all,
+    start_fits,
+)
 from locosweep.diagnosis.select.search import Search
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from locosweep.files.runs import Run
 
@@ -21,7 +28,8 @@ def search_of(runs: Sequence[Run], *names: str, held: tuple[int, ...] = ()) -> S
     """Return a search among `names` with nothing but them to fit."""
     scale = scale_of(ROBOT, list(runs))
     own = problem(runs, held=held, speed_scale=scale.speed)
-    return Search(own, Nuisances(speed=scale.speed), scale, names)
+    along = equation_error(own)
+    return Search(own, Nuisances(speed=scale.speed), scale, names, along=along)
 
 
 def search_for(effects: dict[str, dict[str, float]], *names: str) -> Search:
@@ -35,3 +43,8 @@ def fit_of(search: Search, *names: str, values: Sequence[float] | None = None) -
     row = np.zeros((1, len(model.free))) if values is None else np.array([values])
     (fit,) = fit_all(search.problem, start_fits(search.nuisances, model, row), steps=20)
     return fit
+
+
+def ranked(found: Mapping[frozenset[str], Fit]) -> list[Fit]:
+    """Return fits, best first."""
+    return sorted(found.values(), key=chi2_of)

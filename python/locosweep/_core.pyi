@@ -1,7 +1,7 @@
 from _typeshed import Incomplete, SupportsGetItem
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["CancelToken", "Drive", "Effect", "EffectFit", "EffectShape", "FrictionCandidate", "FrictionData", "FrictionOutcome", "FrictionParameter", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "derivative", "drives", "effect_parameter_count", "effects", "falls", "file_choices", "file_keys", "gait_outputs", "gait_parameters", "gait_run", "gaits", "imposed_force", "laws", "methods", "motor_power", "nearest", "noise", "parameters", "pressings", "quantities", "rank_fits", "reality_forms", "reality_run", "reality_source", "reductions", "sensitivity_directions", "simd_level", "simd_levels", "spikes", "statuses", "threads_to_use", "version"]
+__all__ = ["CancelToken", "Drive", "Effect", "EffectFit", "EffectShape", "FrictionCandidate", "FrictionData", "FrictionOutcome", "FrictionParameter", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "derivative", "drives", "effect_parameter_count", "effects", "falls", "file_choices", "file_keys", "gait_outputs", "gait_parameters", "gait_run", "gaits", "imposed_force", "laws", "linear_response", "methods", "motor_power", "nearest", "noise", "parameters", "pressings", "quantities", "rank_fits", "reality_forms", "reality_run", "reality_source", "reductions", "sensitivity_directions", "simd_level", "simd_levels", "spikes", "statuses", "threads_to_use", "version"]
 
 @final
 class CancelToken:
@@ -550,6 +550,16 @@ class Replay:
         limit, and mu_coulomb or coulomb_force; for a pendulum also
         gravity_torque. Each run is (times in s from 0, drive, slope in degrees).
         """
+    def displacements(self, /, columns: SupportsGetItem[int, tuple[SupportsIndex, SupportsGetItem[int, str]]], values: Incomplete, shares: Incomplete, motions: SupportsGetItem[int, tuple[Incomplete, Incomplete, Incomplete, SupportsGetItem[int, tuple[SupportsIndex, SupportsIndex]]]], block: SupportsIndex, threads: SupportsIndex) -> Incomplete:
+        """
+        Displacements of models along measured motions: how far each would have come in each
+        slide under the forces of the measured motion, without start and start speed.
+
+        Columns are (run, effects) with `values` and `shares` as in `run`; `motions` has x, v
+        and sliding distance at the samples of each run, and its slides in one direction, rows
+        of first sample and one beyond the last. Returns means over blocks of `block` samples,
+        slide by slide, all columns one after another. Joints and bristles are left out.
+        """
     @property
     def lengths(self, /) -> list[int]:
         """
@@ -717,6 +727,14 @@ def imposed_force(law: str, given: SupportsGetItem[int, tuple[str, SupportsFloat
 def laws() -> list[Law]:
     """
     All friction laws.
+    """
+
+def linear_response(forces: Incomplete, v: Incomplete, step: Incomplete, last: Incomplete, mass: SupportsFloat | SupportsIndex, damping: SupportsFloat | SupportsIndex) -> tuple[Incomplete, Incomplete]:
+    """
+    First-order change of position and speed of a motion under small forces, a row a force.
+
+    The motion is given by speed, seconds to the next sample and whether it is the last of its
+    run, sample by sample, and by the head's mass in kg and viscous coefficient in N s/m.
     """
 
 def methods() -> list[tuple[str, str]]:

@@ -29,7 +29,7 @@ mod _core {
     #[pymodule_export]
     use super::reality::{reality_forms, reality_run, reality_source};
     #[pymodule_export]
-    use super::replay::{Replay, motor_power, sensitivity_directions};
+    use super::replay::{Replay, linear_response, motor_power, sensitivity_directions};
     #[pymodule_export]
     use super::sweep::{CancelToken, Sweep};
     #[pymodule_export]

@@ -2,11 +2,13 @@
 
 use crate::door::{enter, input_error, raise};
 use crate::sweep::CancelToken;
+use locosweep::integrate::linear_response::{Slides, linear_response as respond};
 use locosweep::lane::Level;
 use locosweep::physics::effects::{Active, EFFECT_PARAMS, Effect, Nominal};
 use locosweep::physics::robot::Motor;
 use locosweep::sweep::replay::{
-    Column, DIRECTIONS, OTHER_DIRECTIONS, Run, replay_into, replay_with_sensitivities, samples,
+    Column, DIRECTIONS, MeasuredMotion, OTHER_DIRECTIONS, Run, blocks, displacements_along,
+    replay_into, replay_with_sensitivities, samples,
 };
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use numpy::{PyArrayMethods, PyReadwriteArray2};
@@ -154,6 +156,78 @@ impl Replay {
         enter(py, &control, made.len() as u64, progress.as_ref(), work)?;
         Ok((read, slopes))
     }
+
+    /// Displacements of models along measured motions: how far each would have come in each
+    /// slide under the forces of the measured motion, without start and start speed.
+    ///
+    /// Columns are (run, effects) with `values` and `shares` as in `run`; `motions` has x, v
+    /// and sliding distance at the samples of each run, and its slides in one direction, rows
+    /// of first sample and one beyond the last. Returns means over blocks of `block` samples,
+    /// slide by slide, all columns one after another. Joints and bristles are left out.
+    #[pyo3(signature = (columns, values, shares, motions, block, threads))]
+    #[allow(clippy::too_many_arguments, clippy::type_complexity)]
+    fn displacements<'py>(
+        &self,
+        py: Python<'py>,
+        columns: Vec<(usize, Vec<String>)>,
+        values: PyReadonlyArray2<'_, f64>,
+        shares: PyReadonlyArray2<'_, f64>,
+        motions: Vec<(
+            PyReadonlyArray1<'_, f64>,
+            PyReadonlyArray1<'_, f64>,
+            PyReadonlyArray1<'_, f64>,
+            Vec<(usize, usize)>,
+        )>,
+        block: usize,
+        threads: usize,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let read = |array: &PyReadonlyArray1<'_, f64>| array.as_array().to_vec();
+        let kept: Vec<_> =
+            motions.iter().map(|(x, v, s, slides)| (read(x), read(v), read(s), slides)).collect();
+        if block == 0 || kept.len() != self.runs.len() {
+            let message = format!(
+                "block is {block}, motions are {}: allowed is a block of at least one sample, and a motion for each of {} runs",
+                kept.len(),
+                self.runs.len()
+            );
+            return Err(input_error(py, message));
+        }
+        for (i, ((x, v, s, slides), run)) in kept.iter().zip(&self.runs).enumerate() {
+            let length = run.times.len();
+            let within = slides.iter().all(|(from, to)| from < to && *to <= length);
+            let follow = slides.windows(2).all(|pair| pair[0].1 <= pair[1].0 + 1);
+            if [x.len(), v.len(), s.len()] != [length; 3] || !within || !follow {
+                let message = format!(
+                    "motion {i}: allowed are {length} positions, speeds and distances, and slides that follow each other within them"
+                );
+                return Err(input_error(py, message));
+            }
+        }
+        let runs: Vec<(Run, MeasuredMotion)> = self
+            .runs
+            .iter()
+            .zip(&kept)
+            .map(|(run, (x, v, sliding_distance, slides))| {
+                (run.clone(), MeasuredMotion { x, v, sliding_distance, slides })
+            })
+            .collect();
+        let whole = |(run, names): (usize, Vec<String>)| {
+            let length = self.runs.get(run).map_or(0, |run| run.times.len());
+            (run, 0, length, names)
+        };
+        let columns: Vec<_> = columns.into_iter().map(whole).collect();
+        let starts = PyArray2::<f64>::zeros(py, [columns.len(), 2], false);
+        let made = self.columns(py, columns, values, shares, starts.readonly())?;
+        let level = Level::current().map_err(|error| raise(py, error))?;
+        let control = Default::default();
+        let count: usize = made.iter().map(|column| blocks(&runs[column.run].1, block)).sum();
+        let mut found = vec![0.0; count];
+        let how = (level, threads);
+        let to = &mut found;
+        let work = || displacements_along(&self.nominal, &runs, &made, block, how, &control, to);
+        enter(py, &control, made.len() as u64, None, work)?;
+        Ok(found.into_pyarray(py))
+    }
 }
 
 impl Replay {
@@ -218,6 +292,51 @@ fn quarters<E: std::fmt::Display>(
 #[pyfunction]
 pub fn sensitivity_directions() -> Vec<&'static str> {
     OTHER_DIRECTIONS.to_vec()
+}
+
+/// First-order change of position and speed of a motion under small forces, a row a force.
+///
+/// The motion is given by speed, seconds to the next sample and whether it is the last of its
+/// run, sample by sample, and by the head's mass in kg and viscous coefficient in N s/m.
+#[pyfunction]
+#[allow(clippy::too_many_arguments, clippy::type_complexity)]
+pub fn linear_response<'py>(
+    py: Python<'py>,
+    forces: PyReadonlyArray2<'py, f64>,
+    v: PyReadonlyArray1<'py, f64>,
+    step: PyReadonlyArray1<'py, f64>,
+    last: PyReadonlyArray1<'py, bool>,
+    mass: f64,
+    damping: f64,
+) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
+    let whole = |_| input_error(py, "forces and motion must be contiguous".to_owned());
+    let (rows, count) = forces.as_array().dim();
+    let forces = forces.as_slice().map_err(whole)?;
+    let (v, step) = (v.as_slice().map_err(whole)?, step.as_slice().map_err(whole)?);
+    let last = last.as_slice().map_err(whole)?;
+    let ends = count == 0 || last.last() == Some(&true);
+    if [v.len(), step.len(), last.len()] != [count; 3] || !ends {
+        let message = format!(
+            "v, step and last must have {count} samples, and the last sample must end a run"
+        );
+        return Err(input_error(py, message));
+    }
+    let motion = Slides { v, step, last, mass, damping };
+    let (dx, dv) = (
+        PyArray2::<f64>::zeros(py, [rows, count], false),
+        PyArray2::<f64>::zeros(py, [rows, count], false),
+    );
+    let (mut to_x, mut to_v) = (dx.readwrite(), dv.readwrite());
+    let (to_x, to_v) = (to_x.as_slice_mut().map_err(whole)?, to_v.as_slice_mut().map_err(whole)?);
+    let work = || {
+        let parts = to_x.chunks_mut(count.max(1)).zip(to_v.chunks_mut(count.max(1)));
+        for (force, (x, v)) in forces.chunks(count.max(1)).zip(parts) {
+            respond(motion, force, x, v);
+        }
+        Ok(())
+    };
+    enter(py, &Default::default(), rows as u64, None, work)?;
+    Ok((dx, dv))
 }
 
 /// Electric power in W at forces and speeds, of a motor that is given by its supply

@@ -16,6 +16,7 @@ from locosweep.diagnosis.data.holdout import hold_out
 from locosweep.diagnosis.design.next_experiment import next_experiment
 from locosweep.diagnosis.effects.catalogue import candidates
 from locosweep.diagnosis.effects.scale import scale_of
+from locosweep.diagnosis.estimate.equation_error import EquationError, equation_error
 from locosweep.diagnosis.estimate.initial_state import initial_states
 from locosweep.diagnosis.estimate.least_squares import Nuisances
 from locosweep.diagnosis.estimate.nominal import gaps_of
@@ -195,7 +196,8 @@ def _data_checks(
 
 def _select(data: _Data, task: _Task) -> _Selected:
     """Choose the effects that the gap needs, on all runs where those kept disagree."""
-    search = _search_of(data.problem, data.scale, task, judges=not data.held_by_user)
+    along = equation_error(replace(data.whole, meter=ReplayMeter()))
+    search = _search_of(data.problem, data.scale, task, along, judges=not data.held_by_user)
     choice = choose(search, task.max_effects)
     selected = _Selected(search, choice)
     asks = choice.status == "none" or choice.refuted
@@ -218,7 +220,7 @@ def _fitted_to_all(data: _Data, task: _Task, first: _Selected) -> _Selected:
     Validation runs may refute what few runs leave open, or show a gap that only they have.
     """
     problem = replace(data.whole, held=(), meter=ReplayMeter())
-    search = _search_of(problem, data.scale, task, judges=True)
+    search = _search_of(problem, data.scale, task, equation_error(problem), judges=True)
     search = replace(search, hints=first.choice.known.fits)
     choice = choose(search, task.max_effects)
     if not first.choice.refuted and choice.status == "none":
@@ -230,7 +232,9 @@ def _fitted_to_all(data: _Data, task: _Task, first: _Selected) -> _Selected:
     return _Selected(search, choice, (f"the runs kept from the fit {said}",))
 
 
-def _search_of(problem: Problem, scale: Scale, task: _Task, *, judges: bool) -> Search:
+def _search_of(
+    problem: Problem, scale: Scale, task: _Task, along: EquationError | None, *, judges: bool
+) -> Search:
     """Return a search with the nuisances of its runs."""
     offsets = tuple(enumerate(problem.priors["x"].tolist())) if problem.position_matters else ()
     nuisances = Nuisances((), _spread(problem.robot), scale.speed, offsets)
@@ -238,7 +242,7 @@ def _search_of(problem: Problem, scale: Scale, task: _Task, *, judges: bool) -> 
         problem = replace(problem, initial=initial_states(problem, nuisances))
         free = tuple(r for r in problem.starts.moving if r not in problem.held)
         nuisances = replace(nuisances, moving=free)
-    return Search(problem, nuisances, scale, task.names, task.say, judges=judges)
+    return Search(problem, nuisances, scale, task.names, task.say, judges=judges, along=along)
 
 
 def _next_experiment(selected: _Selected, data: _Data) -> dict[str, Any]:

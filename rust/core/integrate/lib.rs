@@ -13,6 +13,8 @@ pub mod dry_contact;
 pub mod elastic_drive;
 mod event_location;
 pub mod exact;
+pub mod linear_response;
+pub mod measured_motion;
 pub mod replay;
 pub mod robot;
 pub mod runge_kutta;

@@ -82,7 +82,7 @@ impl<L: Lane> Parameters<L> for Plain<L> {
 }
 
 #[inline(always)]
-fn segment<'a, L: Lane>(
+pub(super) fn segment<'a, L: Lane>(
     plant: &Plant<L>,
     path: &'a Path<L>,
     samples: Samples<'a>,

@@ -2,6 +2,7 @@
 //! compiled per SIMD level. A layer of its own, since that takes long.
 
 mod bounds;
+pub mod displacements;
 pub mod outputs;
 pub mod packs;
 pub mod replay;

@@ -4,8 +4,10 @@
 use super::execute::Control;
 use super::pool::pool;
 use crate::error::{Error, Result};
+pub use crate::integrate::measured_motion::MeasuredMotion;
 use crate::lane::Level;
 use crate::physics::effects::{Nominal, shortness};
+use crate::simulate::displacements::{Along, displaced};
 pub use crate::simulate::replay::{Column, Run};
 use crate::simulate::replay::{Group, PACK, Part, Scratch, replay_pack};
 pub use crate::simulate::sensitivity::{DIRECTIONS, OTHER_DIRECTIONS};
@@ -133,6 +135,51 @@ pub fn replay_with_sensitivities(
     };
     spread_over(threads.min(columns.len()), work)?;
     finished(control, columns.len())
+}
+
+/// Displacements of models along measured motions, one of each run: means over blocks of so
+/// many samples, see `integrate::measured_motion`; those of a column go to its part of `to`.
+/// What a joint or a bristle does between drive and head is left out.
+pub fn displacements_along(
+    nominal: &Nominal,
+    runs: &[(Run, MeasuredMotion)],
+    columns: &[Column],
+    block: usize,
+    (level, threads): (Level, usize),
+    control: &Control,
+    to: &mut [f64],
+) -> Result<()> {
+    let mut rest = to;
+    let mut order: Vec<(&Column, &mut [f64])> = Vec::with_capacity(columns.len());
+    for column in columns {
+        let own;
+        (own, rest) = rest.split_at_mut(blocks(&runs[column.run].1, block));
+        order.push((column, own));
+    }
+    let key = |column: &Column| (column.run, column.active);
+    order.sort_by_key(|(column, _)| key(column));
+    let groups: Vec<&mut [(&Column, &mut [f64])]> = order
+        .chunk_by_mut(|(a, _), (b, _)| key(a) == key(b))
+        .flat_map(|group| group.chunks_mut(PACK))
+        .collect();
+    let queue = Mutex::new(groups.into_iter());
+    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let work = || {
+        while let Some(group) = next() {
+            let count = group.len() as u64;
+            let (run, motion) = &runs[group[0].0.run];
+            let (motion, interval, cancel) = (*motion, interval(run), &control.cancel);
+            displaced(level, Along { nominal, run, motion, interval, block, group, cancel });
+            control.done.fetch_add(count, Ordering::Relaxed);
+        }
+    };
+    spread_over(if columns.len() <= PACK { 1 } else { threads }, work)?;
+    finished(control, columns.len())
+}
+
+/// Blocks of all slides of a run.
+pub fn blocks(motion: &MeasuredMotion, block: usize) -> usize {
+    motion.slides.iter().map(|(from, to)| (to - from).div_ceil(block)).sum()
 }
 
 /// Runs `work` on as many threads.

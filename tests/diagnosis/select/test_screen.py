@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -10,14 +11,13 @@ import pytest
 from diagnosis_search import fit_of, search_for
 from locosweep.diagnosis.estimate.least_squares import evaluate, jacobian_of, start_fits
 from locosweep.diagnosis.select.screen import (
-    Screened,
-    below_limit,
+    along_valley,
     cancelling_pairs,
-    distinct,
     informative_runs,
-    near_best,
+    pairs_along,
     scaled,
     scan_beside,
+    seen_along,
 )
 
 SEARCH = search_for({"viscous_friction": {"c": 0.05}}, "viscous_friction", "drive_gain_error")
@@ -52,7 +52,7 @@ def test_pairs_that_cancel_most_are_those_of_all_least_squares() -> None:
     names = ["viscous_friction"] * 2 + ["drive_gain_error"] * 2
     alone = [f for n in names for f in starts(n, 0.01)]
     changes, residual = random.standard_normal((4, 30)), random.standard_normal(30)
-    found = cancelling_pairs(alone, changes, residual, np.zeros((0, 30)), 5)
+    found = cancelling_pairs(alone, changes, residual, 5)
     left = {}
     for i, j in combinations(range(4), 2):
         if names[i] != names[j]:
@@ -71,34 +71,41 @@ def test_a_scaled_start_is_as_many_times_stronger() -> None:
     assert scaled(start, 0.0).parameters[0] == pytest.approx(0.02)
 
 
-def screened(fit, promised: float, chi2: float) -> Screened:
-    from dataclasses import replace
-
-    return Screened(replace(fit, chi2=chi2), promised)
-
-
-def test_starts_below_a_limit_and_the_best_of_each_model_are_kept() -> None:
-    a, b = starts("viscous_friction", 0.01, 0.02)
-    (c,) = starts("drive_gain_error", 0.01)
-    some = [screened(a, 5.0, 9.0), screened(b, 50.0, 60.0), screened(c, 50.0, 60.0)]
-    assert below_limit(some, 10.0, every=False) == some[:1]
-    assert below_limit(some, 10.0, every=True) == [some[0], some[2]]
+def test_starts_leave_the_least_equation_error_at_the_truth() -> None:
+    found = seen_along(SEARCH, SEARCH.none, SEARCH.names)
+    best = found["viscous_friction"][0]
+    assert best.parameters[0] == pytest.approx(0.05, rel=0.02)
+    assert best.chi2 < 0.5 * found["drive_gain_error"][0].chi2
 
 
-def test_far_behind_the_best_of_a_model_is_left_out() -> None:
-    a, b = starts("viscous_friction", 0.01, 0.02)
-    near, far = screened(a, 0.0, 100.0).fit, screened(b, 0.0, 151.0).fit
-    assert near_best([near, far]) == [near]
-    assert near_best([near, screened(b, 0.0, 149.0).fit])[0] is near
-    assert len(near_best([near, screened(b, 0.0, 149.0).fit])) == 2
+def test_what_acts_at_rest_is_not_seen() -> None:
+    blind = ("presliding_compliance", "transmission_backlash", "sensor_drift")
+    search = search_for({}, *blind, "sensor_scale")
+    assert list(seen_along(search, search.none, search.names)) == ["sensor_scale"]
+    assert seen_along(search, search.none, blind) == {}
+    assert seen_along(replace(search, along=None), search.none, search.names) == {}
 
 
-def test_alike_starts_are_followed_once() -> None:
-    size = SEARCH.model(("viscous_friction",)).free[0].size
-    values = (0.1 * size, 0.1005 * size, 0.2 * size)
-    some = [screened(fit, 0.0, 0.0) for fit in starts("viscous_friction", *values)]
-    assert distinct(some, 3) == [some[0], some[2]]
-    assert distinct(some, 1) == some[:1]
+def test_pairs_of_the_equation_error_are_the_true_one_first() -> None:
+    both = {"viscous_friction": {"c": 0.06}, "drive_lag": {"T": 0.03}}
+    search = search_for(both, *both, "drive_gain_error", "coulomb_error", "sensor_scale")
+    best = pairs_along(search, 3)[0]
+    assert set(best.model.names) == set(both)
+    assert best.named()["drive_lag"]["T"] == pytest.approx(0.03, rel=0.05)
+
+
+def test_a_valley_is_walked_where_a_parameter_is_hardly_known() -> None:
+    assert SEARCH.along is not None
+    (sure,) = starts("viscous_friction", 0.05)
+    assert along_valley(SEARCH.along, sure) == []
+    model = SEARCH.model(("stribeck_friction",))
+    level = model.free[0].off
+    (unsure,) = start_fits(SEARCH.nuisances, model, np.array([[1.01 * level, 0.01, 1.0]]))
+    further = along_valley(SEARCH.along, unsure)
+    assert len(further) == 4
+    for fit in further:
+        for free, value in zip(model.free, fit.parameters, strict=True):
+            assert free.low * (1 - 1e-9) <= value <= free.high * (1 + 1e-9)
 
 
 def test_runs_that_hold_most_of_what_is_left_are_informative() -> None:

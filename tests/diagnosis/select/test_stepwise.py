@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnosis_search import fit_of, search_for
+from diagnosis_search import fit_of, ranked, search_for
 from locosweep.diagnosis.select.extension import singles
-from locosweep.diagnosis.select.search import Collection, ranked
+from locosweep.diagnosis.select.search import Collection
 from locosweep.diagnosis.select.stepwise import backward, forward, is_stalled, without
 
 NAMES = ("viscous_friction", "drive_gain_error", "sensor_drift")
@@ -19,7 +19,7 @@ def test_a_forward_step_finds_the_second_cause() -> None:
     search = search_for(BOTH, *NAMES)
     known = singles(search)
     level = ranked({key: fit for key, fit in known.fits.items() if key})
-    found = forward(search, known, level, level[0], rest=True, wide=False, windows=())
+    found = forward(search, known, level, level[0], rest=True)
     best = ranked(found)[0]
     assert set(best.model.names) == set(BOTH)
     assert all(len(key) == 2 for key in found)

@@ -105,7 +105,7 @@ class Fit:
         return found
 
 
-def _bounds(fit: Fit) -> tuple[Floats, Floats, Floats]:
+def bounds_of(fit: Fit) -> tuple[Floats, Floats, Floats]:
     """Low, high and size of every entry of theta."""
     nuisances = fit.nuisances
     rows = [
@@ -122,22 +122,29 @@ def _bounds(fit: Fit) -> tuple[Floats, Floats, Floats]:
 def point_of(problem: Problem, fit: Fit, theta: Floats | None = None) -> Point:
     """Return the model that a fit describes, at its own values if no others are given."""
     theta = fit.theta if theta is None else theta
+    base = at_rest(problem, fit, theta)
+    k = len(fit.model.free) + len(fit.nuisances.uncertain)
+    for r, u in zip(fit.nuisances.moving, theta[k:], strict=False):
+        base.speeds[r] = problem.starts.speed[r] + u
+    k += len(fit.nuisances.moving)
+    for (r, _), u in zip(fit.nuisances.start_offsets, theta[k:], strict=True):
+        base.start_offsets[r] = u
+    return base
+
+
+def at_rest(problem: Problem, fit: Fit, theta: Floats | None = None) -> Point:
+    """Return the same with starts of the runs as they were measured."""
+    theta = fit.theta if theta is None else theta
     base = problem.plain()
     k = len(fit.model.free)
     for f, u in zip(fit.model.free, theta[:k], strict=True):
         base.values[problem.parameter_index(f.effect, f.name)] = np.exp(u) if f.log else u
     for i, u in zip(fit.nuisances.uncertain, theta[k:], strict=False):
         base.factors[i] = u if i == 3 else 1.0 + u
-    k += len(fit.nuisances.uncertain)
-    for r, u in zip(fit.nuisances.moving, theta[k:], strict=False):
-        base.speeds[r] = problem.starts.speed[r] + u
-    k += len(fit.nuisances.moving)
-    for (r, _), u in zip(fit.nuisances.start_offsets, theta[k:], strict=True):
-        base.start_offsets[r] = u
     return replace(base, names=fit.model.names)
 
 
-def _prior(fit: Fit, theta: Floats) -> Floats:
+def priors_of(fit: Fit, theta: Floats) -> Floats:
     """Residuals of the uncertain nominal values and start positions."""
     k = len(fit.model.free)
     spread = np.array([fit.nuisances.spread[i] for i in fit.nuisances.uncertain])
@@ -171,7 +178,7 @@ def evaluate(problem: Problem, fits: Sequence[Fit], runs: Sequence[int] | None =
 
 def _at(fit: Fit, theta: Floats, e: Floats) -> Fit:
     """Return a fit at some values, of which the residuals are known."""
-    full = np.concatenate([e, _prior(fit, theta)])
+    full = np.concatenate([e, priors_of(fit, theta)])
     chi2 = float(full @ full)
     return replace(fit, theta=theta, residual=full, chi2=chi2 if np.isfinite(chi2) else np.inf)
 
@@ -246,7 +253,7 @@ def _jacobians(problem: Problem, fits: Sequence[Fit], runs: Sequence[int] | None
     """Differentiate the residuals, a row a parameter, by one-sided differences."""
     groups: dict[int | None, list[tuple[int, int, float, Floats]]] = {}
     for i, fit in enumerate(fits):
-        _, high, size = _bounds(fit)
+        _, high, size = bounds_of(fit)
         step = _steps(fit, size)
         step = np.where(fit.theta + step > high, -step, step)
         for j, run in enumerate(_local(fit)):
@@ -263,7 +270,7 @@ def _jacobians(problem: Problem, fits: Sequence[Fit], runs: Sequence[int] | None
         where = slice(None) if run is None else problem.of_run(run, chosen)
         for (i, j, width, theta), e in zip(entries, found, strict=True):
             fit = fits[i]
-            prior = _prior(fit, theta)
+            prior = priors_of(fit, theta)
             body = fit.residual.size - prior.size
             rows[i][j, :body][where] = (e - fit.residual[:body][where]) / width
             rows[i][j, body:] = (prior - fit.residual[body:]) / width
@@ -277,7 +284,7 @@ def jacobian_of(problem: Problem, fit: Fit, runs: Sequence[int] | None = None) -
 
 def _proposals(fit: Fit, jacobian: Floats) -> tuple[Fit, list[tuple[float, Floats]], float]:
     """Return the fit with its covariance, steps with dampings, and the expected fall of chi2."""
-    low, high, size = _bounds(fit)
+    low, high, size = bounds_of(fit)
     jacobian = np.nan_to_num(jacobian, nan=0.0, posinf=0.0, neginf=0.0)
     normal = jacobian @ jacobian.T
     gradient = jacobian @ fit.residual

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from locosweep import _core
 from locosweep.diagnosis.effects.catalogue import VARIABLES
 from locosweep.diagnosis.estimate.least_squares import point_of
 
@@ -148,22 +149,7 @@ def _history(m: Motion) -> list[Floats]:
 
 def response(forces: Floats, m: Motion) -> tuple[Floats, Floats]:
     """First-order change of position and speed under small forces, a row a force."""
-    slides = m.v != 0.0
     step = np.diff(m.t, append=m.t[-1:])
     last = np.diff(m.run, append=m.run[-1:] + 1) != 0
-    decay, push = np.exp(-m.damping * step / m.mass), step / m.mass
-    columns = np.ascontiguousarray(forces.T)
-    dx, dv = np.zeros_like(columns), np.zeros_like(columns)
-    nothing = np.zeros(len(forces))
-    x = v = nothing
-    for i in range(m.t.size):
-        dx[i], dv[i] = x, v
-        if last[i]:
-            x = v = nothing
-        elif slides[i] or slides[i + 1]:
-            after = v * decay[i] + columns[i] * push[i]
-            x = x + 0.5 * (v + after) * step[i]
-            v = after if slides[i + 1] else nothing
-        else:
-            v = nothing
-    return dx.T, dv.T
+    rows = np.ascontiguousarray(forces)
+    return _core.linear_response(rows, m.v, step, last, m.mass, m.damping)

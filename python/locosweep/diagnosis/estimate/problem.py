@@ -273,16 +273,19 @@ class Problem:
         begin = np.concatenate(starts)
         if moved is not None:
             begin += np.tile(moved[chosen], (len(points), 1))
-        if self.payload_factors or self.reversed_runs:
-            number = np.tile(chosen, len(points))
-            for r, factor in self.payload_factors.items():
-                factors[number == r, 0] *= factor
-            slope = self.parameter_index("slope_error", "d_alpha_deg")
-            values[np.isin(number, list(self.reversed_runs)), slope] *= -1.0
+        self.adapt(np.tile(chosen, len(points)), values, factors)
         read = self.job.run(columns, values, factors, begin, self.threads)
         if np.any(added):
             read[0] += np.repeat(np.array(added), self.lengths[chosen], axis=1).ravel()
         return self._readings(read, len(points))
+
+    def adapt(self, number: NDArray[np.intp], values: Floats, factors: Floats) -> None:
+        """Change models, each of run `number`, in place, to those of the runs as they were made."""
+        if self.payload_factors or self.reversed_runs:
+            for r, factor in self.payload_factors.items():
+                factors[number == r, 0] *= factor
+            slope = self.parameter_index("slope_error", "d_alpha_deg")
+            values[np.isin(number, list(self.reversed_runs)), slope] *= -1.0
 
     def _span(self, run: int) -> tuple[int, int, int]:
         """Return what is replayed: the engine's run, first sample, one beyond the last."""

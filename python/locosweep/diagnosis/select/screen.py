@@ -1,4 +1,4 @@
-"""Screening of starts: which of many are followed, and how strong."""
+"""Screening of starts: what the equation error promises, and what replays say of it."""
 
 from __future__ import annotations
 
@@ -7,21 +7,32 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, jacobian_of
+from locosweep.diagnosis.effects.catalogue import starts_of
+from locosweep.diagnosis.estimate.equation_fits import (
+    displaced,
+    jacobian_along,
+    refined,
+    uncertainties,
+)
+from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, jacobian_of, start_fits
+from locosweep.diagnosis.select.effort import (
+    INFORMATIVE_RUNS,
+    PAIRS_REFINED,
+    ROWS_REFINED,
+    STRONGEST_SCALING,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from numpy.typing import NDArray
 
+    from locosweep.diagnosis.estimate.equation_error import EquationError
     from locosweep.diagnosis.estimate.problem import Problem
+    from locosweep.diagnosis.select.search import Search
 
     Floats = NDArray[np.float64]
 
-_SCALED = 4.0
-"""Factor on a start up to which an effect is taken to act in proportion."""
-_INFORMATIVE = 2
-"""Runs that starts are compared on: those that hold most of what a fit leaves."""
 _AT_ONCE = 200
 """Starts that are evaluated side by side; their residuals are kept meanwhile."""
 
@@ -37,6 +48,80 @@ class Screened:
     """By how much it would be scaled."""
 
 
+def rows_beside(search: Search, name: str, beside: Fit) -> list[Fit]:
+    """Return all starts of an effect beside the values of a fit."""
+    rows = starts_of(name, search.scale)
+    rows = np.hstack([np.tile(beside.parameters, (len(rows), 1)), rows])
+    model = search.model((*beside.model.names, name))
+    return start_fits(search.nuisances, model, rows, beside.nuisance)
+
+
+def seen_along(search: Search, beside: Fit, partners: Sequence[str]) -> dict[str, list[Fit]]:
+    """Return starts of further effects that leave the least equation error, by effect.
+
+    Effects that the equation error does not see are left out.
+    """
+    along = search.along
+    if along is None:
+        return {}
+    starts = {name: rows_beside(search, name, beside) for name in partners}
+    flat = [fit for fits in starts.values() for fit in fits]
+    residual, changes = _changes_along(along, beside, flat)
+    size, factor, fall = _scalings(changes, residual)
+    # What acts at rest, or between drive and head, changes nothing but roundings.
+    least = 1e-12 * max(float(size.max(initial=0.0)), 1.0)
+    chosen: list[Fit] = []
+    at = 0
+    for fits in starts.values():
+        own = range(at, at + len(fits))
+        at += len(fits)
+        seen = [i for i in own if size[i] > least]
+        best = sorted(seen, key=lambda i: -fall[i])[:ROWS_REFINED]
+        chosen += [scaled(flat[i], factor[i]) for i in best]
+    found: dict[str, list[Fit]] = {}
+    for fit in refined(along, chosen):
+        found.setdefault(fit.model.names[-1], []).append(fit)
+    return {name: sorted(fits, key=lambda fit: fit.chi2) for name, fits in found.items()}
+
+
+def pairs_along(search: Search, count: int) -> list[Fit]:
+    """Return starts of the pairs of effects that leave the least equation error, best first."""
+    along, none = search.along, search.none
+    if along is None:
+        return []
+    alone = [fit for name in search.names for fit in rows_beside(search, name, none)]
+    residual, changes = _changes_along(along, none, alone)
+    starts = []
+    for i, j, sizes in cancelling_pairs(alone, changes, -residual, PAIRS_REFINED):
+        model = search.model((alone[i].model.names[0], alone[j].model.names[0]))
+        parts = [scaled(alone[k], by).parameters for k, by in zip((i, j), sizes, strict=True)]
+        starts += start_fits(search.nuisances, model, np.concatenate(parts)[None], none.nuisance)
+    return sorted(refined(along, starts), key=lambda fit: fit.chi2)[:count]
+
+
+def _changes_along(
+    along: EquationError, beside: Fit, starts: Sequence[Fit]
+) -> tuple[Floats, Floats]:
+    """Return the equation error of a fit, and what starts change of it, a row a start.
+
+    Both are what remains when the fit's own entries are refitted.
+    """
+    here, *there = displaced(along, [beside, *starts])
+    basis = np.linalg.qr(jacobian_along(along, beside).T)[0]
+    rows = np.nan_to_num(np.vstack([along.measured - here, np.array(there) - here]))
+    rows -= (rows @ basis) @ basis.T
+    return rows[0], rows[1:]
+
+
+def _scalings(changes: Floats, residual: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return squares of changes, factors by which they take most of a residual, and its fall."""
+    size = np.einsum("ij,ij->i", changes, changes)
+    along = changes @ residual
+    factor = np.where(size > 0.0, along / np.where(size > 0.0, size, 1.0), 0.0)
+    factor = np.clip(factor, -STRONGEST_SCALING, STRONGEST_SCALING)
+    return size, factor, factor * (2.0 * along - factor * size)
+
+
 def informative_runs(problem: Problem, fit: Fit) -> list[int]:
     """Return the fitted runs that hold most of what an evaluated fit leaves, a sample."""
     chosen = problem.fitted
@@ -45,12 +130,7 @@ def informative_runs(problem: Problem, fit: Fit) -> list[int]:
         for r in chosen
     ]
     order = np.argsort(-np.array(left), kind="stable")
-    return sorted(chosen[i] for i in order[:_INFORMATIVE])
-
-
-def scan(problem: Problem, fits: Iterable[Fit], runs: Sequence[int]) -> list[Screened]:
-    """Evaluate many starts on some runs, without keeping their residuals."""
-    return [Screened(fit.without_residual(), fit.chi2) for fit in _evaluated(problem, fits, runs)]
+    return sorted(chosen[i] for i in order[:INFORMATIVE_RUNS])
 
 
 def scan_beside(
@@ -68,12 +148,10 @@ def scan_beside(
     for fit in _evaluated(problem, fits, runs):
         change = fit.residual - known.residual
         change -= basis @ (basis.T @ change)
-        size, along = float(change @ change), -float(change @ known.residual)
-        factor = np.clip(along / size, -_SCALED, _SCALED) if size > 0.0 else 0.0
-        best = known.chi2 - factor * (2.0 * along - factor * size)
-        sure = bool(np.isfinite(best))
-        promised = min(fit.chi2, best) if sure else fit.chi2
-        found.append(Screened(fit.without_residual(), promised, float(factor) if sure else 1.0))
+        size, factor, fall = (float(v[0]) for v in _scalings(change[None], -known.residual))
+        sure = bool(np.isfinite(fall)) and size > 0.0
+        promised = min(fit.chi2, known.chi2 - fall) if sure else fit.chi2
+        found.append(Screened(fit.without_residual(), promised, factor if sure else 1.0))
     return found, known.chi2
 
 
@@ -97,55 +175,33 @@ def scaled(fit: Fit, scale: float) -> Fit:
     return fit.unfitted(theta)
 
 
-def below_limit(starts: Sequence[Screened], limit: float, *, every: bool) -> list[Screened]:
-    """Pick the starts that may come below a limit; and the best one of `every` model."""
-    best: dict[tuple[str, ...], Screened] = {}
-    for start in starts:
-        names = start.fit.model.names
-        if names not in best or start.fit.chi2 < best[names].fit.chi2:
-            best[names] = start
-    some = set(best.values()) if every else set()
-    return [start for start in starts if start.promised <= limit or start in some]
+def along_valley(along: EquationError, fit: Fit) -> list[Fit]:
+    """Return further starts along the direction in which the equation error says least of a fit.
 
-
-def near_best(fits: Sequence[Fit]) -> list[Fit]:
-    """Leave out what lies far behind the best fit of the same model."""
-    best: dict[tuple[str, ...], float] = {}
-    for fit in fits:
-        names = fit.model.names
-        best[names] = min(best.get(names, np.inf), fit.chi2)
-    return [f for f in fits if f.chi2 < 1.3 * best[f.model.names] + 20.0]
-
-
-def distinct(starts: Sequence[Screened], count: int) -> list[Screened]:
-    """Pick the first starts whose shapes differ, or whose strengths do where there is none."""
-    chosen: list[Screened] = []
-    for start in starts:
-        fit = start.fit
-        logs = np.array([f.log for f in fit.model.free], dtype=bool)
-        sizes = np.array([0.3 if f.log else 0.003 * f.size for f in fit.model.free])
-        k = sizes.size
-        if logs.any():
-            sizes = np.where(logs, sizes, np.inf)
-        if all(np.any(np.abs(fit.theta[:k] - c.fit.theta[:k]) > sizes) for c in chosen):
-            chosen.append(start)
-        if len(chosen) == count:
-            break
-    return chosen
+    They lie one and three deviations to either side, where a deviation is no small change.
+    """
+    direction = uncertainties(along, fit)
+    if direction is None:
+        return []
+    found = []
+    for share in (-3.0, -1.0, 1.0, 3.0):
+        theta = fit.theta.copy()
+        theta[: direction.size] += share * direction
+        for i, free in enumerate(fit.model.free):
+            low, high = (np.log(v) if free.log else v for v in (free.low, free.high))
+            theta[i] = np.clip(theta[i], low, high)
+        found.append(fit.unfitted(theta))
+    return found
 
 
 def cancelling_pairs(
-    alone: Sequence[Fit], changes: Floats, residual: Floats, free: Floats, count: int
+    alone: Sequence[Fit], changes: Floats, residual: Floats, count: int
 ) -> list[tuple[int, int, tuple[float, float]]]:
-    """Pick starts of two effects whose changes of the residual, scaled, cancel most of it.
+    """Pick starts of two effects whose changes of a residual, scaled, cancel most of it.
 
-    `changes` has a row for each start `alone`; `free` has the derivatives of the residual that
-    may be refitted beside. Returns the indices of the two starts and their factors; best first,
-    one for each of at most `count` pairs of effects.
+    `changes` has a row for each start `alone`. Returns the indices of the two starts and their
+    factors; best first, one for each of at most `count` pairs of effects.
     """
-    if len(free):
-        basis = np.linalg.qr(free.T)[0]
-        changes = changes - (changes @ basis) @ basis.T
     gram, along = changes @ changes.T, -(changes @ residual)
     own = np.diag(gram)
     seen = own > 1e-12 * max(float(own.max(initial=0.0)), 1e-300)
@@ -153,9 +209,10 @@ def cancelling_pairs(
     determinant = safe[:, None] * safe - gram**2
     apart_enough = determinant > 1e-4 * safe[:, None] * safe
     first = (along[:, None] * safe - along * gram) / np.where(apart_enough, determinant, 1.0)
-    first = np.clip(first, -_SCALED, _SCALED)
+    first = np.clip(first, -STRONGEST_SCALING, STRONGEST_SCALING)
     # The second one answers to what the first one is held to.
-    second = np.clip((along - first * gram) / safe, -_SCALED, _SCALED)
+    second = (along - first * gram) / safe
+    second = np.clip(second, -STRONGEST_SCALING, STRONGEST_SCALING)
     left = (
         -2.0 * (first * along[:, None] + second * along)
         + first**2 * safe[:, None]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.diagnosis.effects.catalogue import parameters_of
-from locosweep.diagnosis.estimate.least_squares import Fit, Model, Nuisances, chi2_of, point_of
+from locosweep.diagnosis.estimate.least_squares import Fit, Model, Nuisances, point_of
 from locosweep.diagnosis.estimate.nominal import fit_nominal
 from locosweep.diagnosis.estimate.validation import validation_residuals
 from locosweep.diagnosis.select.thresholds import PENALTY
@@ -21,10 +21,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from locosweep.diagnosis.effects.scale import Scale
+    from locosweep.diagnosis.estimate.equation_error import EquationError
     from locosweep.diagnosis.estimate.problem import Problem
-
-_MUCH = 1.5
-"""Chi2 of a fit over its expectation, beyond which it is tried from further values."""
 
 Found = dict[frozenset[str], Fit]
 """The best fit of each set of effects, in the order in which they were found."""
@@ -43,8 +41,8 @@ class Search:
     """Called with the step that begins."""
     judges: bool = True
     """True if validation data take part in the choice."""
-    jumps: bool = True
-    """True if fits that leave much are tried from further values."""
+    along: EquationError | None = None
+    """Equation error of the runs, where the measured motion has slides."""
     hints: Mapping[frozenset[str], Fit] = field(default_factory=dict)
     """Fits of the same sets to other runs: further starts."""
     _unseen: dict[Fit, float] = field(default_factory=dict, init=False, repr=False)
@@ -77,10 +75,6 @@ class Search:
             self._unseen[fit] = float(e @ e) if self.judges else 0.0
         return self._unseen[fit]
 
-    def leaves_much(self, fit: Fit) -> bool:
-        """Return whether a fit leaves so much that a better one may be near."""
-        return fit.chi2 > _MUCH * self.problem.degrees()
-
     def is_noise(self, fit: Fit) -> bool:
         """Return whether a fit leaves nothing that noise would not."""
         return not whiteness_test(self.problem, fit.residual).rejected
@@ -99,8 +93,6 @@ class Collection:
     """The best fit of each set of effects that a search has come to."""
 
     fits: Mapping[frozenset[str], Fit]
-    effort: int = 0
-    """Samples replayed until the single effects were fitted: the unit of replay budgets."""
 
     def adding(self, found: Mapping[frozenset[str], Fit]) -> Collection:
         """Return a collection in which the fits of a step replace those known before."""
@@ -109,12 +101,3 @@ class Collection:
     def single(self, name: str) -> Fit | None:
         """Return the fit of one effect alone, if there is one."""
         return self.fits.get(frozenset({name}))
-
-    def within(self, budget: float, problem: Problem) -> bool:
-        """Return whether less was replayed than `budget` times the effort of the singles."""
-        return problem.meter.samples <= budget * self.effort
-
-
-def ranked(found: Mapping[frozenset[str], Fit]) -> list[Fit]:
-    """Return fits, best first."""
-    return sorted(found.values(), key=chi2_of)

@@ -5,32 +5,21 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all
+from locosweep.diagnosis.select.effort import SEEDS
 from locosweep.diagnosis.select.extension import extend, extend_each, pairs
 from locosweep.diagnosis.select.score import gains, remaining, total
 from locosweep.diagnosis.select.whiteness import noise_level
-from locosweep.diagnosis.select.window_search import best_in_windows
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from locosweep.diagnosis.estimate.problem import Problem
     from locosweep.diagnosis.select.search import Collection, Found, Search
-    from locosweep.diagnosis.select.window_search import WindowSearch
 
 _ALIKE = 12.0
 """Difference in chi2 below which seeds are taken for twins."""
-_SEEDS = 4
-"""Sets that a further effect is added to."""
-_FAR = 30.0
-"""Single effects that leave this many times more than the best are no part of a pair."""
-_WIDE = 12
-"""Single effects that are tried as part of a pair."""
-_PAIRS = 24
-"""Pairs that are tried where neither effect need stand out alone."""
 _EXCHANGES = 2
 """Exchange steps of a set that leaves a rest."""
-_BUDGET = 6.0
-"""Replays beyond which they are not, in those of the singles."""
 
 
 def is_stalled(problem: Problem, before: Fit, after: Fit) -> bool:
@@ -40,14 +29,7 @@ def is_stalled(problem: Problem, before: Fit, after: Fit) -> bool:
 
 
 def forward(
-    search: Search,
-    known: Collection,
-    level: Sequence[Fit],
-    found: Fit,
-    *,
-    rest: bool,
-    wide: bool,
-    windows: Sequence[WindowSearch],
+    search: Search, known: Collection, level: Sequence[Fit], found: Fit, *, rest: bool
 ) -> Found:
     """Fit one effect more beside the best few if there is a rest, else beside the best.
 
@@ -60,28 +42,17 @@ def forward(
     rest : bool
         Whether `found` leaves more than noise. Then effects of a pair are exchanged too; with
         more there are too many.
-    wide : bool
-        Whether many sets of the level are extended where the best few do not do.
-    windows : sequence of WindowSearch
-        Searches in windows that are extended as well.
     """
-    problem = search.problem
-    seeds = _seeds(level, _SEEDS if rest else 1)
-    larger = extend_each(search, known, seeds)
-    if not larger:
-        return larger
-    if windows and search.leaves_much(_best(search, larger)):
-        larger |= best_in_windows(search, known.adding(larger), windows, seeds)
-    if rest and len(found.model.names) == 1:
-        larger |= _exchanged(search, known, larger)
-    if wide and remaining(problem, _best(search, larger)):
-        # The parts of a pair need not stand first when each is tried alone.
-        larger |= pairs(search, known.adding(larger), _PAIRS)
-        larger |= _exchanged(search, known, larger)
-    if wide and remaining(problem, _best(search, larger)):
-        more = [s for s in _seeds(level, _WIDE) if s not in seeds and s.chi2 < _FAR * found.chi2]
-        larger |= extend_each(search, known.adding(larger), more)
-    return larger
+    if not rest:
+        return extend_each(search, known, [found])
+    first = len(found.model.names) == 1
+    larger = pairs(search, known) if first else {}
+    if larger and not remaining(search.problem, _best(search, larger)):
+        # Beside the best of them, what may do as well.
+        seeds = [fit for fit in level if fit.model.names[0] in _best(search, larger).model.names]
+        return larger | extend_each(search, known.adding(larger), seeds)
+    larger |= extend_each(search, known.adding(larger), _seeds(level, SEEDS))
+    return larger | _exchanged(search, known, larger) if first and larger else larger
 
 
 def _seeds(level: Sequence[Fit], count: int) -> list[Fit]:
@@ -108,8 +79,6 @@ def _exchanged(search: Search, known: Collection, level: Found) -> Found:
         if not remaining(search.problem, best):
             break
         for name in best.model.names:
-            if not known.within(_BUDGET, search.problem):
-                break
             base = without(search, best, name)
             others = [n for n in search.names if n != name]
             level |= extend(search, known.adding(level), base, others, beat=True)

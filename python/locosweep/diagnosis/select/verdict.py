@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.diagnosis.effects.catalogue import VARIABLES
-from locosweep.diagnosis.estimate.least_squares import Fit, chi2_of, point_of
+from locosweep.diagnosis.estimate.least_squares import Fit, point_of
 from locosweep.diagnosis.estimate.validation import validation_residuals
 from locosweep.diagnosis.select import thresholds as limits
-from locosweep.diagnosis.select.extension import extend, retried_singles, singles
+from locosweep.diagnosis.select.extension import extend, singles
 from locosweep.diagnosis.select.law_mismatch import (
     OUT_OF_LIBRARY,
     best_with_other_law,
@@ -23,14 +23,12 @@ from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.score import gains, remaining, total
 from locosweep.diagnosis.select.stepwise import backward, forward, is_stalled, without
 from locosweep.diagnosis.select.whiteness import noise_level, residuals_by_run, whiteness_test
-from locosweep.diagnosis.select.window_search import search_windows, singles_in_windows
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from locosweep.diagnosis.select.search import Collection, Found, Search
     from locosweep.diagnosis.select.whiteness import WhitenessTest
-    from locosweep.diagnosis.select.window_search import WindowSearch
 
 _LARGEST_EXPONENT = 50.0
 """Exponent beyond which a probability is 0 to all digits that matter; exp stays finite."""
@@ -106,8 +104,10 @@ def choose(search: Search, most: int) -> Choice:
     """Search for the smallest set of at most `most` effects that leaves only noise."""
     problem, none = search.problem, search.none
     search.progress("single effects")
-    known, singles, windows = _single_effects(search)
-    best = singles[0] if singles else none
+    known = singles(search)
+    alone = [fit for names, fit in known.fits.items() if names]
+    alone.sort(key=lambda fit: total(search, fit))
+    best = alone[0] if alone else none
     if not gains(search, none, best):
         rest = remaining(problem, none)
         choice = Choice(
@@ -118,11 +118,11 @@ def choose(search: Search, most: int) -> Choice:
             shape=rest,
             near=total(search, none) - total(search, best),
         )
-        return _with_ranks(search, choice, [none, *singles])
-    grown = _grown(search, known, singles, windows, most)
+        return _with_ranks(search, choice, [none, *alone])
+    grown = _grown(search, known, alone, most)
     known, found, score = grown.known, grown.found, grown.mismatch_score
     mismatch = score is not None
-    tried = [none, *singles, *grown.level]
+    tried = [none, *alone, *grown.level]
     whiteness = whiteness_test(problem, found.residual)
     rest = [] if mismatch else remaining(problem, found)
     if rest:
@@ -153,22 +153,7 @@ def choose(search: Search, most: int) -> Choice:
     return _with_ranks(search, choice, tried)
 
 
-def _single_effects(search: Search) -> tuple[Collection, list[Fit], list[WindowSearch]]:
-    """Fit the effects alone, best first; in windows too where much is left."""
-    known = singles(search)
-    found = [fit for names, fit in known.fits.items() if names]
-    windows: list[WindowSearch] = []
-    if found and search.leaves_much(min(found, key=chi2_of)):
-        windows = search_windows(search)
-        known = known.adding(singles_in_windows(search, known, windows))
-        known = retried_singles(search, known)
-        found = [known.fits[frozenset({name})] for name in search.names]
-    return known, sorted(found, key=lambda fit: total(search, fit)), windows
-
-
-def _grown(
-    search: Search, known: Collection, level: list[Fit], windows: Sequence[WindowSearch], most: int
-) -> _Grown:
+def _grown(search: Search, known: Collection, level: list[Fit], most: int) -> _Grown:
     """Add effects to the best single one, one by one, while they gain enough."""
     problem = search.problem
     before, found = search.none, level[0]
@@ -180,11 +165,7 @@ def _grown(
         larger: list[Fit] = []
         if count <= most and not (count > 2 and is_stalled(problem, before, found)):
             search.progress(f"{count} effects at once")
-            wide = bool(rest) and count == 2 and not mismatched
-            added = forward(
-                search, known, level, found,
-                rest=bool(rest), wide=wide, windows=windows if wide else (),
-            )  # fmt: skip
+            added = forward(search, known, level, found, rest=bool(rest))
             known = known.adding(added)
             ordered = sorted(added.values(), key=lambda fit: total(search, fit))
             near = total(search, found) - total(search, ordered[0]) if ordered else 0.0
