@@ -558,7 +558,7 @@ class Replay:
         Columns are (run, effects) with `values` and `shares` as in `run`; `motions` has x, v
         and sliding distance at the samples of each run, and its slides in one direction, rows
         of first sample and one beyond the last. Returns means over blocks of `block` samples,
-        slide by slide, all columns one after another. Joints and bristles are left out.
+        slide by slide, all columns one after another. Bristles are left out.
         """
     @property
     def lengths(self, /) -> list[int]:

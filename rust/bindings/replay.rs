@@ -163,7 +163,7 @@ impl Replay {
     /// Columns are (run, effects) with `values` and `shares` as in `run`; `motions` has x, v
     /// and sliding distance at the samples of each run, and its slides in one direction, rows
     /// of first sample and one beyond the last. Returns means over blocks of `block` samples,
-    /// slide by slide, all columns one after another. Joints and bristles are left out.
+    /// slide by slide, all columns one after another. Bristles are left out.
     #[pyo3(signature = (columns, values, shares, motions, block, threads))]
     #[allow(clippy::too_many_arguments, clippy::type_complexity)]
     fn displacements<'py>(

@@ -9,6 +9,7 @@ mod anchored_body;
 pub mod bristle;
 pub mod dormand_prince;
 mod drive_resolution;
+mod driven_side;
 pub mod dry_contact;
 pub mod elastic_drive;
 mod event_location;

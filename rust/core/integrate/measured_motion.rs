@@ -2,6 +2,7 @@
 //! head over each slide, if it moved as it was measured. Friction meets the measured speed,
 //! so no error of a model feeds back into its motion, and a model costs no search for events.
 
+use super::driven_side::DrivenSide;
 use super::replay::{Samples, segment};
 use crate::lane::Lane;
 use crate::physics::effects::{Measured, Plant};
@@ -35,6 +36,7 @@ pub fn displacements<L: Lane>(
     let drive = &segment.drive;
     let mut t = zero.splat(times[0]);
     let mut clock = drive.clock(t);
+    let mut side = plant.joint.map(|joint| DrivenSide::new(joint, drive.force(t, &clock)));
     let [scale, drift, delay] = plant.sensor;
     let mut first = 0;
     for (from, to) in motion.slides.iter().copied() {
@@ -70,10 +72,13 @@ pub fn displacements<L: Lane>(
                 drive.turn_over(&mut clock, end, over);
                 t = next;
             }
+            let dt = times[i + 1] - times[i];
+            if let Some(side) = &mut side {
+                impulse = side.pass_on(impulse, motion.v[i + 1] - motion.v[i], dt);
+            }
             if i < from {
                 continue;
             }
-            let dt = times[i + 1] - times[i];
             let force = impulse * (1.0 / dt);
             let middle = |values: &[f64]| zero.splat(0.5 * (values[i] + values[i + 1]));
             let (at_x, at_v) = (middle(motion.x), middle(motion.v));

@@ -139,7 +139,7 @@ pub fn replay_with_sensitivities(
 
 /// Displacements of models along measured motions, one of each run: means over blocks of so
 /// many samples, see `integrate::measured_motion`; those of a column go to its part of `to`.
-/// What a joint or a bristle does between drive and head is left out.
+/// What a bristle does at rest is left out.
 pub fn displacements_along(
     nominal: &Nominal,
     runs: &[(Run, MeasuredMotion)],

@@ -36,6 +36,8 @@ EFFECTS = {
     "payload_mass": {"dm": 0.05},
     "back_emf": {"k_e": 0.06},
     "position_dependent_friction": {"a": 0.2, "L": 0.05, "p": 0.4},
+    "transmission_compliance": {"k": 40.0, "d": 0.3, "m_d": 0.05},
+    "transmission_backlash": {"b": 2e-3, "m_d": 0.05},
     "sensor_scale": {"e": 0.02},
     "sensor_delay": {"T": 0.01},
 }

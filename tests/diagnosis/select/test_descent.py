@@ -19,7 +19,7 @@ def test_each_set_comes_to_its_best_end() -> None:
     for name, values in zip(NAMES, ((0.001, 0.5), (0.001, 0.02)), strict=True):
         starts += start_fits(search.nuisances, search.model((name,)), np.array(values)[:, None])
     known = Collection({frozenset(): search.none})
-    found = descend(search, known, starts, [0, 1])
+    found = descend(search, known, starts, [0, 1], search.none)
     assert list(found) == [frozenset({name}) for name in NAMES]
     best = found[frozenset({"viscous_friction"})]
     assert best.parameters[0] == pytest.approx(0.06, rel=0.02)
@@ -33,6 +33,6 @@ def test_a_known_fit_that_is_better_stays() -> None:
     key = frozenset({"viscous_friction"})
     known = Collection({frozenset(): search.none, key: best})
     starts = start_fits(search.nuisances, best.model, np.array([[0.5]]))
-    found = descend(search, known, starts, [0, 1])
+    found = descend(search, known, starts, [0, 1], search.none)
     assert found[key].chi2 <= best.chi2
-    assert descend(search, known, [], [0, 1]) == {}
+    assert descend(search, known, [], [0, 1], search.none) == {}

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 REGIMES = ("at_rest", "breakaway", "sliding_forward", "sliding_backward", "reversal")
 """Kinds of motion that a sample belongs to."""
+_SLOPES = 0.05
+"""Deviation of smoothed speeds, in mean speeds: about a hundredth of the largest."""
 _AFTER = 5
 """Samples after a break-away, and around a reversal, that belong to it."""
 
@@ -28,6 +30,8 @@ class MeasuredMotion:
     x: Floats
     v: Floats
     deviation: float
+    width: int = 1
+    """Samples that a value is smoothed over."""
 
     @property
     def resting_speed(self) -> float:
@@ -35,21 +39,24 @@ class MeasuredMotion:
         return 3.0 * self.deviation + 0.01 * float(np.abs(self.v).max(initial=0.0))
 
 
-def measured_motion(run: Run, noise: Noise) -> MeasuredMotion:
-    """Smooth the measured position of a run as wide as the noise of x asks for."""
+def measured_motion(run: Run, noise: Noise, accuracy: float = _SLOPES) -> MeasuredMotion:
+    """Smooth the measured position of a run as wide as the noise of x asks for.
+
+    `accuracy` is the deviation of speeds that is wanted, in mean speeds of the run.
+    """
     t, x = run.t, run.channels["x"]
     ok = np.isfinite(x)
     x = np.interp(t, t[ok], x[ok]) if ok.any() else np.zeros_like(t)
     step = float(np.median(np.diff(t)))
-    # Slopes to a hundredth of the run's largest.
     fast = max(float(np.ptp(x)) / max(t[-1] - t[0], 1e-12), 1e-12)
-    width = int(np.ceil((3.5 * noise.sd / (0.05 * fast * step)) ** (2.0 / 3.0)))
+    width = int(np.ceil((3.5 * noise.sd / (accuracy * fast * step)) ** (2.0 / 3.0)))
     width = int(np.clip(width | 1, 5, max(5, (t.size // 8) | 1)))
     even = np.linspace(t[0], t[-1], t.size)
     smooth, slope = _local_parabolas(np.interp(even, t, x), width)
     speed = slope / (even[1] - even[0])
     deviation = noise.sd * np.sqrt(12.0 / width**3) / step
-    return MeasuredMotion(np.interp(t, even, smooth), np.interp(t, even, speed), float(deviation))
+    x, v = np.interp(t, even, smooth), np.interp(t, even, speed)
+    return MeasuredMotion(x, v, float(deviation), width)
 
 
 def _local_parabolas(

@@ -2,8 +2,8 @@
 
 Over each slide in one direction the measured motion says what friction acted, so that the
 forces of a model give its displacement without a replay, and without an error that feeds
-back. Start and start speed of every slide are free. What acts at rest, or between drive and
-head (joints, bristles), is not seen.
+back. Start and start speed of every slide are free. What acts at rest, as a bristle does, is
+not seen.
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from locosweep.diagnosis.data.regimes import measured_motion
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -28,6 +30,9 @@ if TYPE_CHECKING:
 _ROWS = 3000
 """Block means that are kept of all runs, about: a screen of all effects then takes some
 hundredths of a second (`benches/diagnosis.py`)."""
+_ACCURACY = 0.25
+"""Deviation of smoothed speeds, in mean speeds: friction asks for no more, and slides end
+sooner where more is smoothed over."""
 _LEAST = 5
 """Block means of a slide, at least: two of them go to its start."""
 
@@ -44,11 +49,17 @@ class EquationError:
         return max(1, int(self.problem.lengths[self.problem.fitted].sum()) // _ROWS)
 
     @cached_property
+    def motions(self) -> list[MeasuredMotion]:
+        """Smoothed motion of each run: less than elsewhere, as slides end with its width."""
+        noise = self.problem.noise["x"]
+        return [measured_motion(run, noise, _ACCURACY) for run in self.problem.runs]
+
+    @cached_property
     def slides(self) -> list[list[tuple[int, int]]]:
         """Slides of each run in one direction: first sample and one beyond the last."""
         problem = self.problem
         found = []
-        for r, motion in enumerate(problem.motions):
+        for r, motion in enumerate(self.motions):
             last = int(problem.lengths[r] * problem.train_fraction)
             known = r in problem.fitted
             found.append(slides_of(motion, last, _LEAST * self.block) if known else [])
@@ -104,13 +115,14 @@ class EquationError:
         sizes = [sum(-(-(b - a) // self.block) for a, b in self.slides[r]) for r in runs]
         cuts = np.cumsum([n * len(points) for n in sizes])[:-1]
         parts = [part.reshape(len(points), -1) for part in np.split(found, cuts)]
-        return self._projected(np.concatenate(parts, axis=1))
+        rows: Floats = np.concatenate(parts, axis=1)
+        return self._projected(rows)
 
     @cached_property
     def _motions(self) -> list[tuple[Floats, Floats, Floats, list[tuple[int, int]]]]:
         return [
             (m.x, m.v, _distance_forward(m, slides), slides)
-            for m, slides in zip(self.problem.motions, self.slides, strict=True)
+            for m, slides in zip(self.motions, self.slides, strict=True)
         ]
 
     @cached_property
@@ -144,9 +156,12 @@ def equation_error(problem: Problem) -> EquationError | None:
 
 
 def slides_of(motion: MeasuredMotion, last: int, least: int) -> list[tuple[int, int]]:
-    """Return the slides in one direction of at least so many samples, before sample `last`."""
+    """Return the slides in one direction of at least so many samples, before sample `last`.
+
+    Half of what is smoothed over is left out at both ends: there the head may be at rest.
+    """
     sign = np.where(np.abs(motion.v) > motion.resting_speed, np.sign(motion.v), 0.0)[:last]
-    cuts = np.flatnonzero(np.diff(sign)) + 1
+    cuts, half = np.flatnonzero(np.diff(sign)) + 1, motion.width // 2
     edges = np.concatenate([[0], cuts, [sign.size]]).tolist()
     return [(a, b) for a, b in pairwise(edges) if b - a >= least and sign[a] != 0.0]
 

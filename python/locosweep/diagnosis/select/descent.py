@@ -21,8 +21,8 @@ _FIRST = 3
 """Fits that are followed to their end before others are given limits."""
 _FEW = 3
 """Steps after which starts that lie far behind another one of their set are left."""
-_NEAR = 3.0
-"""Chi2 over that of the best fit up to which others are followed beyond these steps."""
+_SHARE = 0.5
+"""Share of the best fit's gain that others have to show by then to be followed further."""
 
 
 def descend(
@@ -30,13 +30,14 @@ def descend(
     known: Collection,
     starts: Sequence[Fit],
     runs: list[int],
+    beside: Fit,
     *,
     at_noise: bool = False,
 ) -> Found:
     """Fit from starts, the first steps on `runs`, and follow those that may come near the best.
 
-    With `at_noise`, the model that the starts extend leaves but noise: then nothing ties.
-    Returns the best fit of each set among the starts, or the known one where that is better.
+    The starts extend the model of the fit `beside`. With `at_noise` it leaves but noise: then
+    nothing ties. Returns the best fit of each set among the starts, or the known one where that is better.
     """
     problem, steps = search.problem, search.steps
     fits = list(starts)
@@ -52,7 +53,8 @@ def descend(
     others = _with_limits(search, known, close[_FIRST:], first, at_noise=at_noise)
     others = fit_all(problem, others, steps=_FEW)
     least = min((fit.chi2 for fit in [*first, *others]), default=np.inf)
-    near = [fit for fit in others if fit.chi2 < _NEAR * least]
+    most = max(beside.chi2 - _SHARE * (beside.chi2 - least), least + SLACK)
+    near = [fit for fit in others if fit.chi2 < most]
     ends = [*first, *fit_all(problem, near, steps=steps), *others, *fits[len(close) :]]
     found: Found = {}
     for fit in ends:

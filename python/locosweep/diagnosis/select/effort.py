@@ -8,6 +8,9 @@ from __future__ import annotations
 
 STRONGEST_SCALING = 4.0
 """Factor on a start up to which an effect is taken to act in proportion."""
+LEAST_ERROR = 10.0
+"""Mean square of the equation error, in that of noise, from which it alone says where to
+start."""
 ROWS_REFINED = 2
 """Starts of an effect that are refined by equation error, those that promise most."""
 PAIRS_REFINED = 24
@@ -17,6 +20,8 @@ PAIRS_FOLLOWED = 8
 ROWS_REPLAYED = 8
 """Starts of an effect that are replayed beside these; three times as many of one that the
 equation error does not see."""
+FOLLOWED = 3
+"""Starts of such an effect that are fitted."""
 INFORMATIVE_RUNS = 2
 """Runs that starts are replayed on: those that hold most of what a fit leaves."""
 PARTNERS = 8

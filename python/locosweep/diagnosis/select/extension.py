@@ -8,13 +8,22 @@ import numpy as np
 
 from locosweep.diagnosis.estimate.least_squares import chi2_of, evaluate, start_fits
 from locosweep.diagnosis.select.descent import descend
-from locosweep.diagnosis.select.effort import HINT, PAIRS_FOLLOWED, PARTNERS, ROWS_REPLAYED, SLACK
+from locosweep.diagnosis.select.effort import (
+    FOLLOWED,
+    HINT,
+    PAIRS_FOLLOWED,
+    PARTNERS,
+    ROWS_REPLAYED,
+    SLACK,
+)
 from locosweep.diagnosis.select.screen import (
     Screened,
     along_valley,
+    distinct,
     informative_runs,
     pairs_along,
     rows_beside,
+    says_enough,
     scaled,
     scan_beside,
     seen_along,
@@ -22,7 +31,8 @@ from locosweep.diagnosis.select.screen import (
 from locosweep.diagnosis.select.search import Collection, Found
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Collection as Names
+    from collections.abc import Mapping, Sequence
 
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.select.search import Search
@@ -58,7 +68,9 @@ def extend(
     if not beside.residual.size:
         (beside,) = evaluate(problem, [beside])
     at_noise = search.is_noise(beside)
-    starts = _starts_beside(search, beside, partners)
+    along = seen_along(search, beside, partners)
+    sure = along.keys() if says_enough(search, beside) else set()
+    starts = _starts_beside(search, beside, partners, along, sure)
     runs = informative_runs(problem, beside)
     seen, leaves = scan_beside(problem, starts, runs, beside)
     if at_noise:
@@ -70,23 +82,36 @@ def extend(
     for start in sorted(best, key=lambda s: s.promised)[:keep]:
         if start.promised > limit:
             break
+        own = [s for s in seen if s.fit.model.names == start.fit.model.names]
         # What promises most, as strong as it promises it; and as it stands, the best start.
-        followed.append(scaled(start.fit, start.factor))
+        most = 1 if start.fit.model.names[-1] in sure else FOLLOWED
+        followed += [
+            scaled(s.fit, s.factor) for s in distinct(sorted(own, key=lambda s: s.promised), most)
+        ]
         if not at_noise:
-            own = (s.fit for s in seen if s.fit.model.names == start.fit.model.names)
-            followed.append(min(own, key=chi2_of))
-    return descend(search, known, followed, runs, at_noise=at_noise)
+            followed.append(min((s.fit for s in own), key=chi2_of))
+    return descend(search, known, followed, runs, beside, at_noise=at_noise)
 
 
-def _starts_beside(search: Search, beside: Fit, partners: Sequence[str]) -> list[Fit]:
-    """Return starts of further effects beside the values of a fit."""
-    along = seen_along(search, beside, partners)
+def _starts_beside(
+    search: Search,
+    beside: Fit,
+    partners: Sequence[str],
+    along: Mapping[str, Sequence[Fit]],
+    sure: Names[str],
+) -> list[Fit]:
+    """Return starts of further effects beside the values of a fit.
+
+    Those `along` the measured motion come first; few others are replayed beside them of the
+    effects whose start they are `sure` of.
+    """
     found: list[Fit] = []
     for name in partners:
         best = along.get(name, [])
         rows = rows_beside(search, name, beside)
-        # All starts of an effect that is tried alone, if the equation error does not see it.
-        most = ROWS_REPLAYED if best else (3 * ROWS_REPLAYED if beside.model.names else len(rows))
+        # All starts of an effect that is tried alone.
+        wide = 3 * ROWS_REPLAYED if beside.model.names else len(rows)
+        most = ROWS_REPLAYED if name in sure else wide
         starts = [fit.unfitted() for fit in best] + rows[:: -(-len(rows) // most)]
         if best and search.along:
             starts += along_valley(search.along, best[0])
@@ -135,4 +160,5 @@ def extend_each(search: Search, known: Collection, bases: Sequence[Fit]) -> Foun
 def pairs(search: Search, known: Collection) -> Found:
     """Fit the pairs that leave the least equation error: neither need stand out alone."""
     starts = [fit.unfitted() for fit in pairs_along(search, PAIRS_FOLLOWED)]
-    return descend(search, known, starts, informative_runs(search.problem, search.none))
+    none = search.none
+    return descend(search, known, starts, informative_runs(search.problem, none), none)

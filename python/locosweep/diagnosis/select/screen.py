@@ -10,6 +10,7 @@ import numpy as np
 from locosweep.diagnosis.effects.catalogue import starts_of
 from locosweep.diagnosis.estimate.equation_fits import (
     displaced,
+    evaluated,
     jacobian_along,
     refined,
     uncertainties,
@@ -17,6 +18,7 @@ from locosweep.diagnosis.estimate.equation_fits import (
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, jacobian_of, start_fits
 from locosweep.diagnosis.select.effort import (
     INFORMATIVE_RUNS,
+    LEAST_ERROR,
     PAIRS_REFINED,
     ROWS_REFINED,
     STRONGEST_SCALING,
@@ -82,6 +84,17 @@ def seen_along(search: Search, beside: Fit, partners: Sequence[str]) -> dict[str
     for fit in refined(along, chosen):
         found.setdefault(fit.model.names[-1], []).append(fit)
     return {name: sorted(fits, key=lambda fit: fit.chi2) for name, fits in found.items()}
+
+
+def says_enough(search: Search, beside: Fit) -> bool:
+    """Return whether the equation error beside a fit is so large that it says where to start.
+
+    However far free runs come apart, it may be little more than noise.
+    """
+    if search.along is None:
+        return False
+    (fit,), _ = evaluated(search.along, [beside])
+    return fit.chi2 > LEAST_ERROR * search.along.measured.size
 
 
 def pairs_along(search: Search, count: int) -> list[Fit]:
@@ -173,6 +186,23 @@ def scaled(fit: Fit, scale: float) -> Fit:
         elif scale > 0.0:
             theta[i] = np.clip(theta[i] + np.log(scale), np.log(free.low), np.log(free.high))
     return fit.unfitted(theta)
+
+
+def distinct(starts: Sequence[Screened], count: int) -> list[Screened]:
+    """Pick the first starts whose shapes differ, or whose strengths do where there is none."""
+    chosen: list[Screened] = []
+    for start in starts:
+        fit = start.fit
+        logs = np.array([f.log for f in fit.model.free], dtype=bool)
+        sizes = np.array([0.3 if f.log else 0.003 * f.size for f in fit.model.free])
+        k = sizes.size
+        if logs.any():
+            sizes = np.where(logs, sizes, np.inf)
+        if all(np.any(np.abs(fit.theta[:k] - c.fit.theta[:k]) > sizes) for c in chosen):
+            chosen.append(start)
+        if len(chosen) == count:
+            break
+    return chosen
 
 
 def along_valley(along: EquationError, fit: Fit) -> list[Fit]:
