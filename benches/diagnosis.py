@@ -5,7 +5,8 @@
 `singles` is the time until every single effect is fitted and ranked; `whole` adds pairs,
 rivals, intervals and the written report with its pictures. The physical limit beside them
 is that of the replays alone, at the speed of an exact one (`dynamics_peers.py --only replay`).
-`--profile` adds how much of the whole the replays take, in one round on one thread.
+`--profile` adds how much of the whole the core's replays and fits take, in one round on one
+thread.
 """
 
 from __future__ import annotations
@@ -88,13 +89,13 @@ def timed(frame: pl.DataFrame, threads: int) -> tuple[float, float, str]:
 
 
 def replayed(frame: pl.DataFrame) -> tuple[float, float, int]:
-    """Seconds in the replays of a diagnosis, seconds of all of it, and calls of the replay."""
+    """Seconds in the core's replays and fits, seconds of a whole diagnosis, and calls of these."""
     profiler = cProfile.Profile()
     begin = time.perf_counter()
     profiler.runcall(ls.diagnose, frame, ROBOT, threads=1)
     whole = time.perf_counter() - begin
-    name = "'run' of 'locosweep._core.Replay'"
-    replays = [one for one in profiler.getstats() if name in str(one.code)]
+    names = [f"of 'locosweep._core.{owner}'" for owner in ("Replay", "Experiment", "Misfit")]
+    replays = [one for one in profiler.getstats() if any(n in str(one.code) for n in names)]
     return sum(one.totaltime for one in replays), whole, sum(one.callcount for one in replays)
 
 
@@ -121,7 +122,7 @@ def main() -> None:
         found.append({"case": name, "singles": singles, "whole": whole, "said": took[0][2]})
     print(table(lines))
     if asked.profile:
-        rows = [["what is wrong", "in replays, s", "of, s", "calls"]]
+        rows = [["what is wrong", "in the core, s", "of, s", "calls"]]
         for name in cases:
             inside, whole, calls = replayed(frames[name])
             rows.append([name, f"{inside:.1f}", f"{whole:.1f}", str(calls)])

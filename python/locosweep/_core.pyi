@@ -244,6 +244,25 @@ class EffectShape:
         """
 
 @final
+class Experiment:
+    """
+    Measured runs, or windows of them, as they are replayed.
+    """
+    def __new__(cls, /, job: Replay, spans: SupportsGetItem[int, tuple[SupportsIndex, SupportsIndex, SupportsIndex, SupportsFloat | SupportsIndex, bool]], begins: Incomplete, motor: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex] | None = None) -> Experiment:
+        """
+        `spans` lists what is replayed at a time: the number of a run, first sample, one
+        beyond the last, factor on the mass, and whether the robot was turned round.
+        `begins` has a row for each: position and speed; or, of a window, the position,
+        speed and acceleration that were seen there, seconds since the start of its run,
+        and the position there. `motor` is resistance and force constant.
+        """
+    def read(self, /, points: SupportsGetItem[int, Incomplete], spans: SupportsGetItem[int, SupportsIndex], threads: SupportsIndex, moved: Incomplete | None = None) -> Incomplete:
+        """
+        What the sensors would read: rows of x, v, x_rear and force, point after point, span
+        after span. `moved` shifts position and speed at the start of each span.
+        """
+
+@final
 class FrictionCandidate:
     """
     A friction law to fit, how its levels follow the load, and what the force
@@ -464,6 +483,42 @@ class Law:
     def parameters(self, /) -> list[Parameter]: ...
     @property
     def source(self, /) -> str: ...
+
+@final
+class Misfit:
+    """
+    Measured runs, and how far models may be from them.
+    """
+    def __new__(cls, /, experiment: Experiment, channels: SupportsGetItem[int, tuple[SupportsIndex | None, Incomplete, Incomplete]], shifts: SupportsGetItem[int, SupportsGetItem[int, tuple[SupportsIndex, Incomplete]]]) -> Misfit:
+        """
+        `channels` lists what was measured: the row of `Experiment.read` that predicts it,
+        None for electric power, readings, and inverse deviations, 0 where a sample does
+        not count. `shifts` lists what may differ from span to span: the channels that it
+        acts on, by number, and what a deviation of it changes in their weighted readings.
+        """
+    def evaluate(self, /, fits: SupportsGetItem[int, Incomplete], spans: SupportsGetItem[int, SupportsIndex], threads: SupportsIndex, keep: bool) -> list[tuple[float, Incomplete | None]]:
+        """
+        Chi2 of fits over some spans, and, where they are kept, their residuals and last
+        those of what is known before.
+        """
+    def fit(self, /, fits: SupportsGetItem[int, Incomplete], known: SupportsGetItem[int, bool], spans: SupportsGetItem[int, SupportsIndex], steps: SupportsIndex, tolerance: SupportsFloat | SupportsIndex, threads: SupportsIndex) -> tuple[list[tuple[Incomplete, float, Incomplete, float]], int]:
+        """
+        Improve fits; `known` says of which chi2 is known. Returns theta, chi2, covariance
+        and damping of each, and the number of samples that were replayed.
+        """
+    def jacobian(self, /, fit: Incomplete, spans: SupportsGetItem[int, SupportsIndex], threads: SupportsIndex) -> Incomplete:
+        """
+        Derivatives of a fit's residuals over some spans, a row for every free value.
+        """
+    def residuals(self, /, points: SupportsGetItem[int, Incomplete], spans: SupportsGetItem[int, SupportsIndex], threads: SupportsIndex, most: SupportsFloat | SupportsIndex = ...) -> Incomplete:
+        """
+        Whitened residuals of models over some spans, a row each: channel by channel, span
+        by span, and last the shifts in deviations, at most `most` of them.
+        """
+    def whitened(self, /, dx: Incomplete, dv: Incomplete, spans: SupportsGetItem[int, SupportsIndex]) -> Incomplete:
+        """
+        Changes of x and v over some spans, a row each, in the form of residuals.
+        """
 
 @final
 class Parameter:

@@ -3,6 +3,7 @@
 mod arrays;
 mod door;
 mod effects;
+mod fit;
 mod friction_fit;
 mod gait;
 mod reality;
@@ -16,6 +17,8 @@ use pyo3::prelude::pymodule;
 mod _core {
     #[pymodule_export]
     use super::effects::{EffectFit, EffectRecord, EffectShape, effect_parameter_count, effects};
+    #[pymodule_export]
+    use super::fit::{Experiment, Misfit};
     #[pymodule_export]
     use super::friction_fit::{
         FrictionCandidate, FrictionData, FrictionOutcome, FrictionParameter, derivative, falls,

@@ -18,8 +18,8 @@ use std::collections::HashMap;
 /// Runs of a drive, and the model that they are replayed through.
 #[pyclass(frozen, module = "locosweep._core")]
 pub struct Replay {
-    nominal: Nominal,
-    runs: Vec<Run>,
+    pub nominal: Nominal,
+    pub runs: Vec<Run>,
 }
 
 #[pymethods]
@@ -276,7 +276,7 @@ impl Replay {
 }
 
 /// Rows of x, v, x_rear and force.
-fn quarters<E: std::fmt::Display>(
+pub fn quarters<E: std::fmt::Display>(
     whole: Result<&mut [f64], E>,
     length: usize,
 ) -> Result<[&mut [f64]; 4], String> {

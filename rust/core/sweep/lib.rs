@@ -4,6 +4,7 @@
 
 mod chunks;
 mod execute;
+pub mod fit;
 mod gait_outputs;
 mod job;
 pub mod pool;

@@ -183,7 +183,7 @@ pub fn blocks(motion: &MeasuredMotion, block: usize) -> usize {
 }
 
 /// Runs `work` on as many threads.
-fn spread_over(threads: usize, work: impl Fn() + Sync) -> Result<()> {
+pub(super) fn spread_over(threads: usize, work: impl Fn() + Sync) -> Result<()> {
     if threads <= 1 {
         work();
         return Ok(());
@@ -197,7 +197,7 @@ fn spread_over(threads: usize, work: impl Fn() + Sync) -> Result<()> {
 }
 
 /// What a call returns that may have been cancelled.
-fn finished(control: &Control, total: usize) -> Result<()> {
+pub(super) fn finished(control: &Control, total: usize) -> Result<()> {
     if control.cancel.load(Ordering::Relaxed) {
         let done = control.done.load(Ordering::Relaxed);
         return Err(Error::Cancelled { done, total: total as u64 });
@@ -206,7 +206,7 @@ fn finished(control: &Control, total: usize) -> Result<()> {
 }
 
 /// The usual time between samples: their median.
-fn interval(run: &Run) -> f64 {
+pub(super) fn interval(run: &Run) -> f64 {
     let mut steps: Vec<f64> = run.times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let middle = steps.len() / 2;
     if steps.is_empty() { 1.0 } else { *steps.select_nth_unstable_by(middle, f64::total_cmp).1 }

@@ -108,7 +108,10 @@ class EquationError:
         values = np.tile([p.values for p in points], (len(runs), 1))
         factors = np.tile([p.factors for p in points], (len(runs), 1))
         number = np.repeat(runs, len(points))
-        problem.adapt(number, values, factors)
+        for r, factor in problem.payload_factors.items():
+            factors[number == r, 0] *= factor
+        slope = problem.parameter_index("slope_error", "d_alpha_deg")
+        values[np.isin(number, list(problem.reversed_runs)), slope] *= -1.0
         found = problem.job.displacements(
             columns, values, factors, self._motions, self.block, problem.threads
         )
@@ -163,7 +166,11 @@ def slides_of(motion: MeasuredMotion, last: int, least: int) -> list[tuple[int, 
     sign = np.where(np.abs(motion.v) > motion.resting_speed, np.sign(motion.v), 0.0)[:last]
     cuts, half = np.flatnonzero(np.diff(sign)) + 1, motion.width // 2
     edges = np.concatenate([[0], cuts, [sign.size]]).tolist()
-    return [(a, b) for a, b in pairwise(edges) if b - a >= least and sign[a] != 0.0]
+    return [
+        (a + half, b - half)
+        for a, b in pairwise(edges)
+        if b - a - 2 * half >= least and sign[a] != 0.0
+    ]
 
 
 def _distance_forward(motion: MeasuredMotion, slides: Sequence[tuple[int, int]]) -> Floats:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.diagnosis.estimate.least_squares import at_rest, bounds_of, priors_of
+from locosweep.diagnosis.estimate.least_squares import at_rest
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -41,7 +41,7 @@ def evaluated(along: EquationError, fits: Sequence[Fit]) -> tuple[list[Fit], Flo
     squares = np.einsum("ij,ij->i", e, e)
     found = []
     for fit, square in zip(fits, squares.tolist(), strict=True):
-        chi2 = square + float(np.square(priors_of(fit, fit.theta)).sum())
+        chi2 = square + float(np.square(_priors(fit, fit.theta)).sum())
         found.append(replace(fit, chi2=chi2 if np.isfinite(chi2) else np.inf))
     return found, e
 
@@ -73,7 +73,7 @@ def _trials(along: EquationError, fits: Sequence[Fit], e: Floats) -> list[Fit]:
     moved = []
     widths = []
     for fit in fits:
-        _, high, size = bounds_of(fit)
+        _, high, size = _bounds(fit)
         step = np.where(fit.theta + _WIDTH * size > high, -_WIDTH, _WIDTH) * size
         widths.append(step)
         for j in range(_global(fit)):
@@ -92,7 +92,7 @@ def _trials(along: EquationError, fits: Sequence[Fit], e: Floats) -> list[Fit]:
 
 def jacobian_along(along: EquationError, fit: Fit) -> Floats:
     """Return the derivatives of a fit's displacements, a row for each entry of all runs."""
-    _, high, size = bounds_of(fit)
+    _, high, size = _bounds(fit)
     step = np.where(fit.theta + _WIDTH * size > high, -_WIDTH, _WIDTH) * size
     moved = []
     for j in range(_global(fit)):
@@ -111,7 +111,7 @@ def uncertainties(along: EquationError, fit: Fit) -> Floats | None:
     jacobian = jacobian_along(along, fit)
     if not len(fit.model.free):
         return None
-    size = bounds_of(fit)[2][: len(jacobian)]
+    size = _bounds(fit)[2][: len(jacobian)]
     scaled = np.nan_to_num(jacobian) * size[:, None]
     values, vectors = np.linalg.eigh(scaled @ scaled.T)
     deviation = min(1.0 / np.sqrt(max(float(values[0]), 1e-12)), _WIDEST)
@@ -124,7 +124,7 @@ def _global(fit: Fit) -> int:
 
 
 def _damped(fit: Fit, jacobian: Floats, e: Floats) -> list[Fit]:
-    low, high, size = bounds_of(fit)
+    low, high, size = _bounds(fit)
     count = len(jacobian)
     jacobian = np.nan_to_num(jacobian, nan=0.0, posinf=0.0, neginf=0.0)
     normal, gradient = jacobian @ jacobian.T, jacobian @ np.nan_to_num(e)
@@ -141,3 +141,26 @@ def _damped(fit: Fit, jacobian: Floats, e: Floats) -> list[Fit]:
         theta[:count] = np.clip(theta[:count] + step, low[:count], high[:count])
         found.append(fit.unfitted(theta))
     return found
+
+
+def _bounds(fit: Fit) -> tuple[Floats, Floats, Floats]:
+    """Low, high and size of every entry of theta."""
+    nuisances = fit.nuisances
+    rows = [
+        (np.log(f.low), np.log(f.high), f.size) if f.log else (f.low, f.high, f.size)
+        for f in fit.model.free
+    ]
+    rows += [(-8 * s, 8 * s, s) for s in (nuisances.spread[i] for i in nuisances.uncertain)]
+    rows += [(-np.inf, np.inf, nuisances.speed)] * len(nuisances.moving)
+    rows += [(-8 * s, 8 * s, s) for _, s in nuisances.start_offsets]
+    low, high, size = np.array(rows, dtype=float).reshape(-1, 3).T
+    return low, high, size
+
+
+def _priors(fit: Fit, theta: Floats) -> Floats:
+    """Residuals of the uncertain nominal values and start positions."""
+    k = len(fit.model.free)
+    spread = np.array([fit.nuisances.spread[i] for i in fit.nuisances.uncertain])
+    around = np.array([s for _, s in fit.nuisances.start_offsets])
+    last = theta.size - around.size
+    return np.concatenate([theta[k : k + spread.size] / spread, theta[last:] / around])

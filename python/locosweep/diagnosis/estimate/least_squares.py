@@ -1,8 +1,9 @@
-"""Least-squares fits of many models at once, each by Levenberg and Marquardt."""
+"""Least-squares fits of many models at once; the core makes the steps."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,13 +19,6 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.problem import Problem
 
     Floats = NDArray[np.float64]
-
-_TRIALS = (0.05, 1.0, 30.0)
-"""Factors on the damping that each step tries side by side."""
-_DOUBT = 3.0
-"""Factor on the fall of chi2 that derivatives promise, up to which a fit may still fall."""
-_COARSE, _NEAR = 0.01, 200.0
-"""Least gain of a step over a fit's distance in chi2 from the best one, beyond `_NEAR`."""
 
 
 @dataclass(frozen=True)
@@ -65,10 +59,23 @@ class Fit:
     theta: Floats
     chi2: float = np.inf
     covariance: Floats = field(default_factory=lambda: np.zeros((0, 0)))
-    residual: Floats = field(default_factory=lambda: np.zeros(0))
     damping: float = 1e-2
     limit: float = np.inf
     """Chi2 above which the fit is of no interest, once derivatives promise no better."""
+    seen: tuple[Problem, tuple[int, ...]] | None = field(default=None, repr=False)
+    """Problem and runs whose chi2 it is; None where it is still to be evaluated."""
+
+    @cached_property
+    def residual(self) -> Floats:
+        """Whitened residuals of these runs, and last those of what is known before.
+
+        Worked out where they are asked for, if the evaluation did not keep them.
+        """
+        if self.seen is None:
+            return np.zeros(0)
+        problem, runs = self.seen
+        ((_, e),) = problem.misfit.evaluate([self], runs, problem.threads, keep=True)
+        return np.zeros(0) if e is None else e
 
     @property
     def parameters(self) -> Floats:
@@ -94,8 +101,8 @@ class Fit:
         return Fit(self.model, self.nuisances, self.theta if theta is None else theta)
 
     def without_residual(self) -> Fit:
-        """Return the fit without its residual, which takes most of the memory."""
-        return replace(self, residual=np.zeros(0))
+        """Return the fit as one that is still to be evaluated, on whatever runs; chi2 stays."""
+        return replace(self, seen=None)
 
     def named(self) -> dict[str, dict[str, float]]:
         """Return the parameters by effect and name."""
@@ -103,20 +110,6 @@ class Fit:
         for f, value in zip(self.model.free, self.parameters, strict=True):
             found[f.effect][f.name] = float(value)
         return found
-
-
-def bounds_of(fit: Fit) -> tuple[Floats, Floats, Floats]:
-    """Low, high and size of every entry of theta."""
-    nuisances = fit.nuisances
-    rows = [
-        (np.log(f.low), np.log(f.high), f.size) if f.log else (f.low, f.high, f.size)
-        for f in fit.model.free
-    ]
-    rows += [(-8 * s, 8 * s, s) for s in (nuisances.spread[i] for i in nuisances.uncertain)]
-    rows += [(-np.inf, np.inf, nuisances.speed)] * len(nuisances.moving)
-    rows += [(-8 * s, 8 * s, s) for _, s in nuisances.start_offsets]
-    low, high, size = np.array(rows, dtype=float).reshape(-1, 3).T
-    return low, high, size
 
 
 def point_of(problem: Problem, fit: Fit, theta: Floats | None = None) -> Point:
@@ -144,15 +137,6 @@ def at_rest(problem: Problem, fit: Fit, theta: Floats | None = None) -> Point:
     return replace(base, names=fit.model.names)
 
 
-def priors_of(fit: Fit, theta: Floats) -> Floats:
-    """Residuals of the uncertain nominal values and start positions."""
-    k = len(fit.model.free)
-    spread = np.array([fit.nuisances.spread[i] for i in fit.nuisances.uncertain])
-    around = np.array([s for _, s in fit.nuisances.start_offsets])
-    last = theta.size - around.size
-    return np.concatenate([theta[k : k + spread.size] / spread, theta[last:] / around])
-
-
 def start_fits(
     nuisances: Nuisances, model: Model, rows: Floats, nuisance: Floats | None = None
 ) -> list[Fit]:
@@ -168,19 +152,27 @@ def start_fits(
     return fits
 
 
-def evaluate(problem: Problem, fits: Sequence[Fit], runs: Sequence[int] | None = None) -> list[Fit]:
-    """Return fits with chi2 and residual at their values, of `runs` or of those that are fitted."""
-    if not fits:
-        return []
-    found = problem.residuals([point_of(problem, fit) for fit in fits], runs)
-    return [_at(fit, fit.theta, e) for fit, e in zip(fits, found, strict=True)]
+def evaluate(
+    problem: Problem,
+    fits: Sequence[Fit],
+    runs: Sequence[int] | None = None,
+    *,
+    residuals: bool = True,
+) -> list[Fit]:
+    """Return fits with chi2 at their values, of `runs` or of those that are fitted.
 
-
-def _at(fit: Fit, theta: Floats, e: Floats) -> Fit:
-    """Return a fit at some values, of which the residuals are known."""
-    full = np.concatenate([e, priors_of(fit, theta)])
-    chi2 = float(full @ full)
-    return replace(fit, theta=theta, residual=full, chi2=chi2 if np.isfinite(chi2) else np.inf)
+    Without `residuals`, they are worked out one by one if they are asked for.
+    """
+    chosen = problem.chosen(runs)
+    problem.meter.samples += len(fits) * problem.samples_of(chosen)
+    found = problem.misfit.evaluate(list(fits), chosen, problem.threads, keep=residuals)
+    evaluated = []
+    for fit, (chi2, e) in zip(fits, found, strict=True):
+        one = replace(fit, chi2=chi2, seen=(problem, chosen))
+        if e is not None:
+            one.__dict__["residual"] = e
+        evaluated.append(one)
+    return evaluated
 
 
 def fit_all(
@@ -196,126 +188,31 @@ def fit_all(
     Of those far behind the best one, fewer digits are asked for; and none where `limit`
     is out of reach. `runs` count, or those that are fitted.
     """
-    found = list(fits)
-    bare = [i for i, fit in enumerate(found) if not fit.residual.size]
-    for i, fit in zip(bare, evaluate(problem, [found[i] for i in bare], runs), strict=True):
-        found[i] = fit
-    todo = [i for i, fit in enumerate(found) if fit.theta.size and np.isfinite(fit.chi2)]
-    for _ in range(steps):
-        if not todo:
-            break
-        least = min(fit.chi2 for fit in found)
-        jacobians = _jacobians(problem, [found[i] for i in todo], runs)
-        trials: list[tuple[int, float, Floats]] = []
-        for i, jacobian in zip(todo, jacobians, strict=True):
-            found[i], proposals, promise = _proposals(found[i], jacobian)
-            if not found[i].chi2 - _DOUBT * promise > found[i].limit:
-                trials += [(i, damping, theta) for damping, theta in proposals]
-        todo = list(dict.fromkeys(i for i, _, _ in trials))
-        if not todo:
-            break
-        points = [point_of(problem, found[i], theta) for i, _, theta in trials]
-        best: dict[int, Fit] = {}
-        for (i, damping, theta), e in zip(trials, problem.residuals(points, runs), strict=True):
-            tried = replace(_at(found[i], theta, e), damping=max(damping, 1e-9))
-            if np.isfinite(tried.chi2) and (i not in best or tried.chi2 < best[i].chi2):
-                best[i] = tried
-        todo = [i for i in todo if i in best]
-        for i in list(todo):
-            old, new = found[i], best[i]
-            if new.chi2 < old.chi2:
-                behind = _COARSE * max(new.chi2 - least - _NEAR, 0.0)
-                done = old.chi2 - new.chi2 < tolerance + 1e-7 * new.chi2 + behind
-                found[i] = new
-            else:
-                found[i] = replace(old, damping=old.damping * 300.0)
-                done = found[i].damping > 1e7
-            if done:
-                todo.remove(i)
-    return found
-
-
-def _steps(fit: Fit, size: Floats) -> Floats:
-    """Finite differences: a fraction of a standard deviation where that is known."""
-    known = np.diag(fit.covariance) if fit.covariance.size else np.full(size.size, np.nan)
-    spread = np.sqrt(np.where(known > 0.0, known, np.nan))
-    step = np.where(np.isfinite(spread), 0.3 * spread, 1e-3 * size)
-    return np.clip(step, 1e-7 * size, 3e-3 * size)
-
-
-def _local(fit: Fit) -> list[int | None]:
-    """Say which run each entry of theta is about, None for all."""
-    everywhere: list[int | None] = [None] * (len(fit.model.free) + len(fit.nuisances.uncertain))
-    return [*everywhere, *fit.nuisances.moving, *(r for r, _ in fit.nuisances.start_offsets)]
-
-
-def _jacobians(problem: Problem, fits: Sequence[Fit], runs: Sequence[int] | None) -> list[Floats]:
-    """Differentiate the residuals, a row a parameter, by one-sided differences."""
-    groups: dict[int | None, list[tuple[int, int, float, Floats]]] = {}
-    for i, fit in enumerate(fits):
-        _, high, size = bounds_of(fit)
-        step = _steps(fit, size)
-        step = np.where(fit.theta + step > high, -step, step)
-        for j, run in enumerate(_local(fit)):
-            theta = fit.theta.copy()
-            theta[j] += step[j]
-            groups.setdefault(run, []).append((i, j, step[j], theta))
-    rows = [np.zeros((fit.theta.size, fit.residual.size)) for fit in fits]
-    chosen = problem.fitted if runs is None else list(runs)
-    for run, entries in groups.items():
-        points = [point_of(problem, fits[i], theta) for i, _, _, theta in entries]
-        if run is not None and run not in chosen:
-            continue
-        found = problem.residuals(points, runs if run is None else [run])
-        where = slice(None) if run is None else problem.of_run(run, chosen)
-        for (i, j, width, theta), e in zip(entries, found, strict=True):
-            fit = fits[i]
-            prior = priors_of(fit, theta)
-            body = fit.residual.size - prior.size
-            rows[i][j, :body][where] = (e - fit.residual[:body][where]) / width
-            rows[i][j, body:] = (prior - fit.residual[body:]) / width
-    return rows
+    chosen = problem.chosen(runs)
+    known = [fit.seen == (problem, chosen) for fit in fits]
+    found, samples = problem.misfit.fit(
+        list(fits), known, chosen, steps, tolerance, problem.threads
+    )
+    problem.meter.samples += samples
+    return [
+        replace(
+            fit,
+            theta=theta,
+            chi2=chi2,
+            covariance=covariance,
+            damping=damping,
+            seen=(problem, chosen),
+        )
+        for fit, (theta, chi2, covariance, damping) in zip(fits, found, strict=True)
+    ]
 
 
 def jacobian_of(problem: Problem, fit: Fit, runs: Sequence[int] | None = None) -> Floats:
     """Return the derivatives of a fit's residuals, a row a parameter."""
-    return _jacobians(problem, [fit], runs)[0]
-
-
-def _proposals(fit: Fit, jacobian: Floats) -> tuple[Fit, list[tuple[float, Floats]], float]:
-    """Return the fit with its covariance, steps with dampings, and the expected fall of chi2."""
-    low, high, size = bounds_of(fit)
-    jacobian = np.nan_to_num(jacobian, nan=0.0, posinf=0.0, neginf=0.0)
-    normal = jacobian @ jacobian.T
-    gradient = jacobian @ fit.residual
-    scale = np.diag(normal).copy()
-    # A parameter that moves nothing by as much as it may is left where it is.
-    floor = 1e-6 / size**2
-    scale = np.maximum(scale, floor)
-    held = ((fit.theta <= low) & (gradient > 0.0)) | ((fit.theta >= high) & (gradient < 0.0))
-    fit = replace(fit, covariance=_inverse(normal, floor))
-    found = []
-    for factor in _TRIALS:
-        damping = fit.damping * factor
-        matrix = normal + np.diag(damping * scale + floor)
-        free = ~held
-        move = np.zeros(fit.theta.size)
-        if free.any():
-            move[free] = -np.linalg.lstsq(matrix[np.ix_(free, free)], gradient[free], rcond=None)[0]
-        # No step beyond what counts as large, a few times over.
-        reach = np.max(np.abs(move) / (3.0 * size), initial=1.0)
-        found.append((damping, np.clip(fit.theta + move / reach, low, high)))
-    promise = float(gradient @ fit.covariance @ gradient)
-    return fit, found, promise if np.isfinite(promise) else np.inf
-
-
-def _inverse(normal: Floats, floor: Floats) -> Floats:
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(normal), floor))
-    unit = normal * scale[:, None] * scale[None, :] + np.eye(scale.size) * 1e-12
-    try:
-        return np.linalg.inv(unit) * scale[:, None] * scale[None, :]
-    except np.linalg.LinAlgError:
-        return np.diag(scale**2)
+    chosen = problem.chosen(runs)
+    problem.meter.samples += fit.theta.size * problem.samples_of(chosen)
+    rows: Floats = problem.misfit.jacobian(fit, chosen, problem.threads)
+    return rows
 
 
 def chi2_of(fit: Fit) -> float:

@@ -29,8 +29,6 @@ LOST = 1e60
 """Reading of a model that cannot be replayed to the end: far from everything."""
 _ANYWHERE = 10.0
 """Deviation of a start that was not measured, in spans of its run."""
-_BATCH = 4_000_000
-"""Samples of one call: some 130 MB of readings."""
 
 
 @dataclass(frozen=True)
@@ -252,6 +250,52 @@ class Problem:
         record = effect(name)
         return record.first + [p.name for p in record.parameters].index(parameter)
 
+    def chosen(self, runs: Sequence[int] | None) -> tuple[int, ...]:
+        """Return the runs that count: `runs`, or those that are fitted."""
+        return tuple(self.fitted if runs is None else map(int, runs))
+
+    def samples_of(self, runs: Sequence[int]) -> int:
+        """Count the samples of some runs."""
+        return int(self.lengths[list(runs)].sum())
+
+    @cached_property
+    def experiment(self) -> _core.Experiment:
+        """The runs as the core replays them."""
+        spans = [
+            (*self._span(r), self.payload_factors.get(r, 1.0), r in self.reversed_runs)
+            for r in range(len(self.runs))
+        ]
+        return _core.Experiment(self.job, spans, self._begins, self.motor)
+
+    @cached_property
+    def misfit(self) -> _core.Misfit:
+        """What was measured, as the core compares models with it."""
+        channels = []
+        for c in self.channels:
+            y = self.measured[c]
+            if CHANNELS[c].from_rest:
+                y = y - np.repeat(self.start_levels[c], self.lengths)
+            channels.append((CHANNELS[c].replayed, y, self._fit_weights(c)))
+        return _core.Misfit(self.experiment, channels, self._shifts)
+
+    @property
+    def _begins(self) -> Floats:
+        """Position and speed at the start of each run."""
+        return np.stack([self.starts.position, self.starts.speed], axis=1)
+
+    @property
+    def _shifts(self) -> list[list[tuple[int, Floats]]]:
+        """What may differ from run to run: start offsets, a deviation of each."""
+        return [
+            [(i, self._fit_weights(c) * np.repeat(self.priors[c], self.lengths))]
+            for i, c in enumerate(self.channels)
+            if self.has_offset(c)
+        ]
+
+    def _span(self, run: int) -> tuple[int, int, int]:
+        """Return what is replayed: the engine's run, first sample, one beyond the last."""
+        return run, 0, int(self.lengths[run])
+
     def replay(
         self,
         points: Sequence[Point],
@@ -263,112 +307,42 @@ class Problem:
         With `runs`, only those runs are replayed, one after another; `moved` shifts position
         and speed at the start of each run of the problem, shape (runs, 2).
         """
-        chosen = np.arange(len(self.runs)) if runs is None else np.array(runs, dtype=int)
-        self.meter.samples += len(points) * int(self.lengths[chosen].sum())
-        spans = [self._span(r) for r in chosen.tolist()]
-        columns = [(*span, list(point.names)) for point in points for span in spans]
-        values = np.repeat([p.values for p in points], chosen.size, axis=0)
-        factors = np.repeat([p.factors for p in points], chosen.size, axis=0)
-        starts, added = zip(*(self._begin(point, chosen) for point in points), strict=True)
-        begin = np.concatenate(starts)
-        if moved is not None:
-            begin += np.tile(moved[chosen], (len(points), 1))
-        self.adapt(np.tile(chosen, len(points)), values, factors)
-        read = self.job.run(columns, values, factors, begin, self.threads)
-        if np.any(added):
-            read[0] += np.repeat(np.array(added), self.lengths[chosen], axis=1).ravel()
-        return self._readings(read, len(points))
-
-    def adapt(self, number: NDArray[np.intp], values: Floats, factors: Floats) -> None:
-        """Change models, each of run `number`, in place, to those of the runs as they were made."""
-        if self.payload_factors or self.reversed_runs:
-            for r, factor in self.payload_factors.items():
-                factors[number == r, 0] *= factor
-            slope = self.parameter_index("slope_error", "d_alpha_deg")
-            values[np.isin(number, list(self.reversed_runs)), slope] *= -1.0
-
-    def _span(self, run: int) -> tuple[int, int, int]:
-        """Return what is replayed: the engine's run, first sample, one beyond the last."""
-        return run, 0, int(self.lengths[run])
-
-    def _begin(self, point: Point, chosen: NDArray[np.intp]) -> tuple[Floats, Floats]:
-        """Return the states in which runs begin, and what their sensor adds to the position."""
-        position = self.starts.position[chosen] + point.start_offsets[chosen]
-        begin = np.stack([position, point.speeds[chosen]], axis=1)
-        return begin, np.zeros(chosen.size)
-
-    def _readings(self, read: Sequence[Floats], rows: int) -> dict[str, Floats]:
-        """Arrange the engine's output, a row a point, and add the power that follows from it."""
-        found = {c: one.reshape(rows, -1) for c, one in zip(REPLAYED, read, strict=True)}
+        chosen = list(range(len(self.runs)) if runs is None else map(int, runs))
+        self.meter.samples += len(points) * self.samples_of(chosen)
+        read = self.experiment.read(list(points), chosen, self.threads, moved)
+        found = {c: one.reshape(len(points), -1) for c, one in zip(REPLAYED, read, strict=True)}
         if self.motor and "power" in self.channels:
             force, speed = read[REPLAYED.index("force")], read[REPLAYED.index("v")]
             # A force that was given had the voltage that it needs.
             motor = (np.inf, *self.motor)
-            found["power"] = _core.motor_power(force, speed, motor).reshape(rows, -1)
+            found["power"] = _core.motor_power(force, speed, motor).reshape(len(points), -1)
         wrong = ~np.isfinite(found["x"]).all(axis=1)
         for reading in found.values():
             reading[wrong] = LOST
         return found
 
-    def residuals(self, points: Sequence[Point], runs: Sequence[int] | None = None) -> Floats:
+    def residuals(
+        self, points: Sequence[Point], runs: Sequence[int] | None = None, most: float = np.inf
+    ) -> Floats:
         """Return whitened residuals of the runs that are fitted, or of `runs`.
 
         A row a point: channel by channel, run by run, and last the start offsets in
-        units of their uncertainty. Samples behind `train_fraction` are 0.
+        units of their uncertainty, at most `most` of them. Samples behind `train_fraction`
+        are 0.
         """
-        chosen = self.fitted if runs is None else list(runs)
-        samples = int(self.lengths[chosen].sum())
-        limit = max(1, _BATCH // max(1, samples))
-        parts = [
-            self._project(self._weighted_errors(points[i : i + limit], chosen), chosen)
-            for i in range(0, len(points), limit)
-        ]
-        return np.concatenate(parts) if len(parts) != 1 else parts[0]
+        chosen = self.chosen(runs)
+        self.meter.samples += len(points) * self.samples_of(chosen)
+        found: Floats = self.misfit.residuals(list(points), chosen, self.threads, most)
+        return found
 
-    def _weighted_errors(self, points: Sequence[Point], chosen: list[int]) -> dict[str, Floats]:
-        """Return measured minus simulated in units of the noise, by channel, a row a point."""
-        found = self.replay(points, chosen)
-        picked = self._picked(chosen)
-        rows = {}
-        for c in self.channels:
-            y, w = self.measured[c][picked], self._fit_weights(c, picked)
-            e = np.where(w > 0.0, y, 0.0) - found[c]
-            if CHANNELS[c].from_rest:
-                e -= np.repeat(self.start_levels[c][chosen], self.lengths[chosen])
-            rows[c] = np.multiply(e, w, out=e)
-        return rows
-
-    def _picked(self, chosen: Sequence[int]) -> NDArray[np.intp]:
-        """Return the samples of some runs among those of all."""
-        spans = [np.arange(self.starts_at[r], self.starts_at[r + 1]) for r in chosen]
-        return np.concatenate(spans) if spans else np.zeros(0, dtype=np.intp)
-
-    def _fit_weights(self, channel: str, picked: NDArray[np.intp]) -> Floats:
-        weights: Floats = self.weights[channel][picked] * self.seen[picked]
+    def _fit_weights(self, channel: str) -> Floats:
+        weights: Floats = self.weights[channel] * self.seen
         return weights
 
-    def _project(self, rows: dict[str, Floats], chosen: Sequence[int]) -> Floats:
-        """Take start offsets out of weighted rows, in place, and append them over their prior."""
-        chosen, picked = list(chosen), self._picked(chosen)
-        edges = np.concatenate([[0], np.cumsum(self.lengths[chosen])])[:-1]
-        parts, extra = [], []
-        for c, e in rows.items():
-            if self.has_offset(c):
-                w, prior = self._fit_weights(c, picked), 1.0 / self.priors[c][chosen]
-                precision = np.add.reduceat(w * w, edges) + prior**2
-                offset = np.add.reduceat(e * w, edges, axis=1) / precision
-                e -= np.repeat(offset, self.lengths[chosen], axis=1) * w
-                extra.append(offset * prior)
-            parts.append(e)
-        return np.concatenate(parts + extra, axis=1)
-
     def whitened(self, dx: Floats, dv: Floats, size: int) -> Floats:
-        """Bring changes of x and v into the form of whitened residuals."""
-        picked, changes = self._picked(self.fitted), {"x": dx, "v": dv}
-        rows = {c: changes.get(c, np.zeros_like(dx)) * self._fit_weights(c, picked)
-                for c in self.channels}  # fmt: skip
-        full = self._project(rows, self.fitted)
-        return np.pad(full, ((0, 0), (0, size - full.shape[1])))
+        """Bring changes of x and v over the fitted runs into the form of whitened residuals."""
+        found = self.misfit.whitened(dx, dv, self.fitted)
+        return np.pad(found, ((0, 0), (0, size - found.shape[1])))
 
     def of_run(self, run: int, chosen: Sequence[int]) -> NDArray[np.intp]:
         """Return where the residuals of one run lie among those of several."""

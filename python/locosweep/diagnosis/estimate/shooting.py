@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -38,8 +37,6 @@ _MISFIT = 1.5
 """Squares that a cubic leaves over those of noise, up to which it is taken."""
 _STILL = 3.0
 """Deviations of a measured speed below which the head counts as at rest."""
-_SENSOR = (("sensor_scale", "e"), ("sensor_drift", "b"), ("sensor_delay", "T"))
-"""Effects that the measured state at a window's start has passed through."""
 
 
 @dataclass(frozen=True)
@@ -222,9 +219,9 @@ class WindowProblem(Problem):
         """None: how windows start is projected out as states, not as offsets."""
         return {}
 
-    @cached_property
-    def _measured_starts(self) -> Floats:
-        """State, time since the run's start and position there of each window."""
+    @property
+    def _begins(self) -> Floats:
+        """State seen, time since the run's start and position there of each window."""
         return np.array([(*w.state, w.since_start[0], w.base) for w in self.windows])
 
     @property
@@ -238,81 +235,30 @@ class WindowProblem(Problem):
         return False
 
     @cached_property
-    def _shift(self) -> dict[str, Floats]:
-        """Whitened change of each channel under a start's shift: a row a kind of shift."""
+    def _shifts(self) -> list[list[tuple[int, Floats]]]:
+        """Whitened change of each channel under a start's shift, a deviation of each kind."""
         plain = self.plain()
         spread = np.array([window.spread for window in self.windows])
         base = self.replay([plain])
-        rows: dict[str, list[Floats]] = {c: [] for c in self.channels}
+        kinds: list[dict[str, Floats]] = []
         for k in range(2):
-            sides = []
-            for sign in (1.0, -1.0):
-                step = np.zeros_like(spread)
-                step[:, k] = sign * spread[:, k]
-                sides.append(self.replay([plain], moved=step))
-            for c in self.channels:
-                change = 0.5 * (sides[0][c][0] - sides[1][c][0])
-                lost = np.abs(base[c][0]) >= LOST
-                rows[c].append(np.where(lost, 0.0, change))
+            step = np.zeros_like(spread)
+            step[:, k] = spread[:, k]
+            above, below = (self.replay([plain], moved=sign * step) for sign in (1.0, -1.0))
+            changes = {c: 0.5 * (above[c][0] - below[c][0]) for c in self.channels}
+            lost = {c: np.abs(base[c][0]) >= LOST for c in self.channels}
+            kinds.append({c: np.where(lost[c], 0.0, changes[c]) for c in self.channels})
         if "x_rear" in self.channels:
-            deviation = np.hypot(self.noise["x_rear"].sd, self.noise["x_rear"].stuck)
-            for c in self.channels:
-                own = deviation if CHANNELS[c].from_rest else 0.0
-                rows[c].append(np.full(self.count, own))
-        return {c: np.array(rows[c]) * self.weights[c] for c in self.channels}
-
-    @cached_property
-    def _shift_covariance(self) -> Floats:
-        """Inverse of each window's normal matrix of shifts."""
-        kinds = len(self._shift["x"])
-        normal = np.tile(np.eye(kinds), (len(self.runs), 1, 1))
-        for i in range(kinds):
-            for j in range(kinds):
-                both = sum(s[i] * s[j] for s in self._shift.values())
-                normal[:, i, j] += np.add.reduceat(both, self.starts_at[:-1])
-        return np.asarray(np.linalg.inv(normal), dtype=np.float64)
+            deviation = float(np.hypot(self.noise["x_rear"].sd, self.noise["x_rear"].stuck))
+            kinds.append(
+                {c: np.full(self.count, deviation) for c in self.channels if CHANNELS[c].from_rest}
+            )
+        number = {c: i for i, c in enumerate(self.channels)}
+        return [[(number[c], change * self.weights[c]) for c, change in kind.items()]
+                for kind in kinds]  # fmt: skip
 
     def _span(self, run: int) -> tuple[int, int, int]:
         return (self.windows[run].record, *self.windows[run].span)
-
-    def _begin(self, point: Point, chosen: NDArray[np.intp]) -> tuple[Floats, Floats]:
-        """Return the true states at the starts, and what a scale adds to its readings.
-
-        The measured states went through the sensor, whose scale counts from the start of the run.
-        """
-        scale, drift, delay = (
-            float(point.values[self.parameter_index(name, key)]) if name in point.names else 0.0
-            for name, key in _SENSOR
-        )
-        x, v, rate, since, base = self._measured_starts[chosen].T
-        read = x + v * delay + 0.5 * rate * delay**2 - drift * since
-        true = base + (read - base) / (1.0 + scale)
-        speed = np.where(v == 0.0, 0.0, (v + rate * delay - drift) / (1.0 + scale))
-        return np.stack([true, speed], axis=1), scale * (true - base)
-
-    def _project(
-        self, rows: dict[str, Floats], chosen: Sequence[int], most: float = np.inf
-    ) -> Floats:
-        """Take the effect of a start's shift, at most `most` deviations, out of whitened rows."""
-        chosen = list(chosen)
-        picked = self._picked(chosen)
-        edges = np.concatenate([[0], np.cumsum(self.lengths[chosen])])[:-1]
-        shift = {c: s[:, picked] for c, s in self._shift.items()}
-        along = np.array(
-            [
-                np.add.reduceat(sum(rows[c] * shift[c][k] for c in self.channels), edges, axis=1)
-                for k in range(self._shift_covariance.shape[1])
-            ]
-        )
-        moves = np.einsum("rij,jpr->ipr", self._shift_covariance[chosen], along)
-        moves = np.clip(moves, -most, most)
-        parts = []
-        for c in self.channels:
-            e = rows[c]
-            for k, move in enumerate(moves):
-                e = e - np.repeat(move, self.lengths[chosen], axis=1) * shift[c][k]
-            parts.append(e)
-        return np.concatenate([*parts, *moves], axis=1)
 
     def errors(self, points: Sequence[Point], chosen: Sequence[int]) -> dict[str, Floats]:
         """Return measured minus simulated in the channels' units, a row a point, window by window.
@@ -320,22 +266,18 @@ class WindowProblem(Problem):
         Starts are shifted within the sensors' noise. NaN where nothing was measured or counts.
         """
         chosen = list(chosen)
-        e = np.concatenate(
-            [self._project(self._weighted_errors([p], chosen), chosen, 1.0) for p in points]
-        )
-        samples = int(self.lengths[chosen].sum())
-        picked = self._picked(chosen)
+        e = self.residuals(points, chosen, most=1.0)
+        samples = self.samples_of(chosen)
+        ends = np.cumsum(self.lengths)
+        picked = np.concatenate([np.arange(ends[r] - self.lengths[r], ends[r]) for r in chosen])
         found = {}
-        for (a, b), c in zip(
-            pairwise(range(0, (len(self.channels) + 1) * samples, samples)),
-            self.channels,
-            strict=True,
-        ):
+        for i, c in enumerate(self.channels):
             w = self.weights[c][picked]
             with np.errstate(divide="ignore", invalid="ignore"):
-                found[c] = np.where(w > 0.0, e[:, a:b] / w, np.nan)
+                own = e[:, i * samples : (i + 1) * samples]
+                found[c] = np.where(w > 0.0, own / w, np.nan)
         return found
 
     def degrees(self) -> int:
         """Count the residuals that fits see, less what the starts take."""
-        return int(max(super().degrees() - self._shift_covariance.shape[1] * len(self.fitted), 1))
+        return int(max(super().degrees() - len(self._shifts) * len(self.fitted), 1))

@@ -37,14 +37,15 @@ def descend(
     """Fit from starts, the first steps on `runs`, and follow those that may come near the best.
 
     The starts extend the model of the fit `beside`. With `at_noise` it leaves but noise: then
-    nothing ties. Returns the best fit of each set among the starts, or the known one where that is better.
+    nothing ties. Returns the best fit of each set among the starts, or the known one where
+    that is better.
     """
     problem, steps = search.problem, search.steps
     fits = list(starts)
     if not at_noise:
         # The first steps from poor starts need not see all runs.
-        fits = _near_best(fit_all(problem, evaluate(problem, fits, runs), runs=runs, steps=_FEW))
-    fits = _with_limits(search, known, evaluate(problem, fits), at_noise=at_noise)
+        fits = _near_best(fit_all(problem, fits, runs=runs, steps=_FEW))
+    fits = _with_limits(search, known, evaluate(problem, fits, residuals=False), at_noise=at_noise)
     fits = sorted(_near_best(fit_all(problem, fits, steps=1)), key=chi2_of)
     # Those that are far behind stay as they are.
     least = min((fit.chi2 for fit in fits), default=np.inf)

@@ -1,0 +1,135 @@
+//! Derivatives of residuals by one-sided differences, summed up over samples where they
+//! arise.
+
+use super::coordinates::Fit;
+use super::experiment::Spot;
+use super::job::{How, Request, replayed};
+use super::misfit::Misfit;
+use super::rows::{Product, Reading, whiten};
+use crate::error::Result;
+use nalgebra::{DMatrix, DVector};
+
+/// Products of the derivatives of a fit's residuals.
+pub struct Normal {
+    pub matrix: DMatrix<f64>,
+    /// Half the gradient of chi2.
+    pub gradient: DVector<f64>,
+}
+
+/// A request for each fit and span: a fit's own values, and each that acts there moved.
+struct Moved<'a> {
+    misfit: &'a Misfit,
+    fits: &'a [&'a Fit],
+    spans: &'a [usize],
+    steps: Vec<Vec<f64>>,
+    requests: Vec<Request>,
+}
+
+impl Moved<'_> {
+    fn new<'a>(misfit: &'a Misfit, fits: &'a [&'a Fit], spans: &'a [usize]) -> Moved<'a> {
+        let experiment = &*misfit.experiment;
+        let steps = fits.iter().map(|fit| fit.steps()).collect();
+        let every = fits.iter().flat_map(|fit| spans.iter().map(move |span| (fit, *span)));
+        let requests = every
+            .map(|(fit, span)| {
+                let spot = fit.spot(experiment, &fit.theta, span);
+                Request::new(span, &spot, 1 + fit.acting(span).len())
+            })
+            .collect();
+        Moved { misfit, fits, spans, steps, requests }
+    }
+
+    fn fit(&self, request: usize) -> &Fit {
+        self.fits[request / self.spans.len()]
+    }
+
+    fn spots(&self, request: usize, to: &mut Vec<Spot>) {
+        let (fit, span) = (self.fit(request), self.requests[request].span);
+        let experiment = &*self.misfit.experiment;
+        to.push(fit.spot(experiment, &fit.theta, span));
+        for i in fit.acting(span) {
+            let mut theta = fit.theta.clone();
+            theta[i] += self.steps[request / self.spans.len()][i];
+            to.push(fit.spot(experiment, &theta, span));
+        }
+    }
+
+    /// What `work` makes of the rows and their products, request by request.
+    fn each<T: Send>(
+        &self,
+        product: impl Fn(&[f64]) -> Product<'_> + Sync,
+        how: &How,
+        work: impl Fn(&[f64], &[f64]) -> T + Sync,
+    ) -> Result<Vec<T>> {
+        replayed(
+            &self.misfit.experiment,
+            &self.requests,
+            |i, to| self.spots(i, to),
+            how,
+            |i, columns: &[Reading], rows: &mut Vec<f64>| {
+                let (fit, span) = (self.fit(i), self.requests[i].span);
+                let all = &self.steps[i / self.spans.len()];
+                let steps: Vec<f64> = fit.acting(span).into_iter().map(|k| all[k]).collect();
+                let measured = &self.misfit.measured[span];
+                let work_at = self.misfit.whiten(measured, columns, product(&steps), rows);
+                let products = whiten(how.level, work_at);
+                work(rows, &products)
+            },
+        )
+    }
+}
+
+/// Normal matrices and gradients of fits over some spans.
+pub(super) fn normals(
+    misfit: &Misfit,
+    fits: &[&Fit],
+    spans: &[usize],
+    how: &How,
+) -> Result<Vec<Normal>> {
+    let moved = Moved::new(misfit, fits, spans);
+    let parts = moved.each(|steps| Product::Normal(steps), how, |_, products| products.to_vec())?;
+    let mut found = Vec::with_capacity(fits.len());
+    for (i, fit) in fits.iter().enumerate() {
+        let count = fit.coordinates.len();
+        let mut matrix = DMatrix::zeros(count, count);
+        let mut gradient = DVector::zeros(count);
+        // Span after span, so that the bits are those of any number of threads.
+        for (rank, span) in spans.iter().enumerate() {
+            let part = &parts[i * spans.len() + rank];
+            for (j, row) in fit.acting(*span).into_iter().enumerate() {
+                // The products of row j + 1 with all before it, of which the first is the
+                // fit's own.
+                let own = &part[(j + 1) * (j + 2) / 2..];
+                gradient[row] += own[0];
+                for (k, column) in fit.acting(*span).into_iter().enumerate().take(j + 1) {
+                    matrix[(row, column)] += own[k + 1];
+                }
+            }
+        }
+        for (j, coordinate) in fit.coordinates.iter().enumerate() {
+            if coordinate.deviation.is_finite() {
+                matrix[(j, j)] += coordinate.deviation.powi(-2);
+                gradient[j] += coordinate.prior(fit.theta[j]) / coordinate.deviation;
+            }
+        }
+        matrix.fill_upper_triangle_with_lower_triangle();
+        found.push(Normal { matrix, gradient });
+    }
+    Ok(found)
+}
+
+/// Derivatives of a fit's residuals over some spans, a row of `Misfit::residuals` for every
+/// coordinate.
+pub fn jacobian(misfit: &Misfit, fit: &Fit, spans: &[usize], how: &How) -> Result<Vec<Vec<f64>>> {
+    let fits = [fit];
+    let moved = Moved::new(misfit, &fits, spans);
+    let parts = moved.each(|steps| Product::Slopes(steps), how, |rows, _| rows.to_vec())?;
+    let mut found = vec![vec![0.0; misfit.residuals(spans)]; fit.coordinates.len()];
+    for (rank, span) in spans.iter().enumerate() {
+        let stride = misfit.measured[*span].stride();
+        for (row, i) in parts[rank].chunks_exact(stride).skip(1).zip(fit.acting(*span)) {
+            misfit.place(row, spans, rank, &mut found[i]);
+        }
+    }
+    Ok(found)
+}

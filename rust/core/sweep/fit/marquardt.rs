@@ -1,0 +1,181 @@
+//! Levenberg and Marquardt's method for many fits side by side.
+
+use super::coordinates::Fit;
+use super::derivatives::{Normal, normals};
+use super::evaluate::chi2;
+use super::job::How;
+use super::misfit::Misfit;
+use crate::error::Result;
+use nalgebra::{DMatrix, DVector};
+
+/// Factors on the damping that each step tries side by side.
+const TRIALS: [f64; 3] = [0.05, 1.0, 30.0];
+/// Factor on the damping where none of them helps, and the damping at which a fit is given
+/// up; none is below the least.
+const STUCK: f64 = 300.0;
+const MOST_DAMPING: f64 = 1e7;
+const LEAST_DAMPING: f64 = 1e-9;
+/// Factor on the fall of chi2 that derivatives promise, up to which a fit may still fall.
+const DOUBT: f64 = 3.0;
+/// Least gain of a step over a fit's distance in chi2 from the best one, beyond `NEAR`.
+const COARSE: f64 = 0.01;
+const NEAR: f64 = 200.0;
+/// Least gain of a step in chi2 itself.
+const FINE: f64 = 1e-7;
+/// Sizes of a coordinate that a step may take.
+const REACH: f64 = 3.0;
+/// Derivatives, over a coordinate's size, below which it is left where it is.
+const FLOOR: f64 = 1e-6;
+/// What is added to the diagonal of a normal matrix of unit diagonal before it is inverted.
+const RIDGE: f64 = 1e-12;
+
+/// When fits are done.
+#[derive(Debug, Clone, Copy)]
+pub struct Rule {
+    pub steps: usize,
+    /// Fall of chi2 by a step below which a fit is done.
+    pub tolerance: f64,
+}
+
+/// Improves fits until their chi2 falls by less than the tolerance, or the steps are made;
+/// of those far behind the best one fewer digits are asked for, and none where the limit
+/// is out of reach. Returns the samples that were replayed.
+pub fn fit(
+    misfit: &Misfit,
+    fits: &mut [Fit],
+    spans: &[usize],
+    rule: Rule,
+    how: &How,
+) -> Result<u64> {
+    let mut replayed = 0;
+    let samples = misfit.experiment.samples(spans) as u64;
+    let bare: Vec<usize> = (0..fits.len()).filter(|i| fits[*i].chi2.is_none()).collect();
+    let starts: Vec<_> = bare.iter().map(|i| (&fits[*i], fits[*i].theta.clone())).collect();
+    replayed += starts.len() as u64 * samples;
+    for (i, found) in bare.iter().zip(chi2(misfit, &starts, spans, how)?) {
+        fits[*i].chi2 = Some(found);
+    }
+    let of = |fit: &Fit| fit.chi2.unwrap_or(f64::INFINITY);
+    let open = |fit: &Fit| !fit.theta.is_empty() && of(fit).is_finite();
+    let mut todo: Vec<usize> = (0..fits.len()).filter(|i| open(&fits[*i])).collect();
+    for _ in 0..rule.steps {
+        if todo.is_empty() {
+            break;
+        }
+        let least = fits.iter().map(of).fold(f64::INFINITY, f64::min);
+        let chosen: Vec<&Fit> = todo.iter().map(|i| &fits[*i]).collect();
+        let moved = |fit: &Fit, span: &usize| {
+            fit.acting(*span).len() as u64 * misfit.experiment.samples(&[*span]) as u64
+        };
+        replayed += chosen.iter().flat_map(|fit| spans.iter().map(|s| moved(fit, s))).sum::<u64>();
+        let found = normals(misfit, &chosen, spans, how)?;
+        let mut trials: Vec<(usize, f64, DVector<f64>)> = Vec::new();
+        for (i, normal) in todo.iter().zip(&found) {
+            let fit = &mut fits[*i];
+            let (covariance, moves) = proposals(fit, normal);
+            let promise = normal.gradient.dot(&(&covariance * &normal.gradient));
+            fit.covariance = Some(covariance);
+            let hopeless = promise.is_finite() && of(fit) - DOUBT * promise > fit.limit;
+            if !hopeless {
+                trials.extend(moves.into_iter().map(|(damping, theta)| (*i, damping, theta)));
+            }
+        }
+        let tried: Vec<_> = trials.iter().map(|(i, _, theta)| (&fits[*i], theta.clone())).collect();
+        replayed += tried.len() as u64 * samples;
+        let squares = chi2(misfit, &tried, spans, how)?;
+        todo.clear();
+        for (group, squares) in trials.chunks(TRIALS.len()).zip(squares.chunks(TRIALS.len())) {
+            let mut best: Option<(f64, usize)> = None;
+            for (k, found) in squares.iter().enumerate() {
+                if found.is_finite() && best.is_none_or(|(least, _)| *found < least) {
+                    best = Some((*found, k));
+                }
+            }
+            let (Some((new, k)), fit) = (best, &mut fits[group[0].0]) else {
+                continue;
+            };
+            let old = of(fit);
+            let done = if new < old {
+                (fit.theta, fit.chi2) = (group[k].2.clone(), Some(new));
+                fit.damping = group[k].1.max(LEAST_DAMPING);
+                let behind = COARSE * (new - least - NEAR).max(0.0);
+                old - new < rule.tolerance + FINE * new + behind
+            } else {
+                fit.damping *= STUCK;
+                fit.damping > MOST_DAMPING
+            };
+            if !done {
+                todo.push(group[0].0);
+            }
+        }
+    }
+    Ok(replayed)
+}
+
+/// The covariance of a fit, and dampings with the values that they lead to.
+fn proposals(fit: &Fit, normal: &Normal) -> (DMatrix<f64>, Vec<(f64, DVector<f64>)>) {
+    let Normal { matrix, gradient } = normal;
+    let count = fit.theta.len();
+    let floor = DVector::from_fn(count, |i, _| FLOOR / fit.coordinates[i].size.powi(2));
+    let scale = DVector::from_fn(count, |i, _| matrix[(i, i)].max(floor[i]));
+    let free: Vec<usize> = (0..count)
+        .filter(|i| {
+            let (coordinate, value) = (&fit.coordinates[*i], fit.theta[*i]);
+            let held = (value <= coordinate.low && gradient[*i] > 0.0)
+                || (value >= coordinate.high && gradient[*i] < 0.0);
+            !held
+        })
+        .collect();
+    let moves = TRIALS
+        .iter()
+        .map(|factor| {
+            let damping = fit.damping * factor;
+            let damped = DMatrix::from_fn(free.len(), free.len(), |a, b| {
+                let (i, j) = (free[a], free[b]);
+                matrix[(i, j)] + if a == b { damping * scale[i] + floor[i] } else { 0.0 }
+            });
+            let right = DVector::from_fn(free.len(), |a, _| gradient[free[a]]);
+            let mut step = DVector::zeros(count);
+            for (i, found) in free.iter().zip(solved(&damped, &right).iter()) {
+                step[*i] = -found;
+            }
+            let sizes = fit.coordinates.iter().map(|coordinate| REACH * coordinate.size);
+            let reach = step.iter().zip(sizes).map(|(s, most)| s.abs() / most).fold(1.0, f64::max);
+            let theta = DVector::from_fn(count, |i, _| {
+                let coordinate = &fit.coordinates[i];
+                (fit.theta[i] + step[i] / reach).max(coordinate.low).min(coordinate.high)
+            });
+            (damping, theta)
+        })
+        .collect();
+    (inverse(matrix, &floor), moves)
+}
+
+/// A symmetric matrix with a unit diagonal, and the scales that make it so.
+fn scaled(matrix: &DMatrix<f64>, floor: &DVector<f64>) -> (DMatrix<f64>, DVector<f64>) {
+    let scale = DVector::from_fn(floor.len(), |i, _| matrix[(i, i)].max(floor[i]).powf(-0.5));
+    let unit =
+        DMatrix::from_fn(scale.len(), scale.len(), |i, j| matrix[(i, j)] * scale[i] * scale[j]);
+    (unit, scale)
+}
+
+/// The solution of a damped system; 0 where it has none.
+fn solved(matrix: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
+    let (unit, scale) = scaled(matrix, &DVector::zeros(right.len()));
+    let found = unit.cholesky().map(|factor| factor.solve(&right.component_mul(&scale)));
+    let found = found.map(|found| found.component_mul(&scale));
+    found.filter(|found| found.iter().all(|x| x.is_finite())).unwrap_or_else(|| right * 0.0)
+}
+
+/// The inverse of a normal matrix; of its diagonal where derivatives depend on each other.
+fn inverse(normal: &DMatrix<f64>, floor: &DVector<f64>) -> DMatrix<f64> {
+    let (unit, scale) = scaled(normal, floor);
+    let count = scale.len();
+    match (unit + DMatrix::identity(count, count) * RIDGE).cholesky() {
+        Some(factor) => {
+            let inverse = factor.inverse();
+            DMatrix::from_fn(count, count, |i, j| inverse[(i, j)] * scale[i] * scale[j])
+        }
+        None => DMatrix::from_diagonal(&scale.map(|s| s * s)),
+    }
+}

@@ -1,0 +1,148 @@
+//! What was measured, in the form in which models are compared with it.
+
+use super::experiment::Experiment;
+use nalgebra::DMatrix;
+use std::sync::Arc;
+
+/// Numbers that sums run over side by side: those of the widest pack, so that the order of
+/// summation, and with it the bits, are those of every level.
+pub const WIDE: usize = 16;
+
+/// Where the prediction of a channel comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// The replay's x, v, x_rear or force, by number.
+    Replayed(usize),
+    /// Electric power, from force and speed.
+    Power,
+}
+
+/// A measured channel, the samples of all spans one after another.
+#[derive(Debug, Clone)]
+pub struct Signal {
+    pub source: Source,
+    /// Readings, and the inverse of their deviations: 0 where a sample does not count.
+    pub measured: Vec<f64>,
+    pub weights: Vec<f64>,
+}
+
+/// Something that may differ from span to span within a deviation, and is projected out to
+/// first order: what a deviation of it changes, in weighted readings of some channels.
+pub type Shift = Vec<(usize, Vec<f64>)>;
+
+/// One span in rows: channel after channel, each filled up with zeros to a multiple of
+/// `WIDE` samples, so that vectors never straddle two of them.
+pub(super) struct Measured {
+    pub(super) samples: usize,
+    pub(super) padded: usize,
+    pub(super) readings: Vec<f64>,
+    pub(super) weights: Vec<f64>,
+    /// Where the shift acts in a row, and how.
+    pub(super) shifts: Vec<(usize, Vec<f64>)>,
+    /// Of the shifts, given that their deviations are 1 before a model is seen.
+    pub(super) covariance: DMatrix<f64>,
+}
+
+impl Measured {
+    /// Length of a row: all channels, then the shifts.
+    pub(super) fn stride(&self) -> usize {
+        self.readings.len() + self.shifts.len().next_multiple_of(WIDE)
+    }
+}
+
+/// Measured runs, and how far models may be from them.
+pub struct Misfit {
+    pub(super) experiment: Arc<Experiment>,
+    pub(super) sources: Vec<Source>,
+    pub(super) measured: Vec<Measured>,
+    shifts: usize,
+}
+
+impl Misfit {
+    /// Channels and shifts have the samples of all spans of the experiment.
+    pub fn new(experiment: Arc<Experiment>, channels: &[Signal], shifts: &[Shift]) -> Misfit {
+        let mut first = 0;
+        let measured = experiment
+            .spans
+            .iter()
+            .map(|span| {
+                let own = first..first + span.samples();
+                first = own.end;
+                let padded = own.len().next_multiple_of(WIDE);
+                let joined = |of: &dyn Fn(&Signal) -> Vec<f64>| {
+                    let mut row = Vec::with_capacity(channels.len() * padded);
+                    for channel in channels {
+                        row.extend(of(channel));
+                        row.resize(row.len().next_multiple_of(WIDE), 0.0);
+                    }
+                    row
+                };
+                let shifts: Vec<(usize, Vec<f64>)> = shifts
+                    .iter()
+                    .map(|shift| {
+                        let front = shift.iter().map(|(channel, _)| *channel).min().unwrap_or(0);
+                        let back = shift.iter().map(|(channel, _)| channel + 1).max().unwrap_or(0);
+                        let mut row = vec![0.0; (back - front) * padded];
+                        for (channel, change) in shift {
+                            let at = (channel - front) * padded;
+                            row[at..at + own.len()].copy_from_slice(&change[own.clone()]);
+                        }
+                        (front * padded, row)
+                    })
+                    .collect();
+                Measured {
+                    samples: own.len(),
+                    padded,
+                    readings: joined(&|channel| {
+                        let counts = |(y, w): (&f64, &f64)| if *w > 0.0 { *y } else { 0.0 };
+                        let (y, w) =
+                            (&channel.measured[own.clone()], &channel.weights[own.clone()]);
+                        y.iter().zip(w).map(counts).collect()
+                    }),
+                    weights: joined(&|channel| channel.weights[own.clone()].to_vec()),
+                    covariance: covariance(&shifts),
+                    shifts,
+                }
+            })
+            .collect();
+        let sources = channels.iter().map(|channel| channel.source).collect();
+        Misfit { experiment, sources, measured, shifts: shifts.len() }
+    }
+
+    pub fn experiment(&self) -> &Experiment {
+        &self.experiment
+    }
+
+    /// Residuals of some spans: every sample of every channel, and every shift.
+    pub fn residuals(&self, spans: &[usize]) -> usize {
+        self.sources.len() * self.experiment.samples(spans) + self.shifts * spans.len()
+    }
+
+    /// Puts a row of one of several spans where it belongs among the residuals of all:
+    /// channel by channel, span by span, and last shift by shift.
+    pub(super) fn place(&self, row: &[f64], spans: &[usize], rank: usize, to: &mut [f64]) {
+        let own = &self.measured[spans[rank]];
+        let all = self.experiment.samples(spans);
+        let before = self.experiment.samples(&spans[..rank]);
+        for channel in 0..self.sources.len() {
+            let (from, at) = (channel * own.padded, channel * all + before);
+            to[at..at + own.samples].copy_from_slice(&row[from..from + own.samples]);
+        }
+        let (from, at) = (own.readings.len(), self.sources.len() * all);
+        for shift in 0..self.shifts {
+            to[at + shift * spans.len() + rank] = row[from + shift];
+        }
+    }
+}
+
+fn covariance(shifts: &[(usize, Vec<f64>)]) -> DMatrix<f64> {
+    let along = |(a, u): &(usize, Vec<f64>), (b, v): &(usize, Vec<f64>)| -> f64 {
+        let (first, last) = (*a.max(b), (a + u.len()).min(b + v.len()));
+        (first..last).map(|i| u[i - a] * v[i - b]).sum()
+    };
+    let count = shifts.len();
+    let normal = DMatrix::identity(count, count)
+        + DMatrix::from_fn(count, count, |i, j| along(&shifts[i], &shifts[j]));
+    // One plus a sum of squares is positive definite; numbers beyond all bounds are not.
+    normal.cholesky().map_or_else(|| DMatrix::zeros(count, count), |factor| factor.inverse())
+}

@@ -1,0 +1,20 @@
+//! Least-squares fits of models to measured runs: many models, starts and runs in one
+//! job, each replayed, weighed and summed up in the thread that takes it.
+
+mod coordinates;
+mod derivatives;
+mod evaluate;
+mod experiment;
+mod job;
+mod marquardt;
+mod misfit;
+mod rows;
+
+pub use coordinates::{Coordinate, Fit, What};
+pub use derivatives::jacobian;
+pub use evaluate::{Evaluated, evaluate, readings, residuals, whitened};
+pub use experiment::{Begin, Experiment, Point, Span};
+pub use job::How;
+pub use marquardt::{Rule, fit};
+pub use misfit::{Misfit, Shift, Signal, Source};
+pub use nalgebra::{DMatrix, DVector};

@@ -1,0 +1,237 @@
+//! Weighted errors of replays over one span, and the products of them that fits need.
+
+use super::misfit::{Measured, Source, WIDE};
+use crate::lane::{Level, Pack, Task, run};
+use crate::physics::robot::Motor;
+
+/// Reading of a model that cannot be replayed to the end: far from everything.
+const LOST: f64 = 1e60;
+
+/// One replay over a span: x, v, x_rear and force, and what the sensor adds to x.
+#[derive(Clone, Copy)]
+pub struct Reading<'a> {
+    pub parts: [&'a [f64]; 4],
+    pub added: f64,
+}
+
+impl Reading<'_> {
+    fn is_lost(&self) -> bool {
+        self.parts[0].iter().fold(false, |lost, x| lost | !x.is_finite())
+    }
+}
+
+/// What is made of the rows.
+#[derive(Clone, Copy)]
+pub enum Product<'a> {
+    /// Nothing more.
+    Rows,
+    /// The sum of squares of each.
+    Squares,
+    /// Rows behind the first become slopes: their difference to it over a step.
+    Slopes(&'a [f64]),
+    /// The same, and the products of each row with itself and those before it.
+    Normal(&'a [f64]),
+}
+
+/// Replays of one span that become rows of whitened residuals.
+pub struct Whiten<'a> {
+    pub measured: &'a Measured,
+    pub sources: &'a [Source],
+    pub motor: Option<&'a Motor<f64>>,
+    pub columns: &'a [Reading<'a>],
+    /// Shifts are moved by as many deviations at most.
+    pub most: f64,
+    pub product: Product<'a>,
+    /// A row for every column.
+    pub rows: &'a mut Vec<f64>,
+}
+
+/// Fills the rows at a level; returns the products.
+pub fn whiten(level: Level, work: Whiten) -> Vec<f64> {
+    run(level, work)
+}
+
+impl Whiten<'_> {
+    /// Measured less predicted in units of the noise, 0 where nothing counts.
+    #[inline(always)]
+    fn weigh(&self, column: &Reading, row: &mut [f64]) {
+        let own = self.measured;
+        let lost = column.is_lost();
+        for (c, source) in self.sources.iter().enumerate() {
+            let segment = c * own.padded..c * own.padded + own.samples;
+            let to = &mut row[segment.clone()];
+            let known = own.readings[segment.clone()].iter().zip(&own.weights[segment]);
+            let [x, v, _, force] = column.parts;
+            match (source, self.motor) {
+                _ if lost => to.iter_mut().zip(known).for_each(
+                    #[inline(always)]
+                    |(e, (y, w))| *e = (y - LOST) * w,
+                ),
+                (Source::Replayed(0), _) => to.iter_mut().zip(known.zip(x)).for_each(
+                    #[inline(always)]
+                    |(e, ((y, w), x))| *e = (y - (x + column.added)) * w,
+                ),
+                (Source::Replayed(k), _) => {
+                    to.iter_mut().zip(known.zip(column.parts[*k])).for_each(
+                        #[inline(always)]
+                        |(e, ((y, w), read))| *e = (y - read) * w,
+                    )
+                }
+                (Source::Power, Some(motor)) => {
+                    to.iter_mut().zip(known.zip(force.iter().zip(v))).for_each(
+                        #[inline(always)]
+                        |(e, ((y, w), (force, speed)))| *e = (y - motor.power(*force, *speed)) * w,
+                    )
+                }
+                (Source::Power, None) => to.fill(0.0),
+            }
+        }
+    }
+}
+
+/// Takes the shifts out of a row and puts them behind it, each at most `most` deviations.
+#[inline(always)]
+fn project<P: Pack>(token: P::Token, own: &Measured, most: f64, row: &mut [f64]) {
+    let (body, behind) = row.split_at_mut(own.readings.len());
+    for (k, (at, shift)) in own.shifts.iter().enumerate() {
+        behind[k] = dot::<P>(token, shift, &body[*at..*at + shift.len()]);
+    }
+    let count = own.shifts.len();
+    let mut moves = [0.0; WIDE];
+    for (k, to) in moves.iter_mut().enumerate().take(count) {
+        for (j, along) in behind.iter().enumerate().take(count) {
+            *to += own.covariance[(k, j)] * along;
+        }
+        *to = to.min(most).max(-most);
+    }
+    for (k, (at, shift)) in own.shifts.iter().enumerate() {
+        let size = moves[k];
+        let body = &mut body[*at..*at + shift.len()];
+        body.iter_mut().zip(shift).for_each(
+            #[inline(always)]
+            |(e, u)| *e -= size * u,
+        );
+        behind[k] = size;
+    }
+}
+
+/// A row of weighted changes, out of which shifts are taken.
+pub struct Project<'a> {
+    pub measured: &'a Measured,
+    pub row: &'a mut [f64],
+}
+
+impl Task for Project<'_> {
+    type Output = ();
+    const AVX2_AT_MOST: bool = true;
+
+    #[inline(always)]
+    fn run<P: Pack>(self, token: P::Token) {
+        project::<P>(token, self.measured, f64::INFINITY, self.row);
+    }
+}
+
+impl Task for Whiten<'_> {
+    type Output = Vec<f64>;
+    const AVX2_AT_MOST: bool = true;
+
+    #[inline(always)]
+    fn run<P: Pack>(self, token: P::Token) -> Vec<f64> {
+        let (stride, count) = (self.measured.stride(), self.columns.len());
+        let mut rows = std::mem::take(self.rows);
+        rows.clear();
+        rows.resize(count * stride, 0.0);
+        for (column, row) in self.columns.iter().zip(rows.chunks_exact_mut(stride)) {
+            self.weigh(column, row);
+            project::<P>(token, self.measured, self.most, row);
+        }
+        if let Product::Slopes(steps) | Product::Normal(steps) = self.product {
+            let (first, others) = rows.split_at_mut(stride);
+            for (row, step) in others.chunks_exact_mut(stride).zip(steps) {
+                let share = 1.0 / step;
+                row.iter_mut().zip(&*first).for_each(
+                    #[inline(always)]
+                    |(e, base)| {
+                        let slope = (*e - base) * share;
+                        // Where one of two replays has no number nothing is known.
+                        *e = if slope.is_finite() { slope } else { 0.0 };
+                    },
+                );
+            }
+        }
+        let mut found = Vec::new();
+        match self.product {
+            Product::Rows | Product::Slopes(_) => {}
+            Product::Squares => {
+                for row in rows.chunks_exact(stride) {
+                    found.push(dot::<P>(token, row, row));
+                }
+            }
+            Product::Normal(_) => {
+                for (j, row) in rows.chunks_exact(stride).enumerate() {
+                    // Three at a time, so that a row is read once for them.
+                    let mut k = 0;
+                    while k + 3 <= j + 1 {
+                        let at = |i: usize| &rows[(k + i) * stride..(k + i + 1) * stride];
+                        found.extend(three_dots::<P>(token, row, [at(0), at(1), at(2)]));
+                        k += 3;
+                    }
+                    while k <= j {
+                        found.push(dot::<P>(token, row, &rows[k * stride..(k + 1) * stride]));
+                        k += 1;
+                    }
+                }
+            }
+        }
+        *self.rows = rows;
+        found
+    }
+}
+
+/// Packs that `WIDE` numbers take, two at most.
+const PACKS: usize = 2;
+
+#[inline(always)]
+fn total<P: Pack>(sums: [P; PACKS]) -> f64 {
+    let mut wide = [0.0; WIDE];
+    for (i, sum) in sums.iter().enumerate().take(WIDE / P::LANES) {
+        sum.store(&mut wide[i * P::LANES..]);
+    }
+    let mut half = WIDE / 2;
+    while half > 0 {
+        for i in 0..half {
+            wide[i] += wide[i + half];
+        }
+        half /= 2;
+    }
+    wide[0]
+}
+
+#[inline(always)]
+fn dot<P: Pack>(token: P::Token, a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [P::broadcast(token, 0.0); PACKS];
+    for (a, b) in a.chunks_exact(WIDE).zip(b.chunks_exact(WIDE)) {
+        for (i, sum) in sums.iter_mut().enumerate().take(WIDE / P::LANES) {
+            let at = i * P::LANES;
+            *sum = P::load(token, &a[at..]).mul_add(P::load(token, &b[at..]), *sum);
+        }
+    }
+    total(sums)
+}
+
+#[inline(always)]
+fn three_dots<P: Pack>(token: P::Token, a: &[f64], [b, c, d]: [&[f64]; 3]) -> [f64; 3] {
+    let none = [P::broadcast(token, 0.0); PACKS];
+    let (mut ab, mut ac, mut ad) = (none, none, none);
+    let others = b.chunks_exact(WIDE).zip(c.chunks_exact(WIDE)).zip(d.chunks_exact(WIDE));
+    for (a, ((b, c), d)) in a.chunks_exact(WIDE).zip(others) {
+        for i in 0..WIDE / P::LANES {
+            let at = i * P::LANES;
+            let a = P::load(token, &a[at..]);
+            ab[i] = a.mul_add(P::load(token, &b[at..]), ab[i]);
+            ac[i] = a.mul_add(P::load(token, &c[at..]), ac[i]);
+            ad[i] = a.mul_add(P::load(token, &d[at..]), ad[i]);
+        }
+    }
+    [total(ab), total(ac), total(ad)]
+}
