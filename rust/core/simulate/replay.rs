@@ -122,6 +122,9 @@ const TILE: usize = 32;
 impl Task for Group<'_, '_, '_> {
     type Output = ();
     const SCALAR_BASELINE: bool = true;
+    // Sixteen lanes wait for one another at too many events: diagnoses take a tenth less
+    // processor time with eight (`LOCOSWEEP_SIMD=avx2 python benches/diagnosis.py`).
+    const AVX2_AT_MOST: bool = true;
 
     #[inline(always)]
     fn run<P: Pack>(self, token: P::Token) {
