@@ -383,7 +383,8 @@ impl Misfit {
         let made = self.fits(py, &[fit], &spans, &[true])?;
         let rows =
             through_door(py, threads, |how| fit::jacobian(&self.core, &made[0], &spans, how))?;
-        let (count, length) = (rows.len(), self.core.residuals(&spans));
+        let length = rows.first().map_or_else(|| self.core.residuals(&spans), Vec::len);
+        let count = rows.len();
         rows.concat().into_pyarray(py).reshape([count, length])
     }
 

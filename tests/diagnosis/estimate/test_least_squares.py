@@ -82,3 +82,12 @@ def test_bounds_hold() -> None:
     free = tuple(replace(f, low=0.0, high=0.02) if f.name == "c" else f for f in start.model.free)
     (fit,) = fit_all(problem, [replace(start, model=replace(start.model, free=free))], steps=20)
     assert fit.parameters[0] == pytest.approx(0.02)
+
+
+def test_what_is_known_before_has_its_derivatives() -> None:
+    problem, start = started()
+    nuisances = replace(start.nuisances, spread=(0.02, 0.0, 0.0, 0.001))
+    (fit,) = evaluate(problem, start_fits(nuisances, start.model, start.parameters[None]))
+    rows = jacobian_of(problem, fit)
+    assert rows.shape == (4, fit.residual.size)
+    np.testing.assert_allclose(rows[:, -2:], [[0, 0], [0, 0], [50, 0], [0, 1000]])

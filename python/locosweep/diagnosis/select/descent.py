@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.diagnosis.estimate.least_squares import chi2_of, evaluate, fit_all
-from locosweep.diagnosis.select.effort import PARTNERS, SLACK
+from locosweep.diagnosis.select.effort import PARTNERS, SHARE, SLACK
 from locosweep.diagnosis.select.thresholds import PENALTY
 
 if TYPE_CHECKING:
@@ -21,8 +21,6 @@ _FIRST = 3
 """Fits that are followed to their end before others are given limits."""
 _FEW = 3
 """Steps after which starts that lie far behind another one of their set are left."""
-_SHARE = 0.5
-"""Share of the best fit's gain that others have to show by then to be followed further."""
 
 
 def descend(
@@ -54,7 +52,7 @@ def descend(
     others = _with_limits(search, known, close[_FIRST:], first, at_noise=at_noise)
     others = fit_all(problem, others, steps=_FEW)
     least = min((fit.chi2 for fit in [*first, *others]), default=np.inf)
-    most = max(beside.chi2 - _SHARE * (beside.chi2 - least), least + SLACK)
+    most = max(beside.chi2 - SHARE * (beside.chi2 - least), least + SLACK)
     near = [fit for fit in others if fit.chi2 < most]
     ends = [*first, *fit_all(problem, near, steps=steps), *others, *fits[len(close) :]]
     found: Found = {}

@@ -20,12 +20,15 @@ PAIRS_FOLLOWED = 8
 ROWS_REPLAYED = 8
 """Starts of an effect that are replayed beside these; three times as many of one that the
 equation error does not see."""
-FOLLOWED = 3
+FOLLOWED = 2
 """Starts of such an effect that are fitted."""
 INFORMATIVE_RUNS = 2
 """Runs that starts are replayed on: those that hold most of what a fit leaves."""
 PARTNERS = 8
 """Further effects that are fitted beside those found, after their starts are replayed."""
+SHARE = 0.5
+"""Share of the best one's gain in chi2 that others have to promise, and after a few steps to
+show, to be followed."""
 SEEDS = 4
 """Sets that a further effect is added to."""
 HINT = 5.0

@@ -14,6 +14,7 @@ from locosweep.diagnosis.select.effort import (
     PAIRS_FOLLOWED,
     PARTNERS,
     ROWS_REPLAYED,
+    SHARE,
     SLACK,
 )
 from locosweep.diagnosis.select.screen import (
@@ -77,6 +78,10 @@ def extend(
         seen = _below(seen, leaves - HINT, every=base is None)
     groups = [[s for s in seen if s.fit.model.names[-1] == name] for name in partners]
     limit = _to_beat(search, known, len(held) + 1, runs) if beat else np.inf
+    if base is not None and seen:
+        # What promises less than half of the best one's gain is no rival of it.
+        least = min(start.promised for start in seen)
+        limit = min(limit, max(leaves - SHARE * (leaves - least), least + SLACK))
     best = [min(group, key=lambda s: s.promised) for group in groups if group]
     followed: list[Fit] = []
     for start in sorted(best, key=lambda s: s.promised)[:keep]:

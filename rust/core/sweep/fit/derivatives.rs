@@ -118,8 +118,8 @@ pub(super) fn normals(
     Ok(found)
 }
 
-/// Derivatives of a fit's residuals over some spans, a row of `Misfit::residuals` for every
-/// coordinate.
+/// Derivatives of a fit's residuals over some spans, a row for every coordinate: those of
+/// `Misfit::residuals`, and last those of what is known before.
 pub fn jacobian(misfit: &Misfit, fit: &Fit, spans: &[usize], how: &How) -> Result<Vec<Vec<f64>>> {
     let fits = [fit];
     let moved = Moved::new(misfit, &fits, spans);
@@ -129,6 +129,13 @@ pub fn jacobian(misfit: &Misfit, fit: &Fit, spans: &[usize], how: &How) -> Resul
         let stride = misfit.measured[*span].stride();
         for (row, i) in parts[rank].chunks_exact(stride).skip(1).zip(fit.acting(*span)) {
             misfit.place(row, spans, rank, &mut found[i]);
+        }
+    }
+    for (i, coordinate) in fit.coordinates.iter().enumerate() {
+        if coordinate.deviation.is_finite() {
+            for (k, row) in found.iter_mut().enumerate() {
+                row.push(if k == i { 1.0 / coordinate.deviation } else { 0.0 });
+            }
         }
     }
     Ok(found)
