@@ -26,6 +26,46 @@ fn lanes_do_not_look_at_their_neighbours() {
     }
 }
 
+/// What steps that know their error are taken for.
+pub(super) const REFINED: [[Effect; 2]; 4] = [
+    [Effect::DriveLag, Effect::PositionDependentFriction],
+    [Effect::TransmissionCompliance, Effect::PositionDependentFriction],
+    [Effect::TransmissionBacklash, Effect::StribeckFriction],
+    [Effect::TransmissionCompliance, Effect::LoadDependentFriction],
+];
+
+#[test]
+fn steps_that_know_their_error_do_not_look_at_their_neighbours() {
+    let run = run(400, 2e-3);
+    let fused = |l: &Level| cfg!(target_arch = "aarch64") || *l != Level::Baseline;
+    for level in Level::available().into_iter().filter(fused) {
+        for pair in REFINED {
+            let make = |i: usize| {
+                let (mut active, mut values) = (Active::default(), [0.0; EFFECT_PARAMS]);
+                for effect in pair {
+                    active = active.with(effect);
+                    let own = effect.first()..effect.first() + effect.info().params.len();
+                    values[own.clone()].copy_from_slice(&on(effect)[own]);
+                }
+                // From hardly any friction along the way to much, and from slow to fast.
+                for value in &mut values {
+                    *value *= 0.5 + 0.05 * i as f64;
+                }
+                column(active, values, 400)
+            };
+            let many: Vec<Column> = (0..19).map(make).collect();
+            let together = all(&many, &run, level);
+            for (i, column) in many.iter().enumerate() {
+                let alone = &all(std::slice::from_ref(column), &run, level)[0];
+                let names = pair.map(|effect| effect.info().name);
+                assert!(*alone == together[i], "{names:?} {i} {}", level.name());
+                let first = &all(std::slice::from_ref(column), &run, Level::available()[1])[0];
+                assert!(alone == first, "{names:?} {i} {}", level.name());
+            }
+        }
+    }
+}
+
 /// A column per effect and size, of two runs, in windows of several lengths.
 fn mixed() -> Vec<Column> {
     let mut columns = Vec::new();

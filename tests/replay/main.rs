@@ -2,6 +2,7 @@
 //! and acts where it should.
 
 mod against_plain;
+mod behind_links;
 mod bits;
 mod limits;
 mod order;

@@ -117,18 +117,27 @@ fn derivatives_of_every_effect_are_those_of_differences() {
 }
 
 #[test]
+fn derivatives_behind_links_are_those_of_differences() {
+    let runs = [run(1000, 1e-3)];
+    for pair in bits::REFINED {
+        confirmed(&pair, &runs, 5e-5);
+    }
+}
+
+#[test]
 fn values_are_those_of_the_replay_at_every_level() {
     let runs = [run(700, 2e-3)];
-    for info in EFFECTS {
-        let effect = Effect::parse(info.name).unwrap();
-        let column = column(&[effect], 700);
+    let singles = EFFECTS.iter().map(|info| vec![Effect::parse(info.name).unwrap()]);
+    for effects in singles.chain(bits::REFINED.map(|pair| pair.to_vec())) {
+        let column = column(&effects, 700);
         for level in Level::available() {
-            let [read, _] = derived(&runs, &column, &directions(&[effect]), level);
+            let [read, _] = derived(&runs, &column, &directions(&effects), level);
             let columns = [column.clone()];
             let plain = replay(&NOMINAL, &runs, &columns, (level, 1), &Control::default()).unwrap();
             for (a, b) in [(&read.x, &plain.x), (&read.v, &plain.v), (&read.force, &plain.force)] {
                 let same = a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits());
-                assert!(same, "{} at {}", info.name, level.name());
+                let names: Vec<&str> = effects.iter().map(|e| e.info().name).collect();
+                assert!(same, "{names:?} at {}", level.name());
             }
         }
     }

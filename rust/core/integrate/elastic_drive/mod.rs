@@ -1,14 +1,17 @@
 //! Exact propagation of a head behind a lag, a spring or a gap, under Coulomb and
 //! viscous friction: linear between events, so a step is one product with a matrix
 //! exponential worked out beforehand. Friction and gravity that bend with the motion
-//! are taken at the middle of each step, an exponential midpoint rule of order two.
+//! are taken at the middle of each step, an exponential midpoint rule of order two;
+//! where friction bends within few steps, they know their error (see `refinement`).
 //!
 //! The state besides the head's position is (a, b, v): of a lag its force a; of a
 //! joint the stretch a and the speed b of the drive's side; v is the head's speed.
 //! Exponentials are kept for steps of h, h/2, h/4, ... (see `propagation`): events are
-//! found by halving, and any rest of an interval is made up of them.
+//! found by halving (see `events`), and any rest of an interval is made up of them.
 
+mod events;
 mod propagation;
+mod refinement;
 
 use super::{Advance, State, Tally};
 use crate::lane::Lane;
@@ -31,8 +34,6 @@ const LOOK: f64 = 0.35;
 /// Steps between two samples beyond which an oscillation is too fast, and its sway
 /// too small, to be followed from event to event.
 const MOST_LOOKS: f64 = 64.0;
-/// Events between two samples before a trajectory is given up: a joint can chatter.
-const MOST_EVENTS: f64 = 64.0;
 /// Looks between two samples behind a lag: its force bends, and the speed may dip.
 const LAG_LOOKS: f64 = 2.0;
 
@@ -79,15 +80,6 @@ fn either<L: Lane>(mask: L::Mask, a: [L; 4], b: [L; 4]) -> [L; 4] {
     chosen
 }
 
-/// Share of a step at which the straight line between its ends turns positive; 1
-/// where it does not.
-#[inline(always)]
-fn crossing<L: Lane>(from: L, to: L) -> L {
-    let one = from.splat(1.0);
-    let share = (-from / (to - from)).max(from.splat(0.0)).min(one);
-    L::select(from.splat(0.0).lt(to), share, one)
-}
-
 pub struct ElasticDrive<'a, 'b, L: Lane, F> {
     segment: &'b Segment<'a, L>,
     law: Coefficients<L>,
@@ -98,6 +90,12 @@ pub struct ElasticDrive<'a, 'b, L: Lane, F> {
     at_once: L,
     /// Whether friction and gravity are more than numbers.
     bent: bool,
+    /// Whether steps know their error, see `refinement`.
+    refines: bool,
+    /// Longest way of such a step, m.
+    stride: L,
+    /// Highest level of steps that its error allows a lane.
+    reach: L,
     now: Now<L>,
     levels: Vec<Level<L>>,
     /// Whether to go on; asked at the end of every stretch.
@@ -183,7 +181,24 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         let dt = one * interval / looks * 0.5_f64.powi(HALVINGS);
         let levels = levels(&rates, dt, is_gap);
         let bent = longest.is_some();
-        ElasticDrive { segment, law, rates, gap, is_gap, at_once, bent, now, levels, go_on }
+        let refines = bent && refinement::is_needed(&law, rates.is_lag);
+        let stride = refinement::stride(&law);
+        let reach = zero.splat(levels.len() as f64);
+        ElasticDrive {
+            segment,
+            law,
+            rates,
+            gap,
+            is_gap,
+            at_once,
+            bent,
+            refines,
+            stride,
+            reach,
+            now,
+            levels,
+            go_on,
+        }
     }
 
     /// Force of the link on the head.
@@ -332,23 +347,39 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         self.now.a = L::select(zero.lt(self.at_once), drive, self.now.a);
         let mut at = self.levels.len();
         while at > 0 {
-            let level = &self.levels[at - 1];
+            let span = self.levels[at - 1].dt;
             // What rounding leaves of a sum of steps is no step.
-            let fits = (level.dt * (1.0 - 1e-7)).le(left);
+            let mut fits = (span * (1.0 - 1e-7)).le(left);
+            if self.refines {
+                fits = L::and(fits, self.reaches(at - 1));
+            }
             if !L::any(fits) {
                 at -= 1;
                 continue;
             }
-            let dt = L::select(fits, left.min(level.dt), zero);
+            let dt = L::select(fits, left.min(span), zero);
             // The time of a whole step is that of its map, whatever the end hangs on.
             let dt = dt.frozen();
-            let used = self.step(at - 1, fits, (t, state), tally, dt, events);
+            let (mut used, mut plain) = (zero, fits);
+            if self.refines {
+                (used, plain) = zero.outlined(
+                    #[inline(always)]
+                    || self.refined(at - 1, fits, (t, state), dt),
+                );
+            }
+            if L::any(plain) {
+                used = used + self.step(at - 1, plain, (t, state), tally, dt, events);
+            }
             let rest = left - used;
             // What is left of nothing may still hang on when an event was.
             let nothing = if L::DERIVED { rest - rest.frozen() } else { zero };
             let rest = L::select(zero.lt(rest), rest, nothing);
             left = L::select(fits, rest, left);
             t = t + used;
+            if self.refines {
+                // Every lane takes the longest step that it may.
+                at = self.levels.len();
+            }
         }
         let open = (shortest * 1e-6).lt(left);
         if L::any(open) {
@@ -391,6 +422,30 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         (-back * self.segment.per_mass, drive)
     }
 
+    /// Lets go at once what rests and is free to.
+    #[inline(always)]
+    fn release(&mut self, mask: L::Mask, t: L) {
+        let zero = t.splat(0.0);
+        let rests = L::and(mask, self.now.direction.abs().le(zero));
+        if L::any(rests) {
+            let (push, over) = self.excess(&self.now, t);
+            let goes = L::and(rests, zero.lt(over));
+            self.now.direction = L::select(goes, push.sign(), self.now.direction);
+        }
+    }
+
+    /// Where a step of a level leads from `from` with friction as it is at its middle, and
+    /// what acts over it.
+    #[inline(always)]
+    fn midpoint(&self, level: usize, from: &Now<L>, (t, dt): (L, L), drive: L) -> (Now<L>, (L, L)) {
+        let mut inputs = self.inputs(from, from, (t, dt), drive);
+        if self.bent && level > 0 {
+            let middle = self.moved(&self.levels[level - 1], from, inputs);
+            inputs = self.inputs(&middle, from, (t, dt), drive);
+        }
+        (self.moved(&self.levels[level], from, inputs), inputs)
+    }
+
     /// One step of a level on the lanes of `mask`, to the first event of each;
     /// returns the time that this took.
     #[inline(always)]
@@ -404,21 +459,10 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         events: &mut L,
     ) -> L {
         let zero = dt.splat(0.0);
-        // What rests may be free to go at once.
-        let rests = L::and(mask, self.now.direction.abs().le(zero));
-        if L::any(rests) {
-            let (push, over) = self.excess(&self.now, t);
-            let goes = L::and(rests, zero.lt(over));
-            self.now.direction = L::select(goes, push.sign(), self.now.direction);
-        }
+        self.release(mask, t);
         let from = self.now;
         let drive = self.segment.drive.mean(t, dt, &state.clock);
-        let mut inputs = self.inputs(&from, &from, (t, dt), drive);
-        if self.bent && level > 0 {
-            let middle = self.moved(&self.levels[level - 1], &from, inputs);
-            inputs = self.inputs(&middle, &from, (t, dt), drive);
-        }
-        let to = self.moved(&self.levels[level], &from, inputs);
+        let (to, inputs) = self.midpoint(level, &from, (t, dt), drive);
         let (own, touch) = self.overruns(&to, t + dt);
         let happens = L::and(mask, zero.lt(own.max(touch)));
         self.now = to.or(mask, from);
@@ -429,87 +473,5 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
             #[inline(always)]
             || self.meet(level, (mask, happens), &from, inputs, (t, dt), tally, events),
         )
-    }
-
-    /// Takes the lanes of `happens` from `from` to their first event within a step; returns
-    /// the time that the step took, of all lanes of `mask`. Seldom needed.
-    #[inline(always)]
-    #[allow(clippy::too_many_arguments)]
-    fn meet(
-        &mut self,
-        level: usize,
-        (mask, happens): (L::Mask, L::Mask),
-        from: &Now<L>,
-        inputs: (L, L),
-        (t, dt): (L, L),
-        tally: &mut Tally<L>,
-        events: &mut L,
-    ) -> L {
-        let zero = dt.splat(0.0);
-        *events = L::select(happens, *events + 1.0, *events);
-        let lost = L::and(happens, zero.splat(MOST_EVENTS).lt(*events));
-        if L::any(lost) {
-            tally.lost = L::select(lost, tally.lost + 1.0, tally.lost);
-            // Nothing happens to what is not a number any more.
-            let nothing = zero.splat(f64::NAN);
-            self.now.x = L::select(lost, nothing, self.now.x);
-            self.now.v = L::select(lost, nothing, self.now.v);
-            self.now.direction = L::select(lost, zero.splat(1.0), self.now.direction);
-        }
-        let happens = L::and(happens, L::not(lost));
-        let (low, gone) = self.before(level, from, inputs, t);
-        // The rest lies within the shortest step: by the straight line.
-        let short = self.levels[0].dt;
-        let far = self.moved(&self.levels[0], &low, inputs);
-        let (before, after) =
-            (self.overruns(&low, t + gone), self.overruns(&far, t + gone + short));
-        let (own, touch) = (crossing(before.0, after.0), crossing(before.1, after.1));
-        let first = own.min(touch);
-        let creep = L::select(happens, short * first, zero);
-        let mut met = self.crept(creep, &low, inputs);
-        let own_event = L::and(zero.lt(after.0), own.le(touch));
-        let slides = zero.lt(from.direction.abs());
-        let stops = L::and(own_event, slides);
-        met.v = L::select(stops, zero, met.v);
-        met.sliding_distance = L::select(stops, zero, met.sliding_distance);
-        met.joined = L::select(own_event, met.joined, zero.splat(1.0) - met.joined);
-        let (push, over) = self.excess(&met, t + gone + creep);
-        let direction = L::select(zero.lt(over), push.sign(), zero);
-        // A break-away found a hair early is one all the same.
-        let direction = L::select(L::and(own_event, L::not(slides)), push.sign(), direction);
-        met.direction = L::select(own_event, direction, met.direction);
-        self.now = met.or(happens, self.now);
-        let used = (gone + creep).min(dt);
-        L::select(happens, used, L::select(mask, dt, zero))
-    }
-
-    /// The last state before an event within a step, by halving, and its time.
-    #[inline(always)]
-    fn before(&self, level: usize, from: &Now<L>, inputs: (L, L), t: L) -> (Now<L>, L) {
-        let zero = t.splat(0.0);
-        let (mut low, mut gone) = (*from, zero);
-        for level in self.levels[..level].iter().rev() {
-            let trial = self.moved(level, &low, inputs);
-            let after = gone + level.dt;
-            let (own, touch) = self.overruns(&trial, t + after);
-            let clear = own.max(touch).le(zero);
-            low = trial.or(clear, low);
-            gone = L::select(clear, after, gone);
-        }
-        (low, gone)
-    }
-
-    /// Stops what a last short stretch has carried past rest.
-    #[inline(always)]
-    fn settle(&mut self, mask: L::Mask, t: L) {
-        let zero = t.splat(0.0);
-        let past = L::and(mask, (self.now.direction * self.now.v).lt(zero));
-        if L::any(past) {
-            self.now.v = L::select(past, zero, self.now.v);
-            self.now.sliding_distance = L::select(past, zero, self.now.sliding_distance);
-            let (push, over) = self.excess(&self.now, t);
-            let direction = L::select(zero.lt(over), push.sign(), zero);
-            self.now.direction = L::select(past, direction, self.now.direction);
-        }
     }
 }
