@@ -91,3 +91,20 @@ def test_what_is_known_before_has_its_derivatives() -> None:
     rows = jacobian_of(problem, fit)
     assert rows.shape == (4, fit.residual.size)
     np.testing.assert_allclose(rows[:, -2:], [[0, 0], [0, 0], [50, 0], [0, 1000]])
+
+
+def test_residuals_that_were_not_kept_are_worked_out_when_asked_for() -> None:
+    problem, start = started()
+    (kept,), (left,) = (evaluate(problem, [start], [0, 2], residuals=on) for on in (True, False))
+    assert "residual" not in vars(left)
+    np.testing.assert_array_equal(left.residual, kept.residual)
+    assert left.chi2 == pytest.approx(kept.residual @ kept.residual, rel=1e-12)
+    assert not left.without_residual().residual.size
+
+
+def test_chi2_of_other_runs_is_not_taken_for_that_of_these() -> None:
+    problem, start = started()
+    (few,) = evaluate(problem, [start], [0])
+    (whole,) = evaluate(problem, [start])
+    (untouched,) = fit_all(problem, [few], steps=0)
+    assert untouched.chi2 == whole.chi2 > few.chi2

@@ -1,0 +1,200 @@
+//! Fits of models to measured runs: the values come back, with the same bits on any number
+//! of threads and at any level, and a job that is cancelled ends.
+
+use locosweep::Error;
+use locosweep::lane::Level;
+use locosweep::physics::effects::{Active, EFFECT_PARAMS, Effect, Nominal};
+use locosweep::sweep::Control;
+use locosweep::sweep::fit::{
+    Begin, Coordinate, DVector, Experiment, Fit, How, Misfit, Point, Rule, Signal, Source, Span,
+    What, evaluate, fit, jacobian, readings, residuals,
+};
+use locosweep::sweep::replay::Run;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+const NOMINAL: Nominal = Nominal {
+    segments: 1.0,
+    mass: 0.25,
+    gravity: 9.81,
+    mu_coulomb: 0.2,
+    coulomb_force: None,
+    viscous: 0.05,
+    slope_deg: 0.0,
+    gain: 1.0,
+    limit: f64::INFINITY,
+    rotary: false,
+    gravity_torque: 0.0,
+};
+const SAMPLES: usize = 301;
+const RUNS: usize = 3;
+const DEVIATION: f64 = 2e-5;
+const DAMPING: f64 = 0.08;
+const GAIN: f64 = -0.03;
+/// Start speed of the last run, which a model that begins at rest lacks.
+const SPEED: f64 = 0.02;
+
+fn experiment() -> Arc<Experiment> {
+    let times: Vec<f64> = (0..SAMPLES).map(|i| i as f64 * 5e-3).collect();
+    let runs: Vec<Run> = (0..RUNS)
+        .map(|k| {
+            let pulse = |t: &f64| (1.0 + 0.2 * k as f64) * (6.0 * t + k as f64).sin().signum();
+            Run { times: times.clone(), drive: times.iter().map(pulse).collect(), slope_deg: 0.0 }
+        })
+        .collect();
+    let begin = Begin::Run { position: 0.0, speed: 0.0 };
+    let window = (0, SAMPLES);
+    let span = |run| Span { run, window, begin, payload: 1.0, reversed: run == 1 };
+    Arc::new(Experiment::new(NOMINAL, runs, (0..RUNS).map(span).collect(), None))
+}
+
+fn active() -> Active {
+    Active::default().with(Effect::ViscousFriction).with(Effect::DriveGainError)
+}
+
+fn truth() -> Point {
+    let mut values = [0.0; EFFECT_PARAMS];
+    values[Effect::ViscousFriction.first()] = DAMPING;
+    values[Effect::DriveGainError.first()] = GAIN;
+    let speeds = (0..RUNS).map(|run| if run == RUNS - 1 { SPEED } else { 0.0 }).collect();
+    let shares = [1.0, 1.0, 1.0, 0.0];
+    Point { active: active(), values, shares, speeds, offsets: vec![0.0; RUNS] }
+}
+
+fn how(level: Level, threads: usize, control: &Control) -> How<'_> {
+    How { level, threads, control }
+}
+
+const SPANS: [usize; RUNS] = [0, 1, 2];
+
+/// Readings of the true model with a little unevenness in place of noise, and a start
+/// position that is known to twice the deviation of a sample.
+fn misfit() -> Misfit {
+    let experiment = experiment();
+    let count = RUNS * SAMPLES;
+    let mut read = vec![vec![0.0; count]; 4];
+    let control = Control::default();
+    let [x, v, rear, force] = &mut read[..] else { unreachable!() };
+    let how = how(Level::Baseline, 1, &control);
+    readings(&experiment, &[truth()], &SPANS, None, &how, [x, v, rear, force]).unwrap();
+    let uneven = |(i, x): (usize, &f64)| x + DEVIATION * ((i * 7919 % 101) as f64 / 50.0 - 1.0);
+    let signal = Signal {
+        source: Source::Replayed(0),
+        measured: read[0].iter().enumerate().map(uneven).collect(),
+        weights: vec![1.0 / DEVIATION; count],
+    };
+    Misfit::new(experiment, &[signal], &[vec![(0, vec![2.0; count])]])
+}
+
+fn start(damping: f64) -> Fit {
+    let parameter = |effect: Effect, log: bool, low: f64, high: f64, size: f64| Coordinate {
+        what: What::Parameter { index: effect.first(), log },
+        low,
+        high,
+        size,
+        deviation: f64::INFINITY,
+    };
+    let around = |what: What, deviation: f64| Coordinate {
+        what,
+        low: -8.0 * deviation,
+        high: 8.0 * deviation,
+        size: deviation,
+        deviation,
+    };
+    let last =
+        Coordinate { what: What::Speed(2), size: 0.1, ..around(What::Speed(2), f64::INFINITY) };
+    let coordinates = vec![
+        parameter(Effect::ViscousFriction, true, -12.0, 3.0, 1.0),
+        parameter(Effect::DriveGainError, false, -0.5, 0.5, 0.1),
+        around(What::Share(0), 1e-3),
+        last,
+    ];
+    Fit {
+        active: active(),
+        coordinates,
+        theta: DVector::from_vec(vec![damping.ln(), 0.0, 0.0, 0.0]),
+        chi2: None,
+        covariance: None,
+        damping: 1e-2,
+        limit: f64::INFINITY,
+    }
+}
+
+const RULE: Rule = Rule { steps: 30, tolerance: 1e-3 };
+
+fn fitted(misfit: &Misfit, level: Level, threads: usize) -> Vec<Fit> {
+    let mut fits: Vec<Fit> = [0.01, 0.03, 0.3].into_iter().map(start).collect();
+    fit(misfit, &mut fits, &SPANS, RULE, &how(level, threads, &Control::default())).unwrap();
+    fits
+}
+
+#[test]
+fn true_values_come_back_from_every_start() {
+    for found in fitted(&misfit(), Level::current().unwrap(), 2) {
+        let covariance = found.covariance.as_ref().unwrap();
+        let spread = |i: usize| covariance[(i, i)].sqrt();
+        for (i, truth) in [DAMPING.ln(), GAIN, 0.0, SPEED].into_iter().enumerate() {
+            let off = (found.theta[i] - truth).abs();
+            assert!(off < 3.0 * spread(i), "{i}: {off:e} of {:e}", spread(i));
+        }
+        assert!(found.chi2.unwrap() < (RUNS * SAMPLES) as f64);
+    }
+}
+
+#[test]
+fn threads_and_levels_do_not_change_bits() {
+    let misfit = misfit();
+    let fused = Level::available().into_iter();
+    let fused: Vec<Level> =
+        fused.filter(|l| cfg!(target_arch = "aarch64") || *l != Level::Baseline).collect();
+    let Some(first) = fused.first() else { return };
+    let expected = fitted(&misfit, *first, 1);
+    for level in &fused {
+        for threads in [1, 2, 3] {
+            assert!(fitted(&misfit, *level, threads) == expected, "{level:?}, {threads}");
+        }
+    }
+}
+
+#[test]
+fn derivatives_add_up_to_the_change_of_residuals() {
+    let (misfit, control) = (misfit(), Control::default());
+    let how = how(Level::current().unwrap(), 2, &control);
+    let fit = start(0.05);
+    let rows = jacobian(&misfit, &fit, &SPANS, &how).unwrap();
+    let change = [1e-3, 1e-4, 1e-5, 1e-4];
+    let moved = &fit.theta + DVector::from_row_slice(&change);
+    let models = [(&fit, fit.theta.clone()), (&fit, moved)];
+    let found = evaluate(&misfit, &models, &SPANS, true, &how).unwrap();
+    let [here, there] = found.try_into().ok().map(|[a, b]: [_; 2]| [a, b]).unwrap();
+    let (here, there) = (here.residual.unwrap(), there.residual.unwrap());
+    let (mut off, mut all) = (0.0, 0.0);
+    for i in 0..misfit.residuals(&SPANS) {
+        let step: f64 = rows.iter().zip(change).map(|(row, by)| row[i] * by).sum();
+        off += (there[i] - here[i] - step).powi(2);
+        all += step.powi(2);
+    }
+    assert!(off.sqrt() < 0.02 * all.sqrt(), "{} of {}", off.sqrt(), all.sqrt());
+}
+
+#[test]
+fn a_model_that_runs_away_is_far_from_everything() {
+    let (misfit, control) = (misfit(), Control::default());
+    let how = how(Level::current().unwrap(), 1, &control);
+    let mut point = truth();
+    point.values[Effect::ViscousFriction.first()] = -1e3;
+    let mut rows = vec![0.0; misfit.residuals(&SPANS)];
+    residuals(&misfit, &[point], &SPANS, f64::INFINITY, &how, &mut rows).unwrap();
+    assert!(rows.iter().all(|e| e.is_finite()));
+    assert!(rows.iter().map(|e| e * e).sum::<f64>() > 1e100);
+}
+
+#[test]
+fn a_cancelled_fit_ends() {
+    let control = Control::default();
+    control.cancel.store(true, Ordering::Relaxed);
+    let mut fits = [start(0.01)];
+    let how = how(Level::current().unwrap(), 1, &control);
+    let ended = fit(&misfit(), &mut fits, &SPANS, RULE, &how);
+    assert!(matches!(ended, Err(Error::Cancelled { .. })));
+}
