@@ -93,7 +93,8 @@ class EquationError:
     @cached_property
     def measured(self) -> Floats:
         """What was measured, in the form of `displacements`."""
-        return self._projected(self._blocks[0][None, :].copy())[0]
+        (row,) = self._projected(self._blocks[0][None, :].copy())
+        return np.asarray(row)
 
     def displacements(self, points: Sequence[Point]) -> Floats:
         """Return displacements of models in units of the noise, a row a model.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.diagnosis.estimate.least_squares import chi2_of, evaluate, fit_all
-from locosweep.diagnosis.select.effort import PARTNERS, SHARE, SLACK
+from locosweep.diagnosis.select.effort import FEW, PARTNERS, SHARE, SLACK
 from locosweep.diagnosis.select.thresholds import PENALTY
 
 if TYPE_CHECKING:
@@ -16,11 +16,6 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.select.search import Collection, Found, Search
-
-_FIRST = 3
-"""Fits that are followed to their end before others are given limits."""
-_FEW = 3
-"""Steps after which starts that lie far behind another one of their set are left."""
 
 
 def descend(
@@ -42,15 +37,15 @@ def descend(
     fits = list(starts)
     if not at_noise:
         # The first steps from poor starts need not see all runs.
-        fits = _near_best(fit_all(problem, fits, runs=runs, steps=_FEW))
+        fits = _near_best(fit_all(problem, fits, runs=runs, steps=FEW))
     fits = _with_limits(search, known, evaluate(problem, fits, residuals=False), at_noise=at_noise)
     fits = sorted(_near_best(fit_all(problem, fits, steps=1)), key=chi2_of)
     # Those that are far behind stay as they are.
     least = min((fit.chi2 for fit in fits), default=np.inf)
     close = [fit for i, fit in enumerate(fits) if i < PARTNERS or fit.chi2 < 10.0 * least]
-    first = fit_all(problem, close[:_FIRST], steps=steps)
-    others = _with_limits(search, known, close[_FIRST:], first, at_noise=at_noise)
-    others = fit_all(problem, others, steps=_FEW)
+    first = fit_all(problem, close[:FEW], steps=steps)
+    others = _with_limits(search, known, close[FEW:], first, at_noise=at_noise)
+    others = fit_all(problem, others, steps=FEW)
     least = min((fit.chi2 for fit in [*first, *others]), default=np.inf)
     most = max(beside.chi2 - SHARE * (beside.chi2 - least), least + SLACK)
     near = [fit for fit in others if fit.chi2 < most]

@@ -9,13 +9,12 @@ import numpy as np
 from locosweep.diagnosis.estimate.least_squares import chi2_of, evaluate, start_fits
 from locosweep.diagnosis.select.descent import descend
 from locosweep.diagnosis.select.effort import (
-    FOLLOWED,
-    HINT,
-    PAIRS_FOLLOWED,
+    LEVEL_REPLAYS,
     PARTNERS,
     ROWS_REPLAYED,
     SHARE,
     SLACK,
+    STARTS,
 )
 from locosweep.diagnosis.select.screen import (
     Screened,
@@ -30,6 +29,7 @@ from locosweep.diagnosis.select.screen import (
     seen_along,
 )
 from locosweep.diagnosis.select.search import Collection, Found
+from locosweep.diagnosis.select.thresholds import LEAST_GAIN_FITTED
 
 if TYPE_CHECKING:
     from collections.abc import Collection as Names
@@ -37,9 +37,6 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.select.search import Search
-
-_BETTERED = 1.5
-"""Chi2 that a set of effects may promise, over that of the best one of its size."""
 
 
 def singles(search: Search) -> Collection:
@@ -75,7 +72,7 @@ def extend(
     runs = informative_runs(problem, beside)
     seen, leaves = scan_beside(problem, starts, runs, beside)
     if at_noise:
-        seen = _below(seen, leaves - HINT, every=base is None)
+        seen = _below(seen, leaves - LEAST_GAIN_FITTED, every=base is None)
     groups = [[s for s in seen if s.fit.model.names[-1] == name] for name in partners]
     limit = _to_beat(search, known, len(held) + 1, runs) if beat else np.inf
     if base is not None and seen:
@@ -89,7 +86,7 @@ def extend(
             break
         own = [s for s in seen if s.fit.model.names == start.fit.model.names]
         # What promises most, as strong as it promises it; and as it stands, the best start.
-        most = 1 if start.fit.model.names[-1] in sure else FOLLOWED
+        most = 1 if start.fit.model.names[-1] in sure else STARTS
         followed += [
             scaled(s.fit, s.factor) for s in distinct(sorted(own, key=lambda s: s.promised), most)
         ]
@@ -114,8 +111,9 @@ def _starts_beside(
     for name in partners:
         best = along.get(name, [])
         rows = rows_beside(search, name, beside)
-        # All starts of an effect that is tried alone.
-        wide = 3 * ROWS_REPLAYED if beside.model.names else len(rows)
+        # All starts of an effect that is tried alone; else a few for each of its parameters.
+        own = len(search.model((name,)).free)
+        wide = own * ROWS_REPLAYED if beside.model.names else len(rows)
         most = ROWS_REPLAYED if name in sure else wide
         starts = [fit.unfitted() for fit in best] + rows[:: -(-len(rows) // most)]
         if best and search.along:
@@ -151,19 +149,22 @@ def _to_beat(search: Search, known: Collection, count: int, runs: list[int]) -> 
     if count == 1 or not alike:
         return np.inf
     (same,) = evaluate(search.problem, [min(alike, key=chi2_of).unfitted()], runs)
-    return _BETTERED * same.chi2 + SLACK
+    return (1.0 + SHARE) * same.chi2 + SLACK
 
 
 def extend_each(search: Search, known: Collection, bases: Sequence[Fit]) -> Found:
-    """Add one effect to each of some fits."""
+    """Add one effect to each of some fits, to the first one whatever that takes."""
     found: Found = {}
+    end = search.problem.meter.samples + LEVEL_REPLAYS * search.problem.count
     for base in bases:
+        if found and search.problem.meter.samples > end:
+            break
         found |= extend(search, known.adding(found), base, search.names, beat=True)
     return found
 
 
 def pairs(search: Search, known: Collection) -> Found:
     """Fit the pairs that leave the least equation error: neither need stand out alone."""
-    starts = [fit.unfitted() for fit in pairs_along(search, PAIRS_FOLLOWED)]
+    starts = [fit.unfitted() for fit in pairs_along(search, PARTNERS)]
     none = search.none
     return descend(search, known, starts, informative_runs(search.problem, none), none)

@@ -19,8 +19,8 @@ from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, jacobian_o
 from locosweep.diagnosis.select.effort import (
     INFORMATIVE_RUNS,
     LEAST_ERROR,
-    PAIRS_REFINED,
-    ROWS_REFINED,
+    PARTNERS,
+    STARTS,
     STRONGEST_SCALING,
 )
 
@@ -78,7 +78,7 @@ def seen_along(search: Search, beside: Fit, partners: Sequence[str]) -> dict[str
         own = range(at, at + len(fits))
         at += len(fits)
         seen = [i for i in own if size[i] > least]
-        best = sorted(seen, key=lambda i: -fall[i])[:ROWS_REFINED]
+        best = sorted(seen, key=lambda i: -fall[i])[:STARTS]
         chosen += [scaled(flat[i], factor[i]) for i in best]
     found: dict[str, list[Fit]] = {}
     for fit in refined(along, chosen):
@@ -105,7 +105,7 @@ def pairs_along(search: Search, count: int) -> list[Fit]:
     alone = [fit for name in search.names for fit in rows_beside(search, name, none)]
     residual, changes = _changes_along(along, none, alone)
     starts = []
-    for i, j, sizes in cancelling_pairs(alone, changes, -residual, PAIRS_REFINED):
+    for i, j, sizes in cancelling_pairs(alone, changes, -residual, 3 * PARTNERS):
         model = search.model((alone[i].model.names[0], alone[j].model.names[0]))
         parts = [scaled(alone[k], by).parameters for k, by in zip((i, j), sizes, strict=True)]
         starts += start_fits(search.nuisances, model, np.concatenate(parts)[None], none.nuisance)

@@ -56,7 +56,7 @@ class Search:
     @property
     def steps(self) -> int:
         """Steps of a fit, at most."""
-        return 30 if self.nuisances.uncertain else 15
+        return 20 if self.nuisances.uncertain else 15
 
     def model(self, names: Iterable[str]) -> Model:
         """Return a set of effects with its free parameters."""

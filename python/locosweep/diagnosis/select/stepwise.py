@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all
-from locosweep.diagnosis.select.effort import SEEDS
+from locosweep.diagnosis.select.effort import LEVEL_REPLAYS
 from locosweep.diagnosis.select.extension import extend, extend_each, pairs
 from locosweep.diagnosis.select.score import gains, remaining, total
+from locosweep.diagnosis.select.thresholds import TIE
 from locosweep.diagnosis.select.whiteness import noise_level
 
 if TYPE_CHECKING:
@@ -15,11 +16,6 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.estimate.problem import Problem
     from locosweep.diagnosis.select.search import Collection, Found, Search
-
-_ALIKE = 12.0
-"""Difference in chi2 below which seeds are taken for twins."""
-_EXCHANGES = 2
-"""Exchange steps of a set that leaves a rest."""
 
 
 def is_stalled(problem: Problem, before: Fit, after: Fit) -> bool:
@@ -51,19 +47,17 @@ def forward(
         # Beside the best of them, what may do as well.
         seeds = [fit for fit in level if fit.model.names[0] in _best(search, larger).model.names]
         return larger | extend_each(search, known.adding(larger), seeds)
-    larger |= extend_each(search, known.adding(larger), _seeds(level, SEEDS))
+    larger |= extend_each(search, known.adding(larger), _seeds(level))
     return larger | _exchanged(search, known, larger) if first and larger else larger
 
 
-def _seeds(level: Sequence[Fit], count: int) -> list[Fit]:
+def _seeds(level: Sequence[Fit]) -> list[Fit]:
     """Fits to which a further effect is added."""
     seeds: list[Fit] = []
     for fit in level:
         # Twins of a seed give the same further fits.
-        if all(abs(fit.chi2 - s.chi2) > 1e-3 * s.chi2 + _ALIKE for s in seeds):
+        if all(abs(fit.chi2 - s.chi2) > 1e-3 * s.chi2 + TIE for s in seeds):
             seeds.append(fit)
-        if len(seeds) == count:
-            break
     return seeds
 
 
@@ -74,11 +68,14 @@ def _best(search: Search, found: Mapping[frozenset[str], Fit]) -> Fit:
 def _exchanged(search: Search, known: Collection, level: Found) -> Found:
     """Exchange each effect of the best set for every other one, while that helps much."""
     level = dict(level)
-    for _ in range(_EXCHANGES):
+    end = search.problem.meter.samples + LEVEL_REPLAYS * search.problem.count
+    while True:
         best = _best(search, level)
         if not remaining(search.problem, best):
             break
         for name in best.model.names:
+            if search.problem.meter.samples > end:
+                break
             base = without(search, best, name)
             others = [n for n in search.names if n != name]
             level |= extend(search, known.adding(level), base, others, beat=True)
