@@ -145,6 +145,11 @@ class Effect:
         Variable that another law of the effect would follow; None where it is the
         error of a number, which has no other law.
         """
+    @property
+    def work(self, /) -> float:
+        """
+        Work of a replay with it, in replays of the nominal model.
+        """
 
 @final
 class EffectFit:

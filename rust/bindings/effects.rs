@@ -36,6 +36,8 @@ pub struct EffectRecord {
     error_of: Option<&'static str>,
     /// Beside it friction at rest may lie below the nominal Coulomb level.
     lowers_level: bool,
+    /// Work of a replay with it, in replays of the nominal model.
+    work: f64,
     /// Formula that starts must fulfil.
     keep: Option<&'static str>,
     /// Formulas of the smallest and the largest signed magnitude.
@@ -179,6 +181,7 @@ pub fn effects(py: Python<'_>) -> PyResult<Vec<EffectRecord>> {
             contains: info.contains.to_vec(),
             error_of: info.error_of,
             lowers_level: info.lowers_level,
+            work: info.work,
             keep: info.keep,
             magnitude: (info.magnitude.low, info.magnitude.high),
             least: info.magnitude.least,

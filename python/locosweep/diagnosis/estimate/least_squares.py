@@ -164,7 +164,7 @@ def evaluate(
     Without `residuals`, they are worked out one by one if they are asked for.
     """
     chosen = problem.chosen(runs)
-    problem.meter.samples += len(fits) * problem.samples_of(chosen)
+    problem.meter.count([fit.model.names for fit in fits], problem.samples_of(chosen))
     found = problem.misfit.evaluate(list(fits), chosen, problem.threads, keep=residuals)
     evaluated = []
     for fit, (chi2, e) in zip(fits, found, strict=True):
@@ -193,7 +193,8 @@ def fit_all(
     found, samples = problem.misfit.fit(
         list(fits), known, chosen, steps, tolerance, problem.threads
     )
-    problem.meter.samples += samples
+    names = [fit.model.names for fit in fits]
+    problem.meter.count(names, samples // max(len(names), 1))
     return [
         replace(
             fit,
@@ -210,7 +211,7 @@ def fit_all(
 def jacobian_of(problem: Problem, fit: Fit, runs: Sequence[int] | None = None) -> Floats:
     """Return the derivatives of a fit's residuals, a row a parameter."""
     chosen = problem.chosen(runs)
-    problem.meter.samples += fit.theta.size * problem.samples_of(chosen)
+    problem.meter.count([fit.model.names] * fit.theta.size, problem.samples_of(chosen))
     rows: Floats = problem.misfit.jacobian(fit, chosen, problem.threads)
     return rows
 

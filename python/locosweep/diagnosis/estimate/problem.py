@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import prod
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -57,11 +58,22 @@ class InitialStates:
     """Runs that begin in motion."""
 
 
+def work_of(names: Sequence[str]) -> float:
+    """Return the work of a replay with such effects, in replays of the nominal model."""
+    return prod(effect(name).work for name in names)
+
+
 @dataclass
 class ReplayMeter:
-    """Count of the samples replayed so far, from which searches know their effort."""
+    """Count of the samples replayed so far, and their work in samples of the nominal model."""
 
     samples: int = 0
+    work: float = 0.0
+
+    def count(self, names: Sequence[Sequence[str]], samples: int) -> None:
+        """Count samples of models with such effects, of each as many."""
+        self.samples += samples * len(names)
+        self.work += samples * sum(map(work_of, names))
 
 
 @dataclass(frozen=True, eq=False)
@@ -308,7 +320,7 @@ class Problem:
         and speed at the start of each run of the problem, shape (runs, 2).
         """
         chosen = list(range(len(self.runs)) if runs is None else map(int, runs))
-        self.meter.samples += len(points) * self.samples_of(chosen)
+        self.meter.count([point.names for point in points], self.samples_of(chosen))
         read = self.experiment.read(list(points), chosen, self.threads, moved)
         found = {c: one.reshape(len(points), -1) for c, one in zip(REPLAYED, read, strict=True)}
         if self.motor and "power" in self.channels:
@@ -331,7 +343,7 @@ class Problem:
         are 0.
         """
         chosen = self.chosen(runs)
-        self.meter.samples += len(points) * self.samples_of(chosen)
+        self.meter.count([point.names for point in points], self.samples_of(chosen))
         found: Floats = self.misfit.residuals(list(points), chosen, self.threads, most)
         return found
 

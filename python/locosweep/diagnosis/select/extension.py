@@ -9,7 +9,7 @@ import numpy as np
 from locosweep.diagnosis.estimate.least_squares import chi2_of, evaluate, start_fits
 from locosweep.diagnosis.select.descent import descend
 from locosweep.diagnosis.select.effort import (
-    LEVEL_REPLAYS,
+    LEVEL_WORK,
     PARTNERS,
     ROWS_REPLAYED,
     SHARE,
@@ -155,9 +155,9 @@ def _to_beat(search: Search, known: Collection, count: int, runs: list[int]) -> 
 def extend_each(search: Search, known: Collection, bases: Sequence[Fit]) -> Found:
     """Add one effect to each of some fits, to the first one whatever that takes."""
     found: Found = {}
-    end = search.problem.meter.samples + LEVEL_REPLAYS * search.problem.count
+    end = search.problem.meter.work + LEVEL_WORK * search.problem.count
     for base in bases:
-        if found and search.problem.meter.samples > end:
+        if found and search.problem.meter.work > end:
             break
         found |= extend(search, known.adding(found), base, search.names, beat=True)
     return found

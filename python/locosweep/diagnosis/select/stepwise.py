@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all
-from locosweep.diagnosis.select.effort import LEVEL_REPLAYS
+from locosweep.diagnosis.select.effort import LEVEL_WORK
 from locosweep.diagnosis.select.extension import extend, extend_each, pairs
 from locosweep.diagnosis.select.score import gains, remaining, total
 from locosweep.diagnosis.select.thresholds import TIE
@@ -68,13 +68,13 @@ def _best(search: Search, found: Mapping[frozenset[str], Fit]) -> Fit:
 def _exchanged(search: Search, known: Collection, level: Found) -> Found:
     """Exchange each effect of the best set for every other one, while that helps much."""
     level = dict(level)
-    end = search.problem.meter.samples + LEVEL_REPLAYS * search.problem.count
+    end = search.problem.meter.work + LEVEL_WORK * search.problem.count
     while True:
         best = _best(search, level)
         if not remaining(search.problem, best):
             break
         for name in best.model.names:
-            if search.problem.meter.samples > end:
+            if search.problem.meter.work > end:
                 break
             base = without(search, best, name)
             others = [n for n in search.names if n != name]

@@ -170,6 +170,9 @@ pub struct EffectInfo {
     pub error_of: Option<&'static str>,
     /// Beside it friction at rest may lie below the nominal Coulomb level.
     pub lowers_level: bool,
+    /// Work of a replay with it, in replays of the nominal model; with several effects the
+    /// product, about. Set by `cargo bench --bench dynamics -- replay`.
+    pub work: f64,
     /// What starts must fulfil, in the parameters.
     pub keep: Option<&'static str>,
     /// Magnitudes of parameters given by `u`: 0 is the nominal model, about 1 as
@@ -251,6 +254,7 @@ pub(super) const EFFECT: EffectInfo = EffectInfo {
     contains: &[],
     error_of: None,
     lowers_level: false,
+    work: 1.0,
     keep: None,
     magnitude: Magnitude { low: "-1", high: "10", least: 1e-9, shapes: &[] },
     drawn: true,

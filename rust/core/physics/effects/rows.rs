@@ -99,6 +99,7 @@ effects! {
     }
     QuadraticDrag {
         name: "quadratic_drag",
+        work: 2.0,
         formula: r"F_f \mathrel{+}= c_2 v|v|",
         meaning: "drag that grows with the square of speed",
         variable: Some(Variable::Speed),
@@ -114,6 +115,7 @@ effects! {
     }
     StribeckFriction {
         name: "stribeck_friction",
+        work: 10.0,
         formula: r"F_f \mathrel{+}= (F_s - F_c)\,e^{-|v/v_s|^\delta}\,\mathrm{sgn}\,v,\ \text{break-away at } F_s",
         meaning: "friction falls from a higher level at rest",
         variable: Some(Variable::Speed),
@@ -170,6 +172,7 @@ effects! {
     }
     PreslidingCompliance {
         name: "presliding_compliance",
+        work: 7.0,
         formula: r"\dot z = v - \sigma_0 |v| z/g,\ F_f = \sigma_0 z + \sigma_1 \dot z",
         meaning: "the contact gives way elastically before it slides",
         variable: Some(Variable::Turned),
@@ -243,6 +246,7 @@ effects! {
     }
     PositionDependentFriction {
         name: "position_dependent_friction",
+        work: 8.0,
         formula: r"F_c\,(1 + a\sin(2\pi x/L + p))",
         meaning: "friction varies along the track",
         variable: Some(Variable::ContactState),
@@ -337,6 +341,7 @@ effects! {
     }
     LubricantBuildup {
         name: "lubricant_buildup",
+        work: 2.0,
         formula: r"F_f \mathrel{+}= k_b s,\ v > 0",
         meaning: "lubricant piles up before the segment as it moves forward",
         variable: Some(Variable::Swept),
@@ -372,6 +377,7 @@ effects! {
     }
     DriveLag {
         name: "drive_lag",
+        work: 2.0,
         site: Site::Drive,
         formula: r"T\dot F_d + F_d = \mathrm{gain}\cdot\mathrm{drive}",
         meaning: "the drive force follows its command slowly",
@@ -475,6 +481,7 @@ effects! {
     // Play and spring show by the mass behind them: without it they change nothing.
     TransmissionBacklash {
         name: "transmission_backlash",
+        work: 25.0,
         site: Site::Drive,
         formula: r"m_d \ddot x_d = F_d - F_c,\ F_c = 0 \text{ while } |x_d - x| < b",
         meaning: "play between drive and head",
@@ -507,6 +514,7 @@ effects! {
     }
     TransmissionCompliance {
         name: "transmission_compliance",
+        work: 20.0,
         site: Site::Drive,
         formula: r"m_d \ddot x_d = F_d - F_s,\ F_s = k (x_d - x) + d (\dot x_d - v)",
         meaning: "a spring between drive and head",
