@@ -49,6 +49,9 @@ def descend(
     least = min((fit.chi2 for fit in [*first, *others]), default=np.inf)
     most = max(beside.chi2 - SHARE * (beside.chi2 - least), least + SLACK)
     near = [fit for fit in others if fit.chi2 < most]
+    if beside.model.names:
+        # Of larger sets only those count that may come to the best one.
+        near = [replace(fit, limit=min(fit.limit, least + SLACK)) for fit in near]
     ends = [*first, *fit_all(problem, near, steps=steps), *others, *fits[len(close) :]]
     found: Found = {}
     for fit in ends:
