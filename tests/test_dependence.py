@@ -50,7 +50,7 @@ PYTHON_ORDER = [
     {"diagnosis.select"},
     {"diagnosis.report"},
     {"diagnosis.design"},
-    {"diagnosis.pipeline"},
+    {"diagnosis.pipeline", "diagnosis.screening"},
     {"friction_fit", "validation"},
     {"paper"},
     {"cli"},

@@ -34,6 +34,7 @@ from locosweep.cli.registry_lists import (
     statuses,
 )
 from locosweep.cli.reproduce import reproduce
+from locosweep.cli.screen import screen
 from locosweep.cli.simulate import simulate
 from locosweep.cli.sweep import sweep
 from locosweep.errors import Cancelled, InputError, SolveError
@@ -64,8 +65,8 @@ def group() -> None:
 
 
 for _command in (
-    heatmap, sweep, simulate, gait, diagnose, distinguish, friction, blind_check, optimum, plot,
-    reproduce, quantities, parameters, laws, drives, methods, reductions, statuses,
+    heatmap, sweep, simulate, gait, screen, diagnose, distinguish, friction, blind_check, optimum,
+    plot, reproduce, quantities, parameters, laws, drives, methods, reductions, statuses,
 ):  # fmt: skip
     group.add_command(_command)
 

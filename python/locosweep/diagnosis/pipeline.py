@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import polars as pl
 
 from locosweep import _core
 from locosweep.diagnosis.data.checks import check_runs, usable
 from locosweep.diagnosis.data.holdout import hold_out
+from locosweep.diagnosis.data.inputs import nominal_model, read_runs
 from locosweep.diagnosis.design.next_experiment import next_experiment
 from locosweep.diagnosis.effects.catalogue import candidates
 from locosweep.diagnosis.effects.scale import scale_of
 from locosweep.diagnosis.estimate.equation_error import EquationError, equation_error
 from locosweep.diagnosis.estimate.initial_state import initial_states
 from locosweep.diagnosis.estimate.least_squares import Nuisances
-from locosweep.diagnosis.estimate.nominal import gaps_of
+from locosweep.diagnosis.estimate.nominal import gaps_of, spread_of
 from locosweep.diagnosis.estimate.problem import Problem, ReplayMeter
 from locosweep.diagnosis.estimate.window_plan import (
     WindowPlan,
@@ -35,15 +33,17 @@ from locosweep.diagnosis.select.verdict import Choice, choose
 from locosweep.diagnosis.select.whiteness import stray_readings
 from locosweep.engine import whole
 from locosweep.errors import InputError
-from locosweep.files.robot import Robot, load_robot
-from locosweep.files.runs import Run, load_runs, runs_from_frame
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Callable, Mapping, Sequence
 
+    import polars as pl
+
     from locosweep.diagnosis.effects.scale import Scale
     from locosweep.diagnosis.report.result import Diagnosis
+    from locosweep.files.robot import Robot
+    from locosweep.files.runs import Run
 
 _SURE = (0.5, 0.95)
 """Least and largest probability of `unexplained` where the kept runs refute a cause."""
@@ -109,9 +109,9 @@ def diagnose(
         raise InputError(f"max_effects is {max_effects}: allowed is 1 to 3")
     say = progress or (lambda _: None)
     workers = _core.threads_to_use(whole("threads", threads))
-    robot = _nominal_model(nominal)
+    robot = nominal_model(nominal)
     say("reading")
-    records, notices, digest = _read(runs, columns or {}, units or {})
+    records, notices, digest = read_runs(runs, columns or {}, units or {})
     data = _data_checks(robot, records, holdout, workers)
     measured = {c for run in data.whole.runs for c in run.channels}
     names, left_out = candidates(robot, measured)
@@ -167,14 +167,6 @@ class _Selected:
     warnings: tuple[str, ...] = ()
 
 
-def _nominal_model(nominal: str | os.PathLike[str] | Robot) -> Robot:
-    robot = nominal if isinstance(nominal, Robot) else load_robot(nominal)
-    if robot.effects:
-        given = ", ".join(robot.effects)
-        raise InputError(f"the nominal model has effects ({given}): allowed is a model without")
-    return robot
-
-
 def _data_checks(
     robot: Robot, records: Sequence[Run], holdout: Sequence[str] | None, workers: int
 ) -> _Data:
@@ -183,7 +175,7 @@ def _data_checks(
     warnings = [*missing, *check_runs(usable_runs, robot)]
     scale = scale_of(robot, usable_runs)
     problem = Problem(robot, usable_runs, workers, speed_scale=scale.speed)
-    gaps = gaps_of(problem, Nuisances((), _spread(robot), scale.speed))
+    gaps = gaps_of(problem, Nuisances((), spread_of(robot), scale.speed))
     held, fraction, by_user = hold_out(usable_runs, holdout, gaps)
     kept = replace(problem, held=held, train_fraction=fraction, meter=ReplayMeter())
     plan = plan_of(kept)
@@ -237,7 +229,7 @@ def _search_of(
 ) -> Search:
     """Return a search with the nuisances of its runs."""
     offsets = tuple(enumerate(problem.priors["x"].tolist())) if problem.position_matters else ()
-    nuisances = Nuisances((), _spread(problem.robot), scale.speed, offsets)
+    nuisances = Nuisances((), spread_of(problem.robot), scale.speed, offsets)
     if problem.starts_vary:
         problem = replace(problem, initial=initial_states(problem, nuisances))
         free = tuple(r for r in problem.starts.moving if r not in problem.held)
@@ -256,29 +248,3 @@ def _next_experiment(selected: _Selected, data: _Data) -> dict[str, Any]:
     if data.plan:
         search = replace(search, problem=for_planning(data.whole))
     return next_experiment(search, fits, weights)
-
-
-def _read(
-    runs: Any, columns: Mapping[str, str], units: Mapping[str, str]
-) -> tuple[list[Run], list[str], str]:
-    if isinstance(runs, pl.DataFrame):
-        frame = runs
-    elif hasattr(runs, "items"):
-        try:
-            frame = pl.DataFrame({str(k): np.asarray(v) for k, v in runs.items()})
-        except (TypeError, ValueError, pl.exceptions.PolarsError) as error:
-            raise InputError(f"runs: not columns of one length: {error}") from None
-    else:
-        records, notices = load_runs(runs, columns, units)
-        return records, notices, hashlib.sha256(Path(runs).read_bytes()).hexdigest()
-    if columns or units:
-        raise InputError("columns and units: allowed only where runs is a file")
-    digest = hashlib.sha256(frame.write_csv().encode()).hexdigest()
-    return runs_from_frame(frame), [], digest
-
-
-def _spread(robot: Robot) -> tuple[float, float, float, float]:
-    """Return the deviations that the nominal file allows; 0 where its value is exact."""
-    keys = ("mass", "mu_coulomb", "gain", "clock")
-    found = [float(robot.other.get(f"uncertainty.{key}", 0.0)) for key in keys]
-    return found[0], found[1], found[2], found[3]

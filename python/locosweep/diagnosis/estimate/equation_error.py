@@ -96,6 +96,11 @@ class EquationError:
         (row,) = self._projected(self._blocks[0][None, :].copy())
         return np.asarray(row)
 
+    @cached_property
+    def degrees(self) -> int:
+        """Block means with readings, less the start and the start speed of every slide."""
+        return max(int(np.count_nonzero(self._blocks[1])) - 2 * self._edges.size, 1)
+
     def displacements(self, points: Sequence[Point]) -> Floats:
         """Return displacements of models in units of the noise, a row a model.
 

@@ -49,7 +49,7 @@ def evaluated(along: EquationError, fits: Sequence[Fit]) -> tuple[list[Fit], Flo
 def refined(along: EquationError, fits: Sequence[Fit], steps: int = _STEPS) -> list[Fit]:
     """Return fits whose parameters leave the least equation error near their starts."""
     found, e = evaluated(along, fits)
-    todo = [i for i, fit in enumerate(found) if fit.model.free]
+    todo = [i for i, fit in enumerate(found) if _global(fit)]
     for _ in range(steps):
         if not todo:
             break

@@ -19,6 +19,7 @@ from locosweep.diagnosis.estimate.least_squares import (
 
 if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.problem import Problem
+    from locosweep.files.robot import Robot
 
 _NOMINAL = 9
 """Starts of the nominal model that are followed."""
@@ -47,3 +48,10 @@ def gaps_of(problem: Problem, nuisances: Nuisances) -> list[float]:
     else:
         e = problem.residuals([problem.plain()], every)[0]
     return [float(np.mean(e[problem.of_run(r, every)] ** 2)) for r in every]
+
+
+def spread_of(robot: Robot) -> tuple[float, float, float, float]:
+    """Return the deviations that the nominal file allows; 0 where its value is exact."""
+    keys = ("mass", "mu_coulomb", "gain", "clock")
+    found = [float(robot.other.get(f"uncertainty.{key}", 0.0)) for key in keys]
+    return found[0], found[1], found[2], found[3]

@@ -97,11 +97,15 @@ def says_enough(search: Search, beside: Fit) -> bool:
     return fit.chi2 > LEAST_ERROR * search.along.measured.size
 
 
-def pairs_along(search: Search, count: int) -> list[Fit]:
-    """Return starts of the pairs of effects that leave the least equation error, best first."""
-    along, none = search.along, search.none
+def pairs_along(search: Search, count: int, beside: Fit | None = None) -> list[Fit]:
+    """Return starts of the pairs of effects that leave the least equation error, best first.
+
+    They stand beside a fit of the nominal model, that of the search if none is given.
+    """
+    along = search.along
     if along is None:
         return []
+    none = beside or search.none
     alone = [fit for name in search.names for fit in rows_beside(search, name, none)]
     residual, changes = _changes_along(along, none, alone)
     starts = []

@@ -1,0 +1,47 @@
+"""What a diagnosis is given: measured runs, in a file or in columns, and a nominal model."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import polars as pl
+
+from locosweep.errors import InputError
+from locosweep.files.robot import Robot, load_robot
+from locosweep.files.runs import Run, load_runs, runs_from_frame
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Mapping
+
+
+def nominal_model(nominal: str | os.PathLike[str] | Robot) -> Robot:
+    """Return the model that runs are held against, which has no effects."""
+    robot = nominal if isinstance(nominal, Robot) else load_robot(nominal)
+    if robot.effects:
+        given = ", ".join(robot.effects)
+        raise InputError(f"the nominal model has effects ({given}): allowed is a model without")
+    return robot
+
+
+def read_runs(
+    runs: Any, columns: Mapping[str, str], units: Mapping[str, str]
+) -> tuple[list[Run], list[str], str]:
+    """Return runs from a file or columns, notices about them, and the digest of the data."""
+    if isinstance(runs, pl.DataFrame):
+        frame = runs
+    elif hasattr(runs, "items"):
+        try:
+            frame = pl.DataFrame({str(k): np.asarray(v) for k, v in runs.items()})
+        except (TypeError, ValueError, pl.exceptions.PolarsError) as error:
+            raise InputError(f"runs: not columns of one length: {error}") from None
+    else:
+        records, notices = load_runs(runs, columns, units)
+        return records, notices, hashlib.sha256(Path(runs).read_bytes()).hexdigest()
+    if columns or units:
+        raise InputError("columns and units: allowed only where runs is a file")
+    digest = hashlib.sha256(frame.write_csv().encode()).hexdigest()
+    return runs_from_frame(frame), [], digest
