@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from diagnosis_long import PENDULUM, SLED, drives, in_windows, measured, whole
+from locosweep.diagnosis.estimate.shooting import knows_start
+from locosweep.files.runs import Run
 
 
 @pytest.mark.parametrize("robot", [SLED, PENDULUM], ids=["sled", "pendulum"])
@@ -30,3 +33,11 @@ def test_the_truth_leaves_noise(robot, name, values):
     nominal, left = (windows.residuals([plain, true]) ** 2).sum(axis=1) / windows.degrees()
     assert nominal > 2.0
     assert 0.9 < left < 1.25
+
+
+def test_a_start_is_known_where_enough_was_read_around_it():
+    t, x = np.arange(0.0, 1.0, 0.01), np.zeros(100)
+    x[40:60] = np.nan
+    run = Run("0", t, np.zeros(100), {"x": x})
+    assert knows_start(run, 20, 0.05)
+    assert not knows_start(run, 50, 0.05)
