@@ -66,8 +66,9 @@ def extend(
     if not beside.residual.size:
         (beside,) = evaluate(problem, [beside])
     at_noise = search.is_noise(beside)
-    along = seen_along(search, beside, partners)
-    sure = along.keys() if says_enough(search, beside) else set()
+    # Beside what leaves but noise, only free runs are long enough to show anything.
+    along = {} if at_noise else seen_along(search, beside, partners)
+    sure = along.keys() if along and says_enough(search, beside) else set()
     starts = _starts_beside(search, beside, partners, along, sure)
     runs = informative_runs(problem, beside)
     seen, leaves = scan_beside(problem, starts, runs, beside)
