@@ -23,7 +23,7 @@ _STEPS = 8
 """Steps of a fit: they end within a per cent of the parameters that replays come to."""
 _WIDTH = 1e-4
 """Width of a finite difference in sizes of the parameter: no event makes it rough here."""
-_BENT, _WIDEST = 0.02, 0.3
+_BENT, _WIDEST = 0.02, 1.0
 """Deviation of a fit, in sizes of its parameters, from which its valley may bend, and the most
 that is taken for one."""
 _DAMPINGS = (1e-3, 0.3)

@@ -28,6 +28,6 @@ SLACK = 200.0
 of it also along a valley that bends."""
 FEW = 3
 """Steps after which starts that lie far behind are left; as many fits go first."""
-LEVEL_WORK = 2e4
+LEVEL_WORK = 5e3
 """Work, in replays of all runs through the nominal model, after which no further set of a level
 is extended, nor exchanged."""
