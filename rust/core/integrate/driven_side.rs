@@ -44,21 +44,25 @@ impl<L: Lane> DrivenSide<L> {
     /// Two stages of the diagonally implicit method, stiffly accurate.
     #[inline(always)]
     fn stretch(&mut self, pull: L, dt: f64) {
-        let per_mass = pull.splat(1.0) / self.joint.mass;
-        let (k, d) = (self.joint.stiffness * per_mass, self.joint.damping * per_mass);
-        let h = GAMMA * dt;
-        // Slopes of gap and speed at the end of a stage that begins at (gap, speed).
-        let bottom = pull.splat(1.0) / ((k * h + d) * h + 1.0);
-        let stage = |gap: L, speed: L| {
-            let rate = (pull - k * speed.mul_add(pull.splat(h), gap) - d * speed) * bottom;
-            (rate.mul_add(pull.splat(h), speed), rate)
-        };
-        let (g, v) = (self.gap, self.speed);
-        let (g1, v1) = stage(g, v);
         let rest = pull.splat((1.0 - GAMMA) * dt);
-        let (g2, v2) = stage(g1.mul_add(rest, g), v1.mul_add(rest, v));
-        self.gap = g2.mul_add(pull.splat(h), g1.mul_add(rest, g));
-        self.speed = v2.mul_add(pull.splat(h), v1.mul_add(rest, v));
+        let h = pull.splat(GAMMA * dt);
+        let (g, v) = (self.gap, self.speed);
+        let (g1, v1) = self.stage(pull, GAMMA * dt, (g, v));
+        let (g, v) = (g1.mul_add(rest, g), v1.mul_add(rest, v));
+        let (g2, v2) = self.stage(pull, GAMMA * dt, (g, v));
+        self.gap = g2.mul_add(h, g);
+        self.speed = v2.mul_add(h, v);
+    }
+
+    /// Slopes of gap and speed at the end of a stage of length `h` that begins at (gap, speed).
+    #[inline(always)]
+    fn stage(&self, pull: L, h: f64, (gap, speed): (L, L)) -> (L, L) {
+        let one = pull.splat(1.0);
+        let per_mass = one / self.joint.mass;
+        let (k, d) = (self.joint.stiffness * per_mass, self.joint.damping * per_mass);
+        let bottom = one / ((k * h + d) * h + 1.0);
+        let rate = (pull - k * speed.mul_add(pull.splat(h), gap) - d * speed) * bottom;
+        (rate.mul_add(pull.splat(h), speed), rate)
     }
 
     /// Rest on a side, or flight until it touches the one that it comes to first.
@@ -67,30 +71,29 @@ impl<L: Lane> DrivenSide<L> {
         let zero = pull.splat(0.0);
         let whole = pull.splat(dt);
         let rests = zero.lt(self.side * pull);
-        let flown = |time: L| {
-            let speed = pull.mul_add(time, self.speed);
-            ((self.speed + speed).mul_add(time * 0.5, self.gap), speed)
-        };
-        let touch = |side: f64| {
-            // From side*gap < half on: half - side*gap = side*(v t + pull t^2/2).
-            let left = (self.joint.gap - self.gap * side).max(zero);
-            let (v, a) = (self.speed * side, pull * side);
-            let root = v.mul_add(v, a * left * 2.0);
-            let time = (left * 2.0) / (v + root.max(zero).sqrt());
-            let comes = L::and(zero.le(root), zero.lt(v + root.max(zero).sqrt()));
-            // What already touches and moves away, or is pushed away, does not touch again.
-            let leaves = L::and(left.le(zero), L::or(v.lt(zero), a.le(zero)));
-            let comes = L::and(comes, L::not(leaves));
-            L::select(comes, time, pull.splat(f64::INFINITY))
-        };
-        let (ahead, behind) = (touch(1.0), touch(-1.0));
-        let time = ahead.min(behind);
-        let touches = L::and(time.le(whole), L::not(rests));
+        let (ahead, behind) = (self.touch(pull, 1.0), self.touch(pull, -1.0));
+        let touches = L::and(ahead.min(behind).le(whole), L::not(rests));
         let side = L::select(ahead.le(behind), pull.splat(1.0), pull.splat(-1.0));
-        let (gap, speed) = flown(whole);
+        let speed = pull.mul_add(whole, self.speed);
+        let gap = (self.speed + speed).mul_add(whole * 0.5, self.gap);
         let stays = L::or(rests, touches);
         self.side = L::select(rests, self.side, L::select(touches, side, zero));
         self.gap = L::select(stays, self.side * self.joint.gap, gap);
         self.speed = L::select(stays, zero, speed);
+    }
+
+    /// Time until it touches a side of the gap, infinite if it does not.
+    #[inline(always)]
+    fn touch(&self, pull: L, side: f64) -> L {
+        let zero = pull.splat(0.0);
+        // What is left of the way is side (v t + pull t^2/2).
+        let left = (self.joint.gap - self.gap * side).max(zero);
+        let (v, a) = (self.speed * side, pull * side);
+        let square = v.mul_add(v, a * left * 2.0);
+        let bottom = v + square.max(zero).sqrt();
+        let comes = L::and(zero.le(square), zero.lt(bottom));
+        // What already touches and moves away, or is pushed away, does not touch again.
+        let leaves = L::and(left.le(zero), L::or(v.lt(zero), a.le(zero)));
+        L::select(L::and(comes, L::not(leaves)), (left * 2.0) / bottom, zero.splat(f64::INFINITY))
     }
 }

@@ -19,6 +19,12 @@ pub struct MeasuredMotion<'a> {
     pub slides: &'a [(usize, usize)],
 }
 
+/// Mean of a sample and the next.
+#[inline(always)]
+fn middle(values: &[f64], i: usize) -> f64 {
+    0.5 * (values[i] + values[i + 1])
+}
+
 /// Mean over each block of samples of the position that the sensor would read, without
 /// start and start speed of the slide: `read` gets the blocks of all slides in turn.
 #[inline(always)]
@@ -80,15 +86,14 @@ pub fn displacements<L: Lane>(
                 continue;
             }
             let force = impulse * (1.0 / dt);
-            let middle = |values: &[f64]| zero.splat(0.5 * (values[i] + values[i + 1]));
-            let (at_x, at_v) = (middle(motion.x), middle(motion.v));
+            let (at_x, at_v) = (zero.splat(middle(motion.x, i)), zero.splat(middle(motion.v, i)));
             let direction = at_v.sign();
             let at = ContactState {
                 direction,
                 x: at_x,
-                sliding_distance: middle(motion.sliding_distance),
+                sliding_distance: zero.splat(middle(motion.sliding_distance, i)),
                 drive: force,
-                t: zero.splat(0.5 * (times[i] + times[i + 1])),
+                t: zero.splat(middle(times, i)),
             };
             let against = Measured::resistance(&plant.friction, at_v.abs(), &at);
             let net = force - segment.pull_back(at_x) - direction * against;

@@ -61,6 +61,7 @@ impl Task for Along<'_, '_, '_> {
                 samples,
                 motion,
                 block,
+                #[inline(always)]
                 || !cancel.load(Ordering::Relaxed),
                 #[inline(always)]
                 |mean| {
