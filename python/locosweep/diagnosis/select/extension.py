@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.diagnosis.estimate.least_squares import chi2_of, evaluate, start_fits
+from locosweep.diagnosis.estimate.least_squares import chi2_of, evaluate, fit_all, start_fits
 from locosweep.diagnosis.select.descent import descend
 from locosweep.diagnosis.select.effort import (
+    FEW,
     LEVEL_WORK,
     PARTNERS,
     ROWS_REPLAYED,
@@ -93,7 +94,20 @@ def extend(
         ]
         if not at_noise:
             followed.append(min((s.fit for s in own), key=chi2_of))
+    if base is None:
+        likely = sorted(along, key=lambda name: along[name][0].chi2)[:FEW]
+        followed += [end for name in likely for end in _valley_end(search, along[name][0], runs)]
     return descend(search, known, followed, runs, beside, at_noise=at_noise)
+
+
+def _valley_end(search: Search, fit: Fit, runs: Sequence[int]) -> list[Fit]:
+    """Return the best end of starts along a fit's valley, if it has one.
+
+    Each is followed alone: beside better ones, slow steps along a valley that bends would end.
+    """
+    starts = along_valley(search.along, fit) if search.along else []
+    ends = [fit_all(search.problem, [s], runs=runs, steps=search.steps)[0] for s in starts]
+    return [min(ends, key=chi2_of).unfitted()] if ends else []
 
 
 def _starts_beside(
