@@ -97,7 +97,39 @@ def extend(
     if base is None:
         likely = sorted(along, key=lambda name: along[name][0].chi2)[:FEW]
         followed += [end for name in likely for end in _valley_end(search, along[name][0], runs)]
-    return descend(search, known, followed, runs, beside, at_noise=at_noise)
+    found = descend(search, known, followed, runs, beside, at_noise=at_noise)
+    if base is None and not at_noise:
+        for names, fit in found.items():
+            if not names & along.keys():
+                found[names] = _rescanned(search, fit)
+    return found
+
+
+def _rescanned(search: Search, fit: Fit) -> Fit:
+    """Return a fit from other values of single parameters, near and far, if one comes further.
+
+    A threshold of what acts at rest has no derivative: steps leave it where it was.
+    """
+    changes = np.outer(np.geomspace(1e-4, 0.5, 27), (-1.0, 1.0)).ravel()
+    for _ in range(PARTNERS):
+        if search.is_noise(fit):
+            break
+        trials: list[Fit] = []
+        for i, free in enumerate(fit.model.free):
+            low, high = (np.log(v) if free.log else v for v in (free.low, free.high))
+            for change in changes * (1.0 if free.log else free.size):
+                theta = fit.theta.copy()
+                theta[i] = np.clip(theta[i] + change, low, high)
+                trials.append(fit.unfitted(theta))
+        # The farthest of those that are as good: within a step of a threshold nothing changes.
+        seen = evaluate(search.problem, trials[::-1], residuals=False)
+        best = sorted(seen, key=chi2_of)[:PARTNERS]
+        ends = fit_all(search.problem, [one.unfitted() for one in best], steps=search.steps)
+        end = min(ends, key=chi2_of, default=fit)
+        if end.chi2 >= fit.chi2:
+            break
+        fit = end
+    return fit
 
 
 def _valley_end(search: Search, fit: Fit, runs: Sequence[int]) -> list[Fit]:
