@@ -39,6 +39,8 @@ _AXES = "--x drive_amplitude=1:3:{} --y mu_coulomb=0.1:0.5:{}"
 _SET = "--set mu_static=0.6 --set viscous=0.2 --set duration=1"
 LIMIT_MB, LIMIT_SECONDS = 64, 0.25
 _INTERRUPTED = 130
+# The last chunk of every PNG file: no bytes, its name, its checksum.
+_PNG_END = b"\0\0\0\0IEND\xaeB`\x82"
 
 
 @dataclass(frozen=True)
@@ -132,10 +134,16 @@ def stopped(work: str, shape: tuple[int, int], after: float) -> Stop | None:
         process.communicate()
         latency = time.perf_counter() - start
         left = sorted(path.name for path in Path(folder).iterdir())
-    # All was written and only the interpreter was still ending.
-    if process.returncode == 0 and left == ["map.png"] and latency <= LIMIT_SECONDS:
+        # The map was there as a whole, and only the interpreter was still ending.
+        ended = left == ["map.png"] and _is_whole(Path(folder, "map.png"))
+    if ended and process.returncode in (0, _INTERRUPTED) and latency <= LIMIT_SECONDS:
         return None
     return Stop(after, latency, process.returncode, left)
+
+
+def _is_whole(picture: Path) -> bool:
+    """Tell whether a PNG file has its end: a half-written one is a fault, a whole one is not."""
+    return picture.read_bytes().endswith(_PNG_END)
 
 
 def stops(work: str, shape: tuple[int, int], count: int, lasts: float) -> list[Stop]:
