@@ -84,22 +84,13 @@ pub fn replay_into(
         .chunk_by_mut(|(a, _), (b, _)| key(a) == key(b))
         .flat_map(|group| group.chunks_mut(PACK))
         .collect();
-    let queue = Mutex::new(groups.into_iter());
-    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
-    let work = || {
-        let mut scratch = Scratch::default();
-        while let Some(group) = next() {
-            if control.cancel.load(Ordering::Relaxed) {
-                return;
-            }
-            let count = group.len() as u64;
-            let (intervals, scratch) = (&intervals, &mut scratch);
-            let cancel = &control.cancel;
-            replay_pack(level, Group { nominal, runs, intervals, group, cancel, scratch });
-            control.done.fetch_add(count, Ordering::Relaxed);
-        }
-    };
-    spread_over(if columns.len() <= PACK { 1 } else { threads }, work)?;
+    let threads = if columns.len() <= PACK { 1 } else { threads };
+    let cancel = &control.cancel;
+    one_by_one(groups, threads, control, |group, scratch: &mut Scratch| {
+        let (count, intervals) = (group.len(), &intervals);
+        replay_pack(level, Group { nominal, runs, intervals, group, cancel, scratch });
+        count
+    })?;
     finished(control, columns.len())
 }
 
@@ -119,21 +110,16 @@ pub fn replay_with_sensitivities(
     let all = |column: &(Column, Vec<usize>)| length(column) * column.1.len();
     let slopes = parts(slopes, columns.iter().map(all));
     let intervals: Vec<f64> = runs.iter().map(interval).collect();
-    let queue = Mutex::new(columns.iter().zip(readings.into_iter().zip(slopes)));
-    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
-    let work = || {
-        while let Some(((column, directions), (readings, slopes))) = next() {
-            if control.cancel.load(Ordering::Relaxed) {
-                return;
-            }
-            let (run, interval) = (&runs[column.run], intervals[column.run]);
-            let (cancel, to) = (&control.cancel, Derived { readings, slopes });
-            let one = Sensitivity { nominal, run, interval, column, directions, cancel, to };
-            replay_derived(level, one);
-            control.done.fetch_add(1, Ordering::Relaxed);
-        }
-    };
-    spread_over(threads.min(columns.len()), work)?;
+    let tasks: Vec<_> = columns.iter().zip(readings.into_iter().zip(slopes)).collect();
+    let cancel = &control.cancel;
+    one_by_one(tasks, threads.min(columns.len()), control, |task, (): &mut ()| {
+        let ((column, directions), (readings, slopes)) = task;
+        let (run, interval) = (&runs[column.run], intervals[column.run]);
+        let to = Derived { readings, slopes };
+        let one = Sensitivity { nominal, run, interval, column, directions, cancel, to };
+        replay_derived(level, one);
+        1
+    })?;
     finished(control, columns.len())
 }
 
@@ -162,24 +148,44 @@ pub fn displacements_along(
         .chunk_by_mut(|(a, _), (b, _)| key(a) == key(b))
         .flat_map(|group| group.chunks_mut(PACK))
         .collect();
-    let queue = Mutex::new(groups.into_iter());
-    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
-    let work = || {
-        while let Some(group) = next() {
-            let count = group.len() as u64;
-            let (run, motion) = &runs[group[0].0.run];
-            let (motion, interval, cancel) = (*motion, interval(run), &control.cancel);
-            displaced(level, Along { nominal, run, motion, interval, block, group, cancel });
-            control.done.fetch_add(count, Ordering::Relaxed);
-        }
-    };
-    spread_over(if columns.len() <= PACK { 1 } else { threads }, work)?;
+    let intervals: Vec<f64> = runs.iter().map(|(run, _)| interval(run)).collect();
+    let threads = if columns.len() <= PACK { 1 } else { threads };
+    let cancel = &control.cancel;
+    one_by_one(groups, threads, control, |group, (): &mut ()| {
+        let (count, of) = (group.len(), group[0].0.run);
+        let ((run, motion), interval) = (&runs[of], intervals[of]);
+        let motion = *motion;
+        displaced(level, Along { nominal, run, motion, interval, block, group, cancel });
+        count
+    })?;
     finished(control, columns.len())
 }
 
 /// Blocks of all slides of a run.
 pub fn blocks(motion: &MeasuredMotion, block: usize) -> usize {
     motion.slides.iter().map(|(from, to)| (to - from).div_ceil(block)).sum()
+}
+
+/// Takes tasks from a queue, on as many threads, each with a memory of its own, until all are
+/// done or the run is cancelled; `work` returns how many columns a task has.
+fn one_by_one<T: Send, S: Default>(
+    tasks: Vec<T>,
+    threads: usize,
+    control: &Control,
+    work: impl Fn(T, &mut S) -> usize + Sync,
+) -> Result<()> {
+    let queue = Mutex::new(tasks.into_iter());
+    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+    spread_over(threads, || {
+        let mut memory = S::default();
+        while let Some(task) = next() {
+            if control.cancel.load(Ordering::Relaxed) {
+                return;
+            }
+            let count = work(task, &mut memory) as u64;
+            control.done.fetch_add(count, Ordering::Relaxed);
+        }
+    })
 }
 
 /// Runs `work` on as many threads.

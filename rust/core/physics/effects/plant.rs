@@ -108,6 +108,9 @@ impl<L: Lane> Values<'_, L> {
     }
 }
 
+/// Least mass of a plant in that of the nominal model: the bound of `payload_mass` lies above.
+const LEAST_MASS: f64 = 0.02;
+
 impl<L: Lane> Plant<L> {
     /// `values` are the parameters of all effects in the order of the registry;
     /// those of effects that are not active do not count. `share` multiplies the
@@ -124,8 +127,10 @@ impl<L: Lane> Plant<L> {
         let zero = clock.splat(0.0);
         let one = zero.splat(1.0);
         let given = Values { active, values, zero };
-        let known_mass = share[0] * nominal.mass;
-        let mass = known_mass + given.get(Effect::PayloadMass, 0, 0.0);
+        // Steps of a fit may leave no mass at all, whose motion no replay comes to the end of.
+        let least = zero.splat(LEAST_MASS * nominal.mass);
+        let known_mass = (share[0] * nominal.mass).max(least);
+        let mass = (known_mass + given.get(Effect::PayloadMass, 0, 0.0)).max(least);
         let grown = mass / known_mass;
         let turns = (given.get(Effect::SlopeError, 0, 0.0) + slope_deg) * (1.0 / 360.0);
         let (sine, cosine) = (sin_turns(turns), cos_turns(turns));

@@ -16,5 +16,5 @@ pub use evaluate::{Evaluated, evaluate, readings, residuals, whitened};
 pub use experiment::{Begin, Experiment, Point, Span};
 pub use job::How;
 pub use marquardt::{Rule, fit};
-pub use misfit::{Misfit, Shift, Signal, Source};
+pub use misfit::{MOST_SHIFTS, Misfit, Shift, Signal, Source};
 pub use nalgebra::{DMatrix, DVector};

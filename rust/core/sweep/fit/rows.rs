@@ -1,6 +1,6 @@
 //! Weighted errors of replays over one span, and the products of them that fits need.
 
-use super::misfit::{Measured, Source, WIDE};
+use super::misfit::{MOST_SHIFTS, Measured, Source, WIDE};
 use crate::lane::{Level, Pack, Task, run};
 use crate::physics::robot::Motor;
 
@@ -97,7 +97,7 @@ fn project<P: Pack>(token: P::Token, own: &Measured, most: f64, row: &mut [f64])
         behind[k] = dot::<P>(token, shift, &body[*at..*at + shift.len()]);
     }
     let count = own.shifts.len();
-    let mut moves = [0.0; WIDE];
+    let mut moves = [0.0; MOST_SHIFTS];
     for (k, to) in moves.iter_mut().enumerate().take(count) {
         for (j, along) in behind.iter().enumerate().take(count) {
             *to += own.covariance[(k, j)] * along;
