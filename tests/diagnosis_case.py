@@ -114,7 +114,7 @@ def _report(traces, effects, channels):
     rivals = [{"effects": [name], "probability": 0.01, "gap_after": 0.5 * b, "shrink": 0.5,
                "parameters": {}} for name in ("viscous_friction", "drive_lag")]  # fmt: skip
     return {
-        "schema": "locosweep.diagnosis/1",
+        "schema": "locosweep.diagnosis/2",
         "verdict": {
             "status": status,
             "effects": names,
@@ -122,6 +122,11 @@ def _report(traces, effects, channels):
             "equivalent": [[name] for name in names],
             "alternatives": [],
             "law_mismatch": False,
+            "contributions": [{"effects": [name], "share": shrink, "share_ci": [shrink - 0.01, 1.0],
+                               "alone": shrink, "agrees_between_runs": None} for name in names],
+            "remaining": {"share": a / b if names else 1.0, "rmse": a if names else b,
+                          "noise_floors": (a if names else b) / 5.2e-6, "shape": []},
+            "unlisted": None,
             "summary": f"In run {kept[0]} the head stops short of where the model puts it.",
         },
         "gap": {
@@ -154,6 +159,7 @@ def _report(traces, effects, channels):
         "not_visible": [{"effect": "direction_dependent_friction",
                          "why": "the head never moves backward in these runs"}],
         "next_experiment": {"separates": [], "suggestion": None},
+        "readings": [],
         "warnings": ["no two runs have the same drive: the noise floor is the sensor's"],
         "provenance": {"locosweep": "0.1.0", "runs_sha256": hashlib.sha256(b"runs").hexdigest(),
                        "nominal_sha256": hashlib.sha256(NOMINAL.encode()).hexdigest(), "seed": 0},

@@ -74,9 +74,12 @@ def test_readings_that_freeze_are_told() -> None:
     fast = int(np.argmax(np.diff(x[:150])))
     x[fast + 1] = x[fast]
     found = diagnose(frame.with_columns(x=x), ROBOT, max_effects=1)
-    (said,) = [w for w in found.warnings if "frozen" in w]
-    assert said.startswith(f"run 0: a reading of x at {frame['t'][fast + 1]:g} s lies more than 8")
-    assert not any("frozen" in w for w in diagnose(frame, ROBOT).warnings)
+    (one,) = found.report["readings"]
+    assert (one["run"], one["column"], one["masked"]) == ("0", "x", True)
+    assert one["t0"] == one["t1"] == frame["t"][fast + 1]
+    assert any(f"x at {one['t0']:.4g} s" in w for w in found.warnings)
+    assert found.status == "none"
+    assert not diagnose(frame, ROBOT).report["readings"]
 
 
 @pytest.mark.parametrize(
@@ -239,7 +242,9 @@ def test_runs_that_carry_little_say_so() -> None:
 def test_millimetres_are_suspected() -> None:
     frame = measured({}, drives(samples=100)).with_columns(pl.col("x") * 1e3)
     found = diagnose(frame, ROBOT, max_effects=1)
-    assert any("another unit" in warning for warning in found.warnings)
+    assert any("--unit x=mm" in warning for warning in found.warnings)
+    assert {one["kind"] for one in found.report["readings"]} == {"unit"}
+    assert found.effects == []
 
 
 def test_arguments() -> None:

@@ -54,6 +54,23 @@ def without(frame: pl.DataFrame, run: str, first: int, last: int | None) -> pl.D
 
 @pytest.mark.filterwarnings("error")
 class TestMissing:
+    @pytest.mark.parametrize("share", [0.03, 0.1])
+    def test_rows_that_were_left_out_change_no_verdict(self, share: float):
+        # Drives that are smooth and that switch, whose switches lie in gaps too.
+        runs = switched(4, 4.0, 100.0)
+        for k in (0, 2):
+            wave = np.round(1.2 * np.sin((4.0 + k) * runs[k].t), 3)
+            runs[k] = replace(runs[k], drive=np.where(runs[k].t < 0.05, 0.0, wave))
+        robot = replace(ROBOT, other={"sensor.position_noise": 10.0 * NOISE})
+        noise = np.random.default_rng(6).normal(0.0, 10.0 * NOISE, 4 * runs[0].t.size)
+        frame = measured(runs, {"coulomb_error": {"d_mu": 0.05}})
+        frame = frame.with_columns(x=pl.col("x") + pl.Series(noise))
+        kept = np.random.default_rng(8).random(frame.height) >= share
+        found = diagnose(frame.filter(pl.Series(kept)), robot, threads=1)
+        assert "coulomb_error" in found.report["verdict"]["equivalent"][0]
+        assert found.report["gap"]["shrink"] > 0.9
+        assert any("rows are missing" in w for w in found.report["warnings"])
+
     def test_a_run_without_a_position_is_left_out_and_said(self):
         frame = without(measured(switched(4, 4.0, 100.0), EFFECT), "1", 0, None)
         found = diagnose(frame, ROBOT, threads=1)

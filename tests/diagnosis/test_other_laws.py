@@ -26,8 +26,8 @@ def test_nothing_is_named_where_one_force_along_the_way_would_do() -> None:
     # A stiffer line is no other law of friction either: what it leaves is told instead.
     found = diagnose(tethered(drives(both=False, samples=150), 0.08, slack=0.2), ROBOT)
     assert found.status == "unexplained", found
-    assert found.report["verdict"]["unlisted"]["variable"] == "terrain"
-    assert "so would one force along the way" in found.summary
+    assert found.report["verdict"]["unlisted"]["variable"] == "place"
+    assert "force by place, both ways alike" in found.summary
 
 
 def test_what_only_the_run_that_was_kept_shows_is_found() -> None:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 @options.count_option("--seed", 0, "Start of the random numbers.")
 @options.force_option
 @click.option("--quiet", is_flag=True, help="Print the verdict only.")
-@options.column_option
+@options.map_option
 @options.unit_option
 @options.threads_option
 @options.json_option
@@ -51,7 +51,9 @@ def diagnose(
     """Say where measured RUNS leave their model, which effect causes it, how far it shrinks.
 
     RUNS is a CSV or Parquet file with a row for each sample: run, t [s], drive,
-    x [m], and where measured x_rear [m], force [N], v [m/s], power [W].
+    x [m], and where measured x_rear [m], force [N], v [m/s], power [W]; or a ROS 2 bag
+    (.mcap, .db3 or its folder), with --map drive=/cmd.effort[0] --map
+    x=/joint_states.position[0].
 
     Writes report.html (for people), report.json, augmented.toml (the model with
     the effects that were found, for locosweep simulate) and the pictures.

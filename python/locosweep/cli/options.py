@@ -204,7 +204,7 @@ set_option = click.option(
 
 def _pairs(_: click.Context, param: click.Parameter, given: tuple[str, ...]) -> dict[str, str]:
     """Read a repeated option NAME=TEXT into a mapping."""
-    option = param.opts[-1]
+    option = param.opts[0]
     found: dict[str, str] = {}
     for text in given:
         name, equals, value = text.partition("=")
@@ -224,6 +224,10 @@ def pair_option(*names: str, metavar: str, text: str) -> Callable[[_Command], _C
 column_option = pair_option(
     "columns", "--column", metavar="NAME=THEIRS",
     text="Their name of a column of the data, for instance drive=tau.",
+)  # fmt: skip
+map_option = pair_option(
+    "columns", "--column", "--map", metavar="NAME=THEIRS",
+    text="Their name of a column of the data, for instance drive=tau; of a bag, /topic.field.",
 )  # fmt: skip
 unit_option = pair_option(
     "units", "--unit", metavar="NAME=UNIT",

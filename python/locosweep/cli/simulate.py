@@ -58,7 +58,7 @@ _MOST_CURVES = 8
     "--runs", metavar="RUNS", type=options.FILE,
     help="Measured runs (CSV or Parquet) to replay through the model, with --model and --out.",
 )  # fmt: skip
-@options.column_option
+@options.map_option
 @options.unit_option
 @options.threads_option
 @options.json_option

@@ -9,8 +9,14 @@ import numpy as np
 
 from locosweep import _core
 from locosweep.diagnosis.data.checks import check_runs, usable
+from locosweep.diagnosis.data.gap_drives import told_by_motion
 from locosweep.diagnosis.data.holdout import hold_out
 from locosweep.diagnosis.data.inputs import nominal_model, read_runs
+from locosweep.diagnosis.data.noise import noise_warnings
+from locosweep.diagnosis.data.readings.columns import check_columns
+from locosweep.diagnosis.data.readings.drive_spikes import check_drives
+from locosweep.diagnosis.data.readings.find import Checked, check_readings
+from locosweep.diagnosis.data.readings.finding import sentences
 from locosweep.diagnosis.design.next_experiment import next_experiment
 from locosweep.diagnosis.effects.catalogue import candidates
 from locosweep.diagnosis.effects.scale import scale_of
@@ -20,6 +26,7 @@ from locosweep.diagnosis.estimate.least_squares import Nuisances
 from locosweep.diagnosis.estimate.nominal import gaps_of, spread_of
 from locosweep.diagnosis.estimate.problem import Problem, ReplayMeter
 from locosweep.diagnosis.estimate.window_plan import (
+    GRADED_SAMPLES,
     WindowPlan,
     for_planning,
     plan_of,
@@ -27,12 +34,20 @@ from locosweep.diagnosis.estimate.window_plan import (
     scale_in_windows,
 )
 from locosweep.diagnosis.report.assemble import Findings, Source, assemble
-from locosweep.diagnosis.select.nearest import nearest
+from locosweep.diagnosis.select.graded import (
+    Graded,
+    confirmed_on_kept,
+    graded,
+    predicts_kept,
+    refitted,
+)
+from locosweep.diagnosis.select.isolated import isolated_readings
 from locosweep.diagnosis.select.search import Search
-from locosweep.diagnosis.select.verdict import Choice, choose
+from locosweep.diagnosis.select.verdict import Choice, choose, partial_choice
 from locosweep.diagnosis.select.whiteness import stray_readings
 from locosweep.engine import whole
 from locosweep.errors import InputError
+from locosweep.simulation.replay import nominal_of, sensor_of
 
 if TYPE_CHECKING:
     import os
@@ -112,23 +127,30 @@ def diagnose(
     robot = nominal_model(nominal)
     say("reading")
     records, notices, digest = read_runs(runs, columns or {}, units or {})
-    data = _data_checks(robot, records, holdout, workers)
+    checked = _reading_checks(robot, records)
+    data = _prepared(robot, checked, holdout, workers)
     measured = {c for run in data.whole.runs for c in run.channels}
     names, left_out = candidates(robot, measured)
     task = _Task(tuple(names), max_effects, say)
-    selected = _select(data, task)
-    near = None
-    if data.plan and selected.choice.status == "unexplained":
-        near = nearest(selected.search, selected.choice.known)
+    selected = _not_searched(data, task) if checked.hopeless else _select(data, task)
+    if data.plan is None and not checked.hopeless and selected.choice.status != "partial":
+        flags, found_later = isolated_readings(selected.search.problem, selected.choice.fit)
+        if found_later:
+            checked = checked.without(flags, found_later)
+            data = _prepared(robot, checked, holdout, workers)
+            selected = _select(data, task)
     say("where the gap lies")
+    judged = data.whole if data.plan else selected.search.problem
     found = Findings(
         selected.search,
         selected.choice,
-        whole=data.whole if data.plan else selected.search.problem,
+        whole=replace(judged, held=()) if selected.to_all else judged,
         plan=data.plan,
-        nearest=near,
+        graded=selected.graded,
+        kept_by_user=data.held_by_user,
         next_experiment=_next_experiment(selected, data),
         left_out=left_out,
+        readings=checked.findings,
         warnings=(*notices, *data.warnings, *selected.warnings),
     )
     return assemble(found, Source(robot, nominal, digest, seed))
@@ -165,25 +187,48 @@ class _Selected:
     search: Search
     choice: Choice
     warnings: tuple[str, ...] = ()
+    graded: Graded | None = None
+    """Causes beside what nobody explains, where no set of effects leaves but noise."""
+    to_all: bool = False
+    """True if the models were fitted to all runs, those kept for a check too."""
 
 
-def _data_checks(
-    robot: Robot, records: Sequence[Run], holdout: Sequence[str] | None, workers: int
-) -> _Data:
-    """Check the runs, choose those that are kept from fits, and cut them where they are long."""
-    usable_runs, missing = usable(records)
-    warnings = [*missing, *check_runs(usable_runs, robot)]
-    scale = scale_of(robot, usable_runs)
-    problem = Problem(robot, usable_runs, workers, speed_scale=scale.speed)
+def _reading_checks(robot: Robot, records: Sequence[Run]) -> Checked:
+    """Find bad readings, and mask those that can be done without."""
+    known, missing = usable(records)
+    known, drives = check_drives(known)
+    columns = check_columns(known, robot)
+    readings = Checked(columns.runs)
+    if not columns.hopeless:
+        readings = check_readings(columns.runs, nominal_of(robot), sensor_of(robot))
+    findings = (*drives, *columns.findings, *readings.findings)
+    return Checked(readings.runs, findings, tuple(missing))
+
+
+def _prepared(robot: Robot, checked: Checked, holdout: Sequence[str] | None, workers: int) -> _Data:
+    """Choose the runs that are kept from fits, and cut them where they are long."""
+    runs, spoilt = usable(told_by_motion(checked.runs, robot))
+    warnings = [*checked.warnings, *sentences(checked.findings), *spoilt]
+    if not checked.hopeless:
+        warnings += [*check_runs(runs, robot), *noise_warnings(runs, sensor_of(robot))]
+    scale = scale_of(robot, runs)
+    problem = Problem(robot, runs, workers, speed_scale=scale.speed)
     gaps = gaps_of(problem, Nuisances((), spread_of(robot), scale.speed))
-    held, fraction, by_user = hold_out(usable_runs, holdout, gaps)
+    held, fraction, by_user = hold_out(runs, holdout, gaps)
     kept = replace(problem, held=held, train_fraction=fraction, meter=ReplayMeter())
-    plan = plan_of(kept)
+    plan = None if checked.hopeless else plan_of(kept)
     if plan is None:
         return _Data(kept, kept, scale, None, by_user, tuple(warnings))
     windows, said = problem_of(kept, plan)
     scale = scale_in_windows(scale, robot, windows)
     return _Data(kept, windows, scale, plan, by_user, (*warnings, said))
+
+
+def _not_searched(data: _Data, task: _Task) -> _Selected:
+    """Leave readings unexplained that no cause could make."""
+    search = _search_of(data.problem, data.scale, replace(task, names=()), None, judges=False)
+    choice = replace(choose(search, 1), status="unexplained", probability=_SURE[1])
+    return _Selected(search, choice)
 
 
 def _select(data: _Data, task: _Task) -> _Selected:
@@ -200,10 +245,43 @@ def _select(data: _Data, task: _Task) -> _Selected:
         refuted = replace(choice, status="unexplained", probability=sure)
         said = "the runs kept from the fit refute what the others allow"
         selected = _Selected(search, refuted, (said,))
-    if data.plan is None and selected.choice.status != "unexplained":
+    if selected.choice.status == "unexplained":
+        return _graded(data, task, selected)
+    if data.plan is None:
         stray = stray_readings(selected.search.problem, selected.choice.fit.residual)
         selected = replace(selected, warnings=(*selected.warnings, *stray))
     return selected
+
+
+def _graded(data: _Data, task: _Task, first: _Selected) -> _Selected:
+    """Name the causes that unseen runs confirm, where more than noise is left.
+
+    All runs take part in the choice, each left out in turn, but those that the user keeps. The
+    models that are named are fitted again without the runs kept from fits.
+    """
+    kept = problem_of(data.whole, data.plan, GRADED_SAMPLES)[0] if data.plan else data.whole
+    alone = data.held_by_user or len(data.whole.runs) == 1
+    every = kept if alone else replace(kept, held=())
+    search = _search_of(every, data.scale, task, None, judges=not data.held_by_user)
+    found = graded(search, first.choice.known, task.max_effects)
+    if not found.causes:
+        return replace(first, graded=found)
+    own = _search_of(kept, data.scale, task, None, judges=False)
+    fits = refitted(own, found)
+    if data.held_by_user:
+        found = confirmed_on_kept(own, found, fits)
+        if not found.causes:
+            return replace(first, graded=found)
+    choice = partial_choice(first.choice, found, fits)
+    if data.held_by_user or predicts_kept(own, choice.fit):
+        return replace(first, search=own, choice=choice, graded=found)
+    # What the kept runs say, each run left out in turn says as well, with one run less to fit.
+    choice = partial_choice(first.choice, found, refitted(search, found))
+    said = (
+        "the runs kept from the fit say too little alone: models are fitted to all, and shares "
+        "are of runs that are left out in turn"
+    )
+    return _Selected(search, choice, (*first.warnings, said), found, to_all=True)
 
 
 def _fitted_to_all(data: _Data, task: _Task, first: _Selected) -> _Selected:

@@ -14,16 +14,20 @@ from locosweep.registry import unknown
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Collection, Iterator, Sequence
+    from collections.abc import Callable, Collection, Iterator, Sequence
 
     import polars as pl
     from numpy.typing import NDArray
+
+    MendStamps = Callable[[str, NDArray[np.float64]], NDArray[np.float64]]
+    """From label and times of a run to times that rise, or those given."""
 
 UNITS = {
     "m": 1.0,
     "cm": 1e-2,
     "mm": 1e-3,
     "um": 1e-6,
+    "inch": 0.0254,
     "s": 1.0,
     "ms": 1e-3,
     "us": 1e-6,
@@ -41,6 +45,7 @@ UNITS = {
     "W": 1.0,
     "mW": 1e-3,
     "1": 1.0,
+    "percent": 1e-2,
 }
 """Factors to the SI unit of a column."""
 _LEAST = 20
@@ -227,9 +232,15 @@ def check_rising(where: str, times: NDArray[np.float64], rows: NDArray[np.intp])
 
 
 def rows_by_run(
-    path: str, frame: pl.DataFrame, t: NDArray[np.float64], wanted: Collection[str] | None = None
-) -> Iterator[tuple[str, str, NDArray[np.intp]]]:
-    """Yield label, name in messages and rows of every run, in the order of their first rows.
+    path: str,
+    frame: pl.DataFrame,
+    t: NDArray[np.float64],
+    wanted: Collection[str] | None = None,
+    stamps: MendStamps | None = None,
+) -> Iterator[tuple[str, str, NDArray[np.intp], NDArray[np.float64]]]:
+    """Yield label, name in messages, rows and times of every run, in the order of first rows.
+
+    Times are those of `t`, or what `stamps` makes of them.
 
     Raises
     ------
@@ -251,5 +262,6 @@ def rows_by_run(
         if rows.size < _LEAST:
             raise DataFileError(f"{where}: {rows.size} samples, allowed are {_LEAST} or more")
         check_complete(f"{where}, ", "t", t[rows], rows)
-        check_rising(f"{where}, ", t[rows], rows)
-        yield label, where, rows
+        times = t[rows] if stamps is None else stamps(label, t[rows])
+        check_rising(f"{where}, ", times, rows)
+        yield label, where, rows, times

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from locosweep.errors import DataFileError, InputError
 from locosweep.files import channels
+from locosweep.files.bags import is_bag, read_bag
 from locosweep.files.columns import check_units, number_columns, read_frame, rows_by_run
 
 if TYPE_CHECKING:
@@ -17,6 +19,8 @@ if TYPE_CHECKING:
 
     import polars as pl
     from numpy.typing import NDArray
+
+    from locosweep.files.columns import MendStamps
 
 CHANNELS = {name: channel.meaning for name, channel in channels.CHANNELS.items()}
 """Measured channels, beside time and drive."""
@@ -40,6 +44,9 @@ class Run:
         What was measured (`CHANNELS`), in SI units; NaN where a value is missing.
     slope_deg : float or None
         Slope of this run, where it differs from the model's.
+    drive_deviation : ndarray or None
+        Standard deviation of `drive` where rows miss and it is known only within bounds, 0
+        elsewhere; None where all of it is known.
     """
 
     label: str
@@ -47,6 +54,7 @@ class Run:
     drive: NDArray[np.float64]
     channels: dict[str, NDArray[np.float64]] = field(default_factory=dict)
     slope_deg: float | None = None
+    drive_deviation: NDArray[np.float64] | None = None
 
     @property
     def since_start(self) -> NDArray[np.float64]:
@@ -74,6 +82,17 @@ class Run:
         known = v[np.isfinite(v)] if v is not None else np.empty(0)
         return position, float(known[0]) if known.size else 0.0
 
+    def at_start(self, channel: str) -> tuple[float, bool, float]:
+        """Return a channel's level before the drive first changes, if it is known, and its span."""
+        y = self.channels.get(channel, np.full(self.t.size, np.nan))
+        changes = np.flatnonzero(self.drive != self.drive[0])
+        still = int(changes[0]) + 1 if changes.size and self.drive[0] == 0.0 else 1
+        before, known = y[:still][np.isfinite(y[:still])], y[np.isfinite(y)]
+        if not known.size:
+            return 0.0, False, 0.0
+        level = before.mean() if before.size else known[0]
+        return float(level), before.size > 0, float(np.ptp(known))
+
 
 def load_runs(
     path: str | os.PathLike[str],
@@ -81,19 +100,23 @@ def load_runs(
     units: Mapping[str, str] | None = None,
     *,
     needs: tuple[str, ...] = ("t", "drive", "x"),
+    stamps: MendStamps | None = None,
 ) -> tuple[list[Run], list[str]]:
-    """Read measured runs from CSV or Parquet, long form, one row a sample.
+    """Read measured runs from CSV or Parquet, long form, one row a sample, or from a bag.
 
     Parameters
     ----------
     path : path-like
         The file.
     columns : mapping of str to str, optional
-        Their name of a column by ours, for instance ``{"drive": "tau"}``.
+        Their name of a column by ours, for instance ``{"drive": "tau"}``; of a bag, topic and
+        field, for instance ``{"drive": "/cmd.effort[0]"}``.
     units : mapping of str to str, optional
         Unit of a column, for instance ``{"x": "mm"}``; SI where not given.
     needs : tuple of str
         Columns that must be there.
+    stamps : callable, optional
+        Given the label and the times of a run, which may repeat, returns times that rise.
 
     Returns
     -------
@@ -111,32 +134,42 @@ def load_runs(
     """
     columns, units = dict(columns or {}), dict(units or {})
     check_units(units, _COLUMNS[1:])
-    frame, others = read_frame(path, _COLUMNS, needs, columns)
-    runs, notices = _runs(str(path), frame, columns, units)
+    if is_bag(Path(path)):
+        frame, others = read_bag(Path(path), columns), list[str]()
+        columns = {}
+    else:
+        frame, others = read_frame(path, _COLUMNS, needs, columns)
+    runs, notices = _runs(str(path), frame, columns, units, stamps)
     if others:
         notices.insert(0, f"{path}: columns not used: {', '.join(others)}")
     return runs, notices
 
 
-def runs_from_frame(frame: pl.DataFrame, name: str = "runs") -> list[Run]:
+def runs_from_frame(
+    frame: pl.DataFrame, name: str = "runs", *, stamps: MendStamps | None = None
+) -> list[Run]:
     """Take measured runs from a Polars frame with the columns of a file."""
     for needed in ("t", "drive", "x"):
         if needed not in frame.columns:
             raise InputError(f"{name}: no column {needed}: there are {', '.join(frame.columns)}")
-    return _runs(name, frame, {}, {})[0]
+    return _runs(name, frame, {}, {}, stamps)[0]
 
 
 def _runs(
-    path: str, frame: pl.DataFrame, columns: Mapping[str, str], units: Mapping[str, str]
+    path: str,
+    frame: pl.DataFrame,
+    columns: Mapping[str, str],
+    units: Mapping[str, str],
+    stamps: MendStamps | None,
 ) -> tuple[list[Run], list[str]]:
     numbers = number_columns(path, frame, _COLUMNS[1:], units, columns)
     notices: list[str] = []
     runs = []
-    for label, where, rows in rows_by_run(path, frame, numbers["t"]):
+    for label, where, rows, t in rows_by_run(path, frame, numbers["t"], stamps=stamps):
         drive = _held(numbers["drive"][rows], where, notices)
         measured = {name: numbers[name][rows] for name in CHANNELS if name in numbers}
         slope = _slope(numbers, rows, where)
-        runs.append(Run(label, numbers["t"][rows], drive, measured, slope))
+        runs.append(Run(label, t, drive, measured, slope))
     return runs, notices
 
 

@@ -96,7 +96,7 @@ def read_friction(
     notices = [f"{name}: columns not used: {', '.join(others)}"] if others else []
     numbers = number_columns(name, frame, _NUMBERS, units, columns)
     found = []
-    for label, _, rows in rows_by_run(name, frame, numbers["t"], runs):
+    for label, _, rows, t in rows_by_run(name, frame, numbers["t"], runs):
         rest = {column: values[rows] for column, values in numbers.items() if column != "t"}
-        found.append(FrictionRun(label, numbers["t"][rows], rest))
+        found.append(FrictionRun(label, t, rest))
     return found, notices

@@ -88,6 +88,12 @@ def motor_of(robot: Robot) -> tuple[float, float] | None:
     return float(given["winding_resistance"]), float(given["force_constant"])
 
 
+def sensor_of(robot: Robot) -> dict[str, float]:
+    """Return noise and steps of the sensors that a file gives in [sensor], by key."""
+    given = {k.removeprefix("sensor."): v for k, v in robot.other.items() if "sensor." in k}
+    return {key: float(value) for key, value in given.items()}
+
+
 def effect_values(chosen: dict[str, dict[str, float]]) -> np.ndarray:
     """Return the parameters of all effects, in the registry's order, as one row."""
     row = np.zeros(_core.effect_parameter_count())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from locosweep.diagnosis.data.noise import Noise, noise_of, stretches
+from locosweep.diagnosis.data.noise import Noise, noise_of, noise_warnings, stretches
 from locosweep.files.runs import Run
 
 T = np.linspace(0.0, 2.0, 4001)
@@ -27,8 +27,14 @@ class TestNoiseOf:
         assert found.step == 0.0
 
     def test_what_the_file_states_is_taken(self) -> None:
+        found = noise_of("x", [run(noisy(3e-4))], {"position_noise": 2e-4})
+        assert (found.sd, found.gaussian, found.stated) == (2e-4, 2e-4, True)
+
+    def test_readings_that_show_far_more_are_believed(self) -> None:
         found = noise_of("x", [run(noisy(3e-4))], {"position_noise": 1e-4})
-        assert (found.sd, found.gaussian, found.stated) == (1e-4, 1e-4, True)
+        assert found.sd == pytest.approx(3e-4, rel=0.1)
+        assert found.gaussian == pytest.approx(found.sd)
+        assert not found.stated
 
     def test_each_channel_has_its_own_key(self) -> None:
         sensor = {"position_noise": 1.0, "velocity_noise": 2.0, "force_noise": 3.0,
@@ -58,6 +64,24 @@ class TestNoiseOf:
 
     def test_no_readings_leave_a_positive_deviation(self) -> None:
         assert noise_of("x", [run(np.ones(5))], {}).sd == 1e-12
+
+
+class TestNoiseWarnings:
+    def said(self, sd: float, sensor: dict[str, float]) -> list[str]:
+        return noise_warnings([run(noisy(sd))], sensor)
+
+    def test_noise_as_stated_needs_no_word(self) -> None:
+        assert self.said(3e-4, {"position_noise": 3e-4}) == []
+        assert self.said(3e-4, {}) == []
+
+    def test_more_noise_than_stated_gives_both_figures(self) -> None:
+        (said,) = self.said(3e-4, {"position_noise": 1e-5})
+        assert said.startswith("x: all readings show noise of 0.00029, 29 times the stated 1e-05")
+
+    def test_far_less_noise_than_stated_is_said_too(self) -> None:
+        (said,) = self.said(1e-5, {"position_noise": 3e-4})
+        assert said.startswith("x: the readings show noise of 9.8e-06, the nominal file states")
+        assert self.said(1e-4, {"position_noise": 3e-4}) == []
 
 
 class TestStuck:

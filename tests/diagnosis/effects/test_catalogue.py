@@ -298,6 +298,12 @@ ELSEWHERE = {
     "validation/next_run.py": {"slope_error"},
     # How strong the independent reality makes each cause.
     "validation/laws.py": set(NAMES),
+    # How each effect comes into a log; what is calibrated.
+    "validation/planting.py": set(NAMES),
+    "validation/extra_friction.py": set(NAMES),
+    "validation/calibration.py": {
+        "coulomb_error", "viscous_friction", "payload_mass", "drive_gain_error",
+    },
 }  # fmt: skip
 """Files that say something of one effect that is in no row, and of which."""
 

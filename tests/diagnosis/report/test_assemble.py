@@ -22,7 +22,15 @@ def findings(effects: dict[str, dict[str, float]]) -> Findings:
     search = search_for(effects, "viscous_friction", "drive_gain_error")
     choice = choose(search, 1)
     return Findings(
-        search, choice, search.problem, None, None, NO_RUN, {"anchor_slip": "no body"}, ("first",)
+        search,
+        choice,
+        search.problem,
+        None,
+        None,
+        False,
+        NO_RUN,
+        {"anchor_slip": "no body"},
+        ("first",),
     )
 
 

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-import pytest
-
 from locosweep.diagnosis.report.sentences import no_gap, summary
 
 
 def report(status: str, *classes: list[str], **more: Any) -> dict[str, Any]:
     verdict = {"status": status, "probability": 0.93, "equivalent": list(classes),
-               "law_mismatch": False}  # fmt: skip
+               "law_mismatch": False, "unlisted": None}  # fmt: skip
     gap = {"channel": "x", "unit": "m", "before": 2e-3, "after": 1.1e-5, "noise_floor": 1e-5,
            "shrink": 0.9945}  # fmt: skip
     gap |= more.pop("gap", {})
@@ -71,20 +69,29 @@ class TestUnexplained:
         rows = [{"effects": [], "shrink": 0.0}, {"effects": ["drive_lag"], "shrink": 0.4}]
         assert "drive lag" in summary(report("unexplained", candidates=rows))
 
-    def test_a_set_that_one_force_along_the_way_replaces(self) -> None:
-        text = summary(report("unexplained", verdict={"unlisted": {"effects": ["drive_lag"]}}))
-        assert "drive lag would do" in text
+    def test_a_force_that_is_in_no_list(self) -> None:
+        unlisted = {"family": "force by place, both ways alike", "like": "a tether"}
+        text = summary(report("unexplained", verdict={"unlisted": unlisted}))
+        assert "looks like a force by place, both ways alike, as of a tether" in text
 
-    @pytest.mark.parametrize(("others", "said"), [(2, " or, as well, "), (4, "or 2 more")])
-    def test_effects_that_come_near(self, others: int, said: str) -> None:
-        names = ["payload_mass", "back_emf", "drive_lag", "supply_sag"][:others]
-        near = {"effects": ["quadratic_drag", "slope_error"], "shrink_without_worst": 0.61,
-                "as_near": [[name] for name in names]}  # fmt: skip
-        rows = [{"effects": ["quadratic_drag", "slope_error"], "shrink": 0.52}]
-        text = summary(report("unexplained", verdict={"nearest": near}, candidates=rows))
-        assert "quadratic drag with slope error" in text
-        assert "52% smaller (61% without" in text
-        assert said in text
 
-    def test_nothing_near(self) -> None:
-        assert "none" in summary(report("unexplained", verdict={"nearest": None}))
+class TestPartial:
+    def verdict(self, **more: Any) -> dict[str, Any]:
+        rows = [{"effects": ["drive_lag"], "share": 0.81},
+                {"effects": ["payload_mass", "drive_gain_error"], "share": 0.12}]  # fmt: skip
+        left = {"share": 0.07, "rmse": 1.1e-3, "shape": [{"formula": "friction by the load"}]}
+        return {"effects": ["drive_lag", "payload_mass"], "contributions": rows,
+                "remaining": left | more}  # fmt: skip
+
+    def test_causes_come_with_their_shares_and_values(self) -> None:
+        entry = {"T": {"value": 0.012, "std": 1e-3, "unit": "s"}}
+        row = {"effects": ["payload_mass", "drive_lag"], "parameters": {"drive_lag": entry}}
+        text = summary(report("partial", verdict=self.verdict(), candidates=[row]))
+        assert text.startswith("Drive lag (T = 0.012 s) makes 81% of the gap in x, ")
+        assert "payload mass or drive gain error 12%" in text
+        assert "7% (0.0011 m) nobody has explained: most like friction by the load" in text
+
+    def test_without_values_or_a_known_rest(self) -> None:
+        text = summary(report("partial", verdict=self.verdict(share=None, shape=[])))
+        assert text.startswith("Drive lag makes 81%")
+        assert "nobody" not in text

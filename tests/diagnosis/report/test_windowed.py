@@ -68,13 +68,6 @@ class TestGap:
         assert min(begins) > 0.7 * 400
         assert len(begins) < 0.5 * len(found.problem.windows)
 
-    def test_the_worst_tenth_of_windows_does_not_decide(self):
-        runs = measured({"payload_mass": {"dm": MASS}}, driven(3, 4.0))
-        runs[1].channels["x"][200:230] += 0.05
-        found = comparison_of(runs, held=(1,))
-        without = found.windows.reduction_without_worst(found.before, found.after, "x")
-        assert without > gap_of(found, 0)["shrink"] + 0.2
-
 
 class TestWhere:
     def test_tables_of_channels_runs_and_windows(self, heavier):

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from locosweep.diagnosis.data.noise import noise_of
 from locosweep.errors import DataFileError
-from locosweep.simulation.replay import motor_of, nominal_of
+from locosweep.simulation.replay import motor_of, nominal_of, sensor_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -55,8 +56,9 @@ def check_runs(runs: Sequence[Run], robot: Robot) -> list[str]:
         )
     moved = [float(np.ptp(x[np.isfinite(x)])) for x in (run.channels["x"] for run in runs)]
     span = max(moved)
-    noise = float(robot.other.get("sensor.position_noise", 0.0))
-    noise = max(noise, float(robot.other.get("sensor.position_resolution", 0.0)))
+    sensor = sensor_of(robot)
+    noise = max(sensor.get("position_noise", 0.0), sensor.get("position_resolution", 0.0))
+    noise = noise or noise_of("x", runs, sensor).sd
     if span <= 8.0 * noise or span == 0.0:
         warnings.append(
             "the head never moves beyond the noise in these runs: few effects are identifiable"

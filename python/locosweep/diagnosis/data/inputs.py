@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import polars as pl
 
+from locosweep.diagnosis.data.clocks import Finding, in_words, on_their_clocks, packets_spread
 from locosweep.errors import InputError
 from locosweep.files.robot import Robot, load_robot
 from locosweep.files.runs import Run, load_runs, runs_from_frame
@@ -16,6 +17,8 @@ from locosweep.files.runs import Run, load_runs, runs_from_frame
 if TYPE_CHECKING:
     import os
     from collections.abc import Mapping
+
+    from locosweep.files.columns import MendStamps
 
 
 def nominal_model(nominal: str | os.PathLike[str] | Robot) -> Robot:
@@ -30,7 +33,19 @@ def nominal_model(nominal: str | os.PathLike[str] | Robot) -> Robot:
 def read_runs(
     runs: Any, columns: Mapping[str, str], units: Mapping[str, str]
 ) -> tuple[list[Run], list[str], str]:
-    """Return runs from a file or columns, notices about them, and the digest of the data."""
+    """Return runs from a file or columns, notices about them, and the digest of the data.
+
+    Runs are at the ticks of their clocks (`data/clocks.py`); notices say what that took.
+    """
+    packets: list[Finding] = []
+    records, notices, digest = _read(runs, columns, units, packets_spread(packets))
+    mended, findings = on_their_clocks(records)
+    return mended, [*notices, *in_words([*packets, *findings])], digest
+
+
+def _read(
+    runs: Any, columns: Mapping[str, str], units: Mapping[str, str], stamps: MendStamps
+) -> tuple[list[Run], list[str], str]:
     if isinstance(runs, pl.DataFrame):
         frame = runs
     elif hasattr(runs, "items"):
@@ -39,9 +54,17 @@ def read_runs(
         except (TypeError, ValueError, pl.exceptions.PolarsError) as error:
             raise InputError(f"runs: not columns of one length: {error}") from None
     else:
-        records, notices = load_runs(runs, columns, units)
-        return records, notices, hashlib.sha256(Path(runs).read_bytes()).hexdigest()
+        records, notices = load_runs(runs, columns, units, stamps=stamps)
+        return records, notices, _digest(Path(runs))
     if columns or units:
         raise InputError("columns and units: allowed only where runs is a file")
     digest = hashlib.sha256(frame.write_csv().encode()).hexdigest()
-    return runs_from_frame(frame), [], digest
+    return runs_from_frame(frame, stamps=stamps), [], digest
+
+
+def _digest(path: Path) -> str:
+    """Return the digest of a file, or of all files in the folder of a bag."""
+    found = hashlib.sha256()
+    for part in sorted(path.iterdir()) if path.is_dir() else [path]:
+        found.update(part.read_bytes())
+    return found.hexdigest()

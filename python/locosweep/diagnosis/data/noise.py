@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from locosweep.diagnosis.data.white_noise import OVERSTATED, noise_beyond, white_level
 from locosweep.files.channels import CHANNELS
 
 if TYPE_CHECKING:
@@ -33,7 +35,7 @@ class Noise:
     step: float
     """Quantisation step; 0 where none shows."""
     stated: bool
-    """True if the nominal file states it."""
+    """True if the nominal file states it, and the readings do not show far more."""
 
     @property
     def stuck(self) -> float:
@@ -49,7 +51,10 @@ class Noise:
 
 
 def noise_of(channel: str, runs: Sequence[Run], sensor: Mapping[str, float]) -> Noise:
-    """Return a channel's noise as the file states it, or as estimated from the readings."""
+    """Return a channel's noise as the file states it, or as estimated from the readings.
+
+    Readings that all show more than `UNDERSTATED` times the stated noise are believed.
+    """
     kind = CHANNELS[channel].sensor
     stated = sensor.get(f"{kind}_noise")
     step = sensor.get(f"{kind}_resolution", 0.0)
@@ -60,8 +65,41 @@ def noise_of(channel: str, runs: Sequence[Run], sensor: Mapping[str, float]) -> 
         sd = max(seen, step / np.sqrt(12.0), 1e-12)
         gaussian = np.sqrt(max(sd**2 - step**2 / 12.0, 0.0))
         return Noise(float(sd), float(gaussian), float(step), stated=False)
-    sd = float(np.hypot(stated, step / np.sqrt(12.0)))
-    return Noise(max(sd, 1e-12), float(stated), float(step), stated=True)
+    sd = max(float(np.hypot(stated, step / np.sqrt(12.0))), 1e-12)
+    more = noise_beyond(sd, channel, runs)
+    if more > 0.0:
+        gaussian = float(np.sqrt(max(more**2 - step**2 / 12.0, 0.0)))
+        return Noise(more, gaussian, float(step), stated=False)
+    return Noise(sd, float(stated), float(step), stated=True)
+
+
+def noise_warnings(runs: Sequence[Run], sensor: Mapping[str, float]) -> list[str]:
+    """Return a warning for each channel whose readings contradict the noise that is stated."""
+    said = []
+    for channel, record in CHANNELS.items():
+        stated = sensor.get(f"{record.sensor}_noise")
+        if stated is None or not any(channel in run.channels for run in runs):
+            continue
+        noise = noise_of(channel, runs, sensor)
+        if not noise.stated:
+            said.append(
+                f"{channel}: all readings show noise of {noise.sd:.2g}, {noise.sd / stated:.2g} "
+                f"times the stated {stated:.2g}: that of the readings counts"
+            )
+            continue
+        seen = white_level(channel, runs)
+        seen = float(np.hypot(seen, noise.step / np.sqrt(12.0))) if seen > 0.0 else 0.0
+        if 0.0 < seen < OVERSTATED * noise.sd:
+            said.append(
+                f"{channel}: the readings show noise of {seen:.2g}, the nominal file states "
+                f"{stated:.2g}, which counts: gaps below it stay unseen"
+            )
+    return said
+
+
+def grain_of(channel: str, runs: Sequence[Run]) -> float:
+    """Return the smallest step between readings: of a quantiser, or of printed digits."""
+    return _seen([run.channels[channel] for run in runs if channel in run.channels])[1]
 
 
 def _seen(readings: list[Floats]) -> tuple[float, float]:
@@ -99,3 +137,20 @@ def stretches(values: Floats, width: float) -> NDArray[np.intp]:
             low = high = value
         number[i] = count
     return number
+
+
+def weights_of(y: Floats, noise: Noise, starts_at: NDArray[np.intp]) -> Floats:
+    """Return the inverse deviation of every reading, 0 where there is none.
+
+    `starts_at` has the first sample of each run, and one beyond the last.
+    """
+    weight = np.where(np.isfinite(y), 1.0 / noise.sd, 0.0)
+    if noise.stuck > 0.05 * noise.sd:
+        # Samples at rest repeat one error of the quantiser: together they
+        # count for as many as have the variance of their mean.
+        for a, b in pairwise(starts_at):
+            number = stretches(y[a:b], noise.step * 1.01 + 4.0 * noise.gaussian)
+            counts = np.bincount(number)[number].astype(float)
+            effective = noise.sd**2 / (noise.sd**2 / counts + noise.stuck**2)
+            weight[a:b] *= np.sqrt(np.minimum(1.0, effective / counts))
+    return weight

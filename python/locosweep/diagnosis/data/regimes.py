@@ -59,6 +59,16 @@ def measured_motion(run: Run, noise: Noise, accuracy: float = _SLOPES) -> Measur
     return MeasuredMotion(x, v, float(deviation), width)
 
 
+def misfit_of_speed(run: Run, noise: Noise) -> Floats:
+    """Return measured speeds less the slopes of the position, where the head moves; m/s."""
+    v = run.channels.get("v")
+    if v is None:
+        return np.zeros(0)
+    motion = measured_motion(run, noise)
+    moves = (np.abs(motion.v) > motion.resting_speed) & np.isfinite(v)
+    return v[moves] - motion.v[moves]
+
+
 def _local_parabolas(
     x: NDArray[np.float64], width: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _STEPS = 8
-"""Steps of a fit: they end within a per cent of the parameters that replays come to."""
+"""Steps of a fit, at most: what it finds is a start for replays, whose steps have all digits."""
 _WIDTH = 1e-4
 """Width of a finite difference in sizes of the parameter: no event makes it rough here."""
 _BENT, _WIDEST = 0.02, 1.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import prod
 from typing import TYPE_CHECKING
@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep import _core
-from locosweep.diagnosis.data.noise import Noise, noise_of, stretches
-from locosweep.diagnosis.data.regimes import measured_motion
+from locosweep.diagnosis.data.noise import Noise, noise_of, weights_of
+from locosweep.diagnosis.data.regimes import measured_motion, misfit_of_speed
+from locosweep.diagnosis.estimate.drive_gaps import GapShifts, gap_shifts
 from locosweep.files.channels import CHANNELS, OFFSETS, PREDICTED, REPLAYED
-from locosweep.simulation.replay import effect, motor_of, nominal_of
+from locosweep.simulation.replay import effect, motor_of, nominal_of, sensor_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -26,8 +27,14 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+Shift = list[tuple[int, "Floats"]]
+"""Something that differs from run to run within a deviation: channels that it acts on, by
+number, and what a deviation of it changes in their weighted readings."""
 LOST = 1e60
 """Reading of a model that cannot be replayed to the end: far from everything."""
+_MOST_SHIFTS = 16
+"""Shifts of a start and of drives that were missed, at most: with those of a rest the core takes
+64 of a run."""
 _ANYWHERE = 10.0
 """Deviation of a start that was not measured, in spans of its run."""
 
@@ -103,6 +110,12 @@ class Problem:
     """A large speed of this rig, m/s."""
     meter: ReplayMeter = field(default_factory=ReplayMeter, repr=False)
     """Counter of replays; it takes part in no result."""
+    wider: tuple[float, ...] = ()
+    """Factors on the deviations of single runs, if what models leave differs from run to run."""
+    known_shifts: Sequence[Shift] | None = None
+    """Start shifts, if they are known, of runs without factors on their deviations."""
+    rest: Sequence[Shift] = ()
+    """Parts of a force that no effect stands for, which models may leave."""
 
     @cached_property
     def nominal(self) -> dict[str, float]:
@@ -123,15 +136,22 @@ class Problem:
     @cached_property
     def noise(self) -> dict[str, Noise]:
         """Noise of each channel."""
-        sensor = {
-            key.removeprefix("sensor."): float(value)
-            for key, value in self.robot.other.items()
-            if key.startswith("sensor.")
-        }
-        return {
-            c: self.known[c] if self.known and c in self.known else noise_of(c, self.runs, sensor)
-            for c in self.channels
-        }
+        sensor = sensor_of(self.robot)
+        known = self.known or {}
+        found = {c: known.get(c) or noise_of(c, self.runs, sensor) for c in self.channels}
+        if "v" in found and "v" not in known and not found["v"].stated:
+            found["v"] = self._noise_of_speed(found["v"], found["x"])
+        return found
+
+    def _noise_of_speed(self, seen: Noise, position: Noise) -> Noise:
+        """Return the noise of a measured speed: filters make it smooth, and wrong.
+
+        Where no file states it, it is at least as far off as from the slope of the position.
+        """
+        parts = [misfit_of_speed(run, position) for run in self.runs]
+        off = np.concatenate(parts)
+        sd = float(np.sqrt(np.mean(off**2))) if off.size else 0.0
+        return replace(seen, sd=sd, gaussian=sd) if sd > seen.sd else seen
 
     @cached_property
     def lengths(self) -> NDArray[np.intp]:
@@ -165,6 +185,11 @@ class Problem:
         measured = np.array([run.start for run in self.runs])
         return InitialStates(measured[:, 0], measured[:, 1])
 
+    @property
+    def initial_or_none(self) -> InitialStates | None:
+        """States in which runs begin, for another problem of the same runs."""
+        return self.starts
+
     @cached_property
     def measured(self) -> dict[str, Floats]:
         """Readings of all runs, NaN where nothing was measured."""
@@ -183,7 +208,40 @@ class Problem:
     @cached_property
     def weights(self) -> dict[str, Floats]:
         """Inverse deviation of every sample, 0 where it does not count."""
-        return {c: self._weights(c, y) for c, y in self.measured.items()}
+        rest = self.gap_shifts.variance
+        wider = self.widening
+        return {c: w / (np.sqrt(1.0 + rest[c]) * wider) for c, w in self._noise_weights.items()}
+
+    @property
+    def widening(self) -> Floats:
+        """Factor on the deviation of every sample."""
+        factors = np.array(self.wider) if self.wider else np.ones(len(self.runs))
+        found: Floats = np.repeat(factors, self.lengths)
+        return found
+
+    @cached_property
+    def _noise_weights(self) -> dict[str, Floats]:
+        """Inverse deviation of the sensor's noise at every sample, 0 where it does not count."""
+        return {c: weights_of(y, self.noise[c], self.starts_at) for c, y in self.measured.items()}
+
+    @cached_property
+    def gap_shifts(self) -> GapShifts:
+        """What rows that miss may have changed of each run."""
+        return gap_shifts(self, self._noise_weights, _MOST_SHIFTS - self._start_kinds)
+
+    def shifts_of(self, errors: Mapping[str, Floats]) -> dict[str, Floats]:
+        """Return start offsets and what rows that miss changed, as whitened errors ask for them."""
+        offsets = {
+            c: self._noise_weights[c] * np.repeat(self.priors[c], self.lengths)
+            for c in self.channels
+            if self.has_offset(c)
+        }
+        return self.gap_shifts.of(errors, offsets)
+
+    @property
+    def _start_kinds(self) -> int:
+        """Number of shifts that a start has."""
+        return sum(map(self.has_offset, self.channels))
 
     @cached_property
     def seen(self) -> NDArray[np.bool_]:
@@ -196,19 +254,6 @@ class Problem:
         """Runs that take part in fits."""
         return [r for r in range(len(self.runs)) if r not in self.held]
 
-    def _weights(self, channel: str, y: Floats) -> Floats:
-        noise = self.noise[channel]
-        weight = np.where(np.isfinite(y), 1.0 / noise.sd, 0.0)
-        if noise.stuck > 0.05 * noise.sd:
-            # Samples at rest repeat one error of the quantiser: together they
-            # count for as many as have the variance of their mean.
-            for a, b in zip(self.starts_at, self.starts_at[1:], strict=False):
-                number = stretches(y[a:b], noise.step * 1.01 + 4.0 * noise.gaussian)
-                counts = np.bincount(number)[number].astype(float)
-                effective = noise.sd**2 / (noise.sd**2 / counts + noise.stuck**2)
-                weight[a:b] *= np.sqrt(np.minimum(1.0, effective / counts))
-        return weight
-
     @cached_property
     def priors(self) -> dict[str, Floats]:
         """Deviation of the start offset of each run, by channel that has offsets."""
@@ -218,13 +263,13 @@ class Problem:
     def start_levels(self) -> dict[str, Floats]:
         """Reading of each run before its drive first changes, by channel that has offsets."""
         channels = [c for c in OFFSETS if c in self.channels]
-        return {c: np.array([_at_start(run, c)[0] for run in self.runs]) for c in channels}
+        return {c: np.array([run.at_start(c)[0] for run in self.runs]) for c in channels}
 
     def _offset_deviations(self, channel: str) -> Floats:
         noise = self.noise[channel]
         # The deviation of one sample: a bristle may give way while the drive rests.
         own = float(np.hypot(noise.sd, noise.stuck))
-        starts = [_at_start(run, channel) for run in self.runs]
+        starts = [run.at_start(channel) for run in self.runs]
         # A start that was not measured before the drive changes is anywhere.
         return np.array([own if known else own + _ANYWHERE * span for _, known, span in starts])
 
@@ -288,21 +333,28 @@ class Problem:
             if CHANNELS[c].from_rest:
                 y = y - np.repeat(self.start_levels[c], self.lengths)
             channels.append((CHANNELS[c].replayed, y, self._fit_weights(c)))
-        return _core.Misfit(self.experiment, channels, self._shifts)
+        return _core.Misfit(self.experiment, channels, [*self.start_shifts, *self.rest])
 
     @property
     def _begins(self) -> Floats:
         """Position and speed at the start of each run."""
         return np.stack([self.starts.position, self.starts.speed], axis=1)
 
-    @property
-    def _shifts(self) -> list[list[tuple[int, Floats]]]:
-        """What may differ from run to run: start offsets, a deviation of each."""
-        return [
+    @cached_property
+    def start_shifts(self) -> list[Shift]:
+        """What may differ in how runs start, a deviation of each."""
+        if self.known_shifts is None:
+            return self._found_shifts()
+        return [[(c, u / self.widening) for c, u in shift] for shift in self.known_shifts]
+
+    def _found_shifts(self) -> list[Shift]:
+        """Return the shifts of start offsets, and of drives that were missed."""
+        offsets = [
             [(i, self._fit_weights(c) * np.repeat(self.priors[c], self.lengths))]
             for i, c in enumerate(self.channels)
             if self.has_offset(c)
         ]
+        return offsets + self.gap_shifts.in_core(self.channels, self.seen)
 
     def _span(self, run: int) -> tuple[int, int, int]:
         """Return what is replayed: the engine's run, first sample, one beyond the last."""
@@ -366,23 +418,31 @@ class Problem:
         own = [np.arange(c * samples + first, c * samples + first + count)
                for c in range(len(self.channels))]  # fmt: skip
         base = len(self.channels) * samples
-        offsets = sum(map(self.has_offset, self.channels))
-        own += [np.array([base + k * len(chosen) + rank]) for k in range(offsets)]
+        shifts = len(self.start_shifts) + len(self.rest)
+        own += [np.array([base + k * len(chosen) + rank]) for k in range(shifts)]
         return np.concatenate(own)
+
+    def record_of(self, run: int) -> int:
+        """Return the measured run that a run of the problem is a part of: itself."""
+        return run
+
+    def position_errors(self, points: Sequence[Point], runs: Sequence[int]) -> Floats:
+        """Return measured minus simulated positions of some runs, a row a point.
+
+        Starts are shifted within the sensors' noise, at most by its deviation. NaN where nothing
+        was measured or counts.
+        """
+        whole = replace(self, rest=(), meter=self.meter) if self.rest else self
+        e = whole.residuals(points, runs, most=1.0)
+        samples, rank = self.samples_of(runs), self.channels.index("x")
+        ends = np.cumsum(self.lengths)
+        picked = np.concatenate([np.arange(ends[r] - self.lengths[r], ends[r]) for r in runs])
+        w = (self.weights["x"] * self.seen)[picked]
+        own = e[:, rank * samples : (rank + 1) * samples]
+        found: Floats = np.where(w > 0.0, own / np.where(w > 0.0, w, 1.0), np.nan)
+        return found
 
     def degrees(self) -> int:
         """Count the residuals that fits see."""
         seen = self.seen & ~np.isin(np.repeat(np.arange(len(self.runs)), self.lengths), self.held)
         return int(sum(((w > 0.0) & seen).sum() for w in self.weights.values()))
-
-
-def _at_start(run: Run, channel: str) -> tuple[float, bool, float]:
-    """Return a channel's level before the drive first changes, if it is known, and its span."""
-    y = run.channels.get(channel, np.full(run.t.size, np.nan))
-    changes = np.flatnonzero(run.drive != run.drive[0])
-    still = int(changes[0]) + 1 if changes.size and run.drive[0] == 0.0 else 1
-    before, known = y[:still][np.isfinite(y[:still])], y[np.isfinite(y)]
-    if not known.size:
-        return 0.0, False, 0.0
-    level = before.mean() if before.size else known[0]
-    return float(level), before.size > 0, float(np.ptp(known))

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from locosweep.diagnosis.data.noise import Noise
-    from locosweep.diagnosis.estimate.problem import Point
+    from locosweep.diagnosis.estimate.problem import Point, Shift
 
     Floats = NDArray[np.float64]
 
@@ -177,6 +177,7 @@ def cut(
                 counted=(lead[r], b - a - lead[r]),
                 origin=float(run.t[0]),
                 base=float(known[0]),
+                drive_deviation=None if run.drive_deviation is None else run.drive_deviation[a:b],
                 state=state,
                 spread=spread,
             )
@@ -201,13 +202,22 @@ class WindowProblem(Problem):
         return [run for run in self.runs if isinstance(run, Window)]
 
     @property
+    def initial_or_none(self) -> None:
+        """None: windows say themselves how they begin."""
+        return
+
+    def record_of(self, run: int) -> int:
+        """Return the measured run that a window lies in."""
+        return self.windows[run].record
+
+    @property
     def _driven(self) -> Sequence[Run]:
         return self.records
 
     @cached_property
-    def weights(self) -> dict[str, Floats]:
+    def _noise_weights(self) -> dict[str, Floats]:
         """Inverse deviation of every sample, 0 where it does not count."""
-        weights = {c: self._weights(c, y) for c, y in self.measured.items()}
+        weights = super()._noise_weights
         for a, window in zip(self.starts_at, self.windows, strict=False):
             for w in weights.values():
                 w[a : a + window.counted[0]] = 0.0
@@ -234,9 +244,12 @@ class WindowProblem(Problem):
         """False: where windows start is projected out, also for a pendulum."""
         return False
 
-    @cached_property
-    def _shifts(self) -> list[list[tuple[int, Floats]]]:
-        """Whitened change of each channel under a start's shift, a deviation of each kind."""
+    @property
+    def _start_kinds(self) -> int:
+        return 3 if "x_rear" in self.channels else 2
+
+    def _found_shifts(self) -> list[Shift]:
+        """Return the whitened change of each channel under a shift of every kind of start."""
         plain = self.plain()
         spread = np.array([window.spread for window in self.windows])
         base = self.replay([plain])
@@ -254,8 +267,9 @@ class WindowProblem(Problem):
                 {c: np.full(self.count, deviation) for c in self.channels if CHANNELS[c].from_rest}
             )
         number = {c: i for i, c in enumerate(self.channels)}
-        return [[(number[c], change * self.weights[c]) for c, change in kind.items()]
-                for kind in kinds]  # fmt: skip
+        starts = [[(number[c], change * self.weights[c]) for c, change in kind.items()]
+                  for kind in kinds]  # fmt: skip
+        return starts + self.gap_shifts.in_core(self.channels, self.seen)
 
     def _span(self, run: int) -> tuple[int, int, int]:
         return (self.windows[run].record, *self.windows[run].span)
@@ -280,4 +294,4 @@ class WindowProblem(Problem):
 
     def degrees(self) -> int:
         """Count the residuals that fits see, less what the starts take."""
-        return int(max(super().degrees() - len(self._shifts) * len(self.fitted), 1))
+        return int(max(super().degrees() - self._start_kinds * len(self.fitted), 1))

@@ -23,7 +23,8 @@ def validation_residuals(problem: Problem, points: Sequence[Point]) -> Floats:
     """Return whitened residuals of the validation data, in the form of `Problem.residuals`.
 
     Start offsets of held-out runs are refitted; behind `train_fraction` they stay those of
-    the fit. Shape (points, 0) where no data validate.
+    the fit. What rows that miss may have changed is refitted everywhere, and offsets with it.
+    Shape (points, 0) where no data validate.
     """
     if problem.train_fraction < 1.0:
         found = problem.replay(points, range(len(problem.runs)))
@@ -35,12 +36,16 @@ def validation_residuals(problem: Problem, points: Sequence[Point]) -> Floats:
             if problem.has_offset(c):
                 if CHANNELS[c].from_rest:
                     e -= np.repeat(problem.start_levels[c], problem.lengths) * w
-                wf = w * problem.seen
-                bottom = np.add.reduceat(wf * wf, edges) + problem.priors[c] ** -2.0
-                offset = np.add.reduceat(e * wf, edges, axis=1) / bottom
-                e -= np.repeat(offset, problem.lengths, axis=1) * w
-            rows.append(np.where(problem.seen, 0.0, e))
-        return np.concatenate(rows, axis=1)
+                if not problem.gap_shifts.kinds:
+                    wf = w * problem.seen
+                    bottom = np.add.reduceat(wf * wf, edges) + problem.priors[c] ** -2.0
+                    offset = np.add.reduceat(e * wf, edges, axis=1) / bottom
+                    e -= np.repeat(offset, problem.lengths, axis=1) * w
+            rows.append(e)
+        if problem.gap_shifts.kinds:
+            shifts = problem.shifts_of(dict(zip(problem.channels, rows, strict=True)))
+            rows = [e - shifts[c] for c, e in zip(problem.channels, rows, strict=True)]
+        return np.concatenate([np.where(problem.seen, 0.0, e) for e in rows], axis=1)
     if not problem.held:
         return np.zeros((len(points), 0))
     e = problem.residuals(points, problem.held)

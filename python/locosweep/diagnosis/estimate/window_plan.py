@@ -45,12 +45,17 @@ LONG_ROWS = 15_000
 """Samples of all runs, and of long ones, above which a search over whole runs takes too long."""
 REACH = 0.1
 """Error of a free run over the motion in it, up to which fits follow it."""
+ASTRAY, NEAR = 1.0, 0.5
+"""Error of a free run over the motion in it, from which a plant that falls over has gone
+elsewhere than its model, and up to which windows of it are near enough for a fit."""
 _SAMPLES = 64
 """Samples of a window that are enough: denser runs are decimated."""
 _UNSEEN = 0.05
 """Part of the noise by which thinning may shift the motion."""
 FITTED_SAMPLES, HELD_SAMPLES = 2_000, 2_000
 """Samples that take part in a search, and in its check."""
+GRADED_SAMPLES = 5_000
+"""Samples in which models are compared beside a rest: fits that begin near their ends see more."""
 _PLANNED = 1_000
 """Samples of a run that a next one is compared with."""
 _WINDOWS = 40
@@ -79,7 +84,7 @@ def plan_of(whole: Problem) -> WindowPlan | None:
         return WindowPlan(_fitting(runs, TURNS / fastest), why, noise)
     many = whole.count > (LONG_ROWS if longest > LONG else ROWS)
     if longest <= LONG and not many:
-        return None
+        return _astray(whole, longest, noise)
     reach = _reach(whole, longest)
     if reach >= longest and not many:
         return None
@@ -91,6 +96,17 @@ def plan_of(whole: Problem) -> WindowPlan | None:
                   for run in runs for x in [run.channels["x"]]]  # fmt: skip
         reach = min(reach, 2.0 * float(np.median(travel)))
     return WindowPlan(_fitting(runs, reach), why, noise)
+
+
+def _astray(whole: Problem, longest: float, noise: dict[str, Noise]) -> WindowPlan | None:
+    """Cut the runs of a plant that may fall over where its nominal model goes elsewhere."""
+    if "gravity_torque" not in whole.nominal:
+        return None
+    error, motion = _compare(whole, longest)
+    if error <= ASTRAY * motion:
+        return None
+    why = f"the nominal model goes astray by {error / motion:.2g} times the motion"
+    return WindowPlan(_fitting(whole.runs, _reach(whole, longest, NEAR)), why, noise)
 
 
 def _pace(run: Run) -> float:
@@ -127,13 +143,13 @@ def _as_seen(whole: Problem, channel: str) -> Noise:
     return replace(stated, sd=float(seen), gaussian=float(max(seen, stated.gaussian)))
 
 
-def _reach(whole: Problem, longest: float) -> float:
-    """Longest free run whose error stays a small part of the motion in it."""
+def _reach(whole: Problem, longest: float, share: float = REACH) -> float:
+    """Longest free run whose error stays below a share of the motion in it."""
     step = float(np.median([np.median(np.diff(run.t)) for run in whole.runs]))
     seconds = longest
     while seconds > 2.0 * LEAST * step:
         error, motion = _compare(whole, seconds)
-        if error <= REACH * motion:
+        if error <= share * motion:
             break
         seconds *= 0.5
     return seconds
@@ -193,7 +209,11 @@ def decimated(run: Run, interval: float) -> Run:
 
     channels = {c: mean(y) if CHANNELS[c].averaged else y[starts]
                 for c, y in run.channels.items()}  # fmt: skip
-    return Run(run.label, run.t[starts], mean(run.drive), channels, run.slope_deg)
+    bounds = run.drive_deviation
+    if bounds is not None:
+        bounds = np.sqrt(np.add.reduceat((bounds * width) ** 2, starts))
+        bounds = bounds / np.add.reduceat(width, starts)
+    return Run(run.label, run.t[starts], mean(run.drive), channels, run.slope_deg, bounds)
 
 
 def _leads(runs: Sequence[Run], seconds: float) -> list[int]:
@@ -214,8 +234,13 @@ def adjoining_windows(
     return _problem(whole, whole.runs, windows, leads, plan, ())
 
 
-def problem_of(whole: Problem, plan: WindowPlan) -> tuple[WindowProblem, str]:
-    """Choose the windows of the search and of its check; say in a sentence how runs were cut."""
+def problem_of(
+    whole: Problem, plan: WindowPlan, fitted_samples: int = FITTED_SAMPLES
+) -> tuple[WindowProblem, str]:
+    """Choose the windows of the search and of its check; say in a sentence how runs were cut.
+
+    About `fitted_samples` samples take part in fits.
+    """
     interval = _interval(whole, plan)
     runs = [decimated(run, interval) for run in whole.runs]
     leads = _leads(runs, plan.seconds)
@@ -232,7 +257,7 @@ def problem_of(whole: Problem, plan: WindowPlan) -> tuple[WindowProblem, str]:
             f"runs: no window of {plan.seconds:.3g} s has enough values of x, from its start on"
         )
     noise = plan.noise["x"].sd
-    chosen = chosen_windows(runs, fitted, FITTED_SAMPLES, noise)
+    chosen = chosen_windows(runs, fitted, fitted_samples, noise)
     checked = chosen_windows(runs, held, HELD_SAMPLES, noise)
     total = sum(len(w) for part in (fitted, held) for w in part.values())
     dense = [old.t.size // new.t.size for old, new in zip(whole.runs, runs, strict=True)]
@@ -292,4 +317,5 @@ def _first(run: Run, begins: int) -> Run:
     end = int(min(run.t.size, max(2 * begins, begins + _PLANNED)))
     a = max(0, end - _PLANNED)
     channels = {name: values[a:end] for name, values in run.channels.items()}
-    return Run(run.label, run.t[a:end], run.drive[a:end], channels, run.slope_deg)
+    bounds = None if run.drive_deviation is None else run.drive_deviation[a:end]
+    return Run(run.label, run.t[a:end], run.drive[a:end], channels, run.slope_deg, bounds)

@@ -15,11 +15,19 @@ from locosweep.diagnosis.data.regimes import regimes_of
 from locosweep.diagnosis.estimate.least_squares import evaluate, point_of
 from locosweep.diagnosis.report import localization, sentences
 from locosweep.diagnosis.report.comparison import compare_whole_runs
+from locosweep.diagnosis.report.contributions import (
+    chain_of,
+    contributions,
+    graded_contributions,
+    graded_remaining,
+    remaining,
+)
 from locosweep.diagnosis.report.identifiability import not_visible
 from locosweep.diagnosis.report.improvement import gap_of, reduction
 from locosweep.diagnosis.report.model_file import calibrated
 from locosweep.diagnosis.report.result import Diagnosis, Trace
 from locosweep.diagnosis.report.windowed import report_windows
+from locosweep.diagnosis.select.shape import shape_of, shapes, unlisted_of
 from locosweep.diagnosis.select.stepwise import without
 from locosweep.files.robot import Robot
 from locosweep.simulation.replay import effect
@@ -27,12 +35,12 @@ from locosweep.simulation.replay import effect
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from locosweep.diagnosis.data.readings.finding import Finding
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.estimate.problem import Point, Problem
     from locosweep.diagnosis.estimate.window_plan import WindowPlan
     from locosweep.diagnosis.report.comparison import Comparison
-    from locosweep.diagnosis.report.windowed import ReportWindows
-    from locosweep.diagnosis.select.nearest import Nearest
+    from locosweep.diagnosis.select.graded import Graded
     from locosweep.diagnosis.select.search import Search
     from locosweep.diagnosis.select.verdict import Choice
 
@@ -68,17 +76,21 @@ class Findings:
     """The runs as they were measured."""
     plan: WindowPlan | None
     """Plan of the windows that they were cut into, if they were."""
-    nearest: Nearest | None
-    """The set that comes nearest, where none of a gap in windows is confirmed."""
+    graded: Graded | None
+    """Causes beside what nobody explains, where no set of effects leaves but noise."""
+    kept_by_user: bool
+    """True if the user chose the runs that are kept from fits: shares are of these."""
     next_experiment: dict[str, Any]
     left_out: Mapping[str, str]
     """Effects that have no meaning on this rig, and why."""
     warnings: tuple[str, ...]
+    readings: tuple[Finding, ...] = ()
+    """Faults of readings."""
 
     @property
     def named(self) -> bool:
         """True if the verdict names effects."""
-        return self.choice.status in ("explained", "ambiguous")
+        return self.choice.status in ("explained", "ambiguous", "partial")
 
     @property
     def nominal(self) -> Point:
@@ -105,42 +117,38 @@ def assemble(found: Findings, source: Source) -> Diagnosis:
     gap = gap_of(comparison, source.seed)
     explained = found.named and not choice.law_mismatch
     where = localization.where_of(comparison, gap["channel"], explained=explained)
-    effects = _by_importance(found.search, choice.fit) if found.named else []
-    classes = dict(zip(choice.fit.model.names, choice.classes, strict=False))
+    classes = _classes(found) if found.named else []
+    effects = [alike[0] for alike in classes]
+    shares = _contributions(found, classes, compare, gap["channel"], source.seed)
     verdict: dict[str, Any] = {
         "status": choice.status,
         "effects": effects,
         "probability": choice.probability,
-        "equivalent": [classes[name] for name in effects],
+        "equivalent": classes,
         "alternatives": choice.sets,
         "law_mismatch": choice.law_mismatch,
+        "contributions": shares,
+        "remaining": _remaining(found, gap),
+        "unlisted": _unlisted(found),
         "summary": "",
     }
     report: dict[str, Any] = {
-        "schema": "locosweep.diagnosis/1",
+        "schema": "locosweep.diagnosis/2",
         "verdict": verdict,
         "gap": gap,
         "where": {**where, "site": effect(effects[0]).site if effects else None},
         "candidates": _candidates(found, compare, gap["channel"], source.seed),
         "not_visible": not_visible(found.search, choice.known, found.left_out),
         "next_experiment": found.next_experiment,
+        "readings": [one.row() for one in found.readings],
         "warnings": list(found.warnings),
         "provenance": _provenance(found, source),
     }
-    if choice.unlisted:
-        verdict["unlisted"] = {"variable": choice.unlisted, "effects": list(choice.fit.model.names)}
     if gap["shrink"] is None and comparison.validates and not comparison.same:
         report["warnings"].append(sentences.no_gap("windows" if windows else "runs"))
     if windows:
-        near, nearer = found.nearest, comparison
-        if near:
-            nearer = compare(found.nominal, point_of(problem, near.fit))
         count = len(windows.problem.runs)
-        report["warnings"] += sentences.odd_windows(nearer, gap["channel"], count)
-        if choice.status == "unexplained":
-            verdict["nearest"] = near and _nearest(near, windows, nearer, gap["channel"])
-    if choice.shape:
-        gap["left"] = [{"variable": v, "share": s} for v, s in choice.shape[:5]]
+        report["warnings"] += sentences.odd_windows(comparison, gap["channel"], count)
     verdict["summary"] = sentences.summary(report)
     details: dict[str, Any] = {
         "noise": {c: n.sd for c, n in problem.noise.items()},
@@ -154,17 +162,55 @@ def assemble(found: Findings, source: Source) -> Diagnosis:
     return Diagnosis(report, _traces(comparison), source.robot, augmented, details)
 
 
-def _nearest(
-    near: Nearest, windows: ReportWindows, comparison: Comparison, channel: str
-) -> dict[str, Any]:
-    """Return the effects that come nearest to the gap, and how near they come."""
-    before, after = comparison.before, comparison.after
-    return {
-        "effects": list(near.fit.model.names),
-        "as_near": [list(fit.model.names) for fit in near.fits[1:]],
-        "shrink_without_worst": windows.reduction_without_worst(before, after, channel),
-        "runs": localization.by_run(comparison, channel),
-    }
+def _classes(found: Findings) -> list[list[str]]:
+    """Return the classes of the named effects, most important first."""
+    choice = found.choice
+    if choice.status == "partial":
+        return choice.classes
+    own = dict(zip(choice.fit.model.names, choice.classes, strict=True))
+    return [own[name] for name in _by_importance(found.search, choice.fit)]
+
+
+def _contributions(
+    found: Findings,
+    classes: list[list[str]],
+    compare: Callable[[Point, Point], Comparison],
+    channel: str,
+    seed: int,
+) -> list[dict[str, Any]]:
+    if not classes:
+        return []
+    choice, problem = found.choice, found.search.problem
+    graded = found.graded if choice.status == "partial" else None
+    if graded and not found.kept_by_user:
+        return graded_contributions(graded, seed)
+    chain = chain_of(found.search, choice.known, choice.fit, classes)
+    rows = contributions(problem, found.nominal, chain, compare, channel, seed=seed)
+    for row, cause in zip(rows, graded.causes if graded else (), strict=False):
+        row["agrees_between_runs"] = cause.agrees
+    return rows
+
+
+def _remaining(found: Findings, gap: dict[str, Any]) -> dict[str, Any]:
+    shape = _shape(found)
+    graded = found.graded if found.choice.status == "partial" else None
+    if graded and not found.kept_by_user:
+        return graded_remaining(graded, found.search.problem.noise["x"].sd, shape)
+    return remaining(gap, shape)
+
+
+def _shape(found: Findings) -> list[dict[str, Any]]:
+    """Return what would carry the rest, where more than noise is left."""
+    if found.graded is not None:
+        return shape_of(found.graded.problem, found.graded.last.fit)
+    return shapes(found.choice.shape)
+
+
+def _unlisted(found: Findings) -> dict[str, Any] | None:
+    """Return what a cause that is not in the list looks like, if one does better than any."""
+    if found.graded is not None and found.graded.unlisted:
+        return unlisted_of(found.graded.unlisted, None)
+    return unlisted_of(found.choice.unlisted, None) if found.choice.unlisted else None
 
 
 def _traces(comparison: Comparison) -> tuple[Trace, ...]:
@@ -202,9 +248,6 @@ def _candidates(
     """Return the best sets of effects, with their parameters and what they leave."""
     problem, choice = found.search.problem, found.choice
     shown = list(choice.ranked[:_CANDIDATES])
-    if found.nearest:
-        fits = [fit for fit, _ in shown]
-        shown = found.nearest.weighed(fits, len(problem.fitted))[:_CANDIDATES]
     chosen = frozenset(choice.fit.model.names)
     if not any(frozenset(fit.model.names) == chosen for fit, _ in shown):
         shown += [pair for pair in choice.ranked if frozenset(pair[0].model.names) == chosen]

@@ -125,15 +125,26 @@ class _RunComparison(Comparison):
 
     @cached_property
     def squares(self) -> tuple[ByRun, ByRun]:
-        before: ByRun = {}
-        after: ByRun = {}
-        for c in self.problem.channels:
-            old, new = self._errors(0, c), self._errors(1, c)
-            offsets = self._offsets(c, new)
-            after[c] = [(e - offset) ** 2 for e, offset in zip(new, offsets, strict=True)]
-            offsets = self._offsets(c, old) if self.same else offsets
-            before[c] = [(e - offset) ** 2 for e, offset in zip(old, offsets, strict=True)]
-        return before, after
+        errors = [{c: self._errors(k, c) for c in self.problem.channels} for k in range(2)]
+        of_model = self._gap_shifts if self.problem.gap_shifts.kinds else self._start_offsets
+        after = of_model(errors[1])
+        before = of_model(errors[0]) if self.same else after
+        return _squared(errors[0], before), _squared(errors[1], after)
+
+    def _start_offsets(self, errors: ByRun) -> ByRun:
+        """Return the start offset of each run at its samples."""
+        return {
+            c: [np.full(e.size, s) for e, s in zip(own, self._offsets(c, own), strict=True)]
+            for c, own in errors.items()
+        }
+
+    def _gap_shifts(self, errors: ByRun) -> ByRun:
+        """Return the same, and what rows that miss may have changed."""
+        weights = self.problem.weights
+        whole = {c: np.concatenate(own) * weights[c] for c, own in errors.items()}
+        found = self.problem.shifts_of({c: np.nan_to_num(e)[None, :] for c, e in whole.items()})
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return {c: self._by_run(change[0] / weights[c]) for c, change in found.items()}
 
     def _offsets(self, channel: str, errors: Sequence[Floats]) -> list[float]:
         """Start offsets that the errors ask for, as far as the noise of the starts goes."""
@@ -186,6 +197,13 @@ class _RunComparison(Comparison):
             np.where(np.isfinite(y), b - a, 0.0) ** 2
             for y, a, b in zip(measured, before[channel], after[channel], strict=True)
         ]
+
+
+def _squared(errors: ByRun, shifts: ByRun) -> ByRun:
+    return {
+        c: [(e - shift) ** 2 for e, shift in zip(parts, shifts[c], strict=True)]
+        for c, parts in errors.items()
+    }
 
 
 def started(problem: Problem, point: Point) -> Point:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from locosweep.diagnosis.report.figures_cause import candidates, horizons, parameters
+from locosweep.diagnosis.report.figures_cause import candidates, contributions, horizons, parameters
 from locosweep.diagnosis.report.figures_localization import force_view, shares, where_in_time
 from locosweep.diagnosis.report.figures_motion import runs_large, runs_small
 
@@ -21,6 +21,7 @@ FILES: dict[str, Callable[[Diagnosis], Figure | None]] = {
     "where_in_time.png": where_in_time,
     "shares.png": shares,
     "force_view.png": force_view,
+    "contributions.png": contributions,
     "candidates.png": candidates,
     "parameters.png": parameters,
     "horizons.png": horizons,

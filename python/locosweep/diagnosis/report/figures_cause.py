@@ -55,6 +55,43 @@ def candidates(diagnosis: Diagnosis) -> Figure | None:
     return made
 
 
+def contributions(diagnosis: Diagnosis) -> Figure | None:
+    """Show what each cause takes away of the gap on unseen data, and what nobody has explained."""
+    rows = diagnosis.contributions
+    if not rows:
+        return None
+    names = [" or\n".join(map(style.words, row["effects"])) for row in rows]
+    left = diagnosis.remaining["share"]
+    made = figure(7.5, 1.3 + 0.62 * (len(rows) + 1))
+    ax = made.subplots()
+    for y, row in enumerate(rows):
+        ax.barh(y, row["share"], height=0.6, color=style.AUGMENTED["color"], edgecolor="black",
+                linewidth=0.6)  # fmt: skip
+        end = row["share"]
+        if row["share_ci"] is not None:
+            low, high = row["share_ci"]
+            ax.plot([low, high], [y, y], color="black", linewidth=1.6, marker="|", markersize=9)
+            end = max(end, high)
+        alone = "" if row["alone"] is None or len(rows) == 1 else f"; alone {row['alone']:.0%}"
+        ax.annotate(f"{row['share']:.0%}{alone}", (max(end, 0.0), y), xytext=(5, 0),
+                    textcoords="offset points", va="center", fontsize=9)  # fmt: skip
+    if left is not None:
+        names.append("nobody has\nexplained")
+        ax.barh(len(rows), left, height=0.6, color="white", edgecolor="black", hatch="////",
+                linewidth=0.6)  # fmt: skip
+        ax.annotate(f"{left:.0%}", (left, len(rows)), xytext=(5, 0), textcoords="offset points",
+                    va="center", fontsize=9)  # fmt: skip
+    ax.set_yticks(range(len(names)), names, fontsize=9)
+    ax.set_ylim(len(names) - 0.4, -0.6)
+    low, high = ax.get_xlim()
+    ax.set_xlim(min(low, 0.0), max(high, 1.0) + 0.16)
+    ax.axvline(0.0, color="black", linewidth=0.8)
+    ax.set_xlabel(f"share of the error in {diagnosis.gap['channel'] or 'x'} on unseen data [1]; "
+                  "line: 90 % interval")  # fmt: skip
+    style.finish(ax)
+    return made
+
+
 def _interval(diagnosis: Diagnosis, row: dict[str, Any]) -> tuple[float | None, float | None]:
     """Interval of a candidate's error reduction; the verdict's is in the gap."""
     found = row.get("shrink_ci")

@@ -76,12 +76,37 @@ def reduction(comparison: Comparison, channel: str, seed: int) -> dict[str, Any]
     return found
 
 
+def interval_of_difference(
+    before: Comparison | None, after: Comparison, channel: str, seed: int
+) -> list[float] | None:
+    """90 % interval of how much further an error falls with a second model than with a first one.
+
+    Both are drawn from the same runs. Without a first one, of the whole fall.
+    """
+    found = reduction(after, channel, seed)
+    if before is None or found["shrink"] is None:
+        return None if found["shrink_ci"] is None else list(found["shrink_ci"])
+    pairs = zip(
+        before.draws(channel, np.random.default_rng(seed)),
+        after.draws(channel, np.random.default_rng(seed)),
+        strict=True,
+    )
+    ends = [np.quantile(_fall(new) - _fall(old), [0.05, 0.95]) for old, new in pairs]
+    low, high = np.min(ends, axis=0)[0], np.max(ends, axis=0)[1]
+    first = reduction(before, channel, seed)["shrink"] or 0.0
+    middle = found["shrink"] - first
+    return [float(min(low, middle)), float(max(high, middle))]
+
+
+def _fall(sums: Floats) -> Floats:
+    """Return the fall of the error in each draw of squares before and after."""
+    falls: Floats = 1.0 - np.sqrt(sums[:, 1] / np.maximum(sums[:, 0], 1e-300))
+    return falls
+
+
 def interval_of(drawn: Sequence[Floats], shrink: float) -> list[float]:
     """90 % interval of the reduction over all draws of squared errors, each of shape (draws, 2)."""
-    ends = [
-        np.quantile(1.0 - np.sqrt(sums[:, 1] / np.maximum(sums[:, 0], 1e-300)), [0.05, 0.95])
-        for sums in drawn
-    ]
+    ends = [np.quantile(_fall(sums), [0.05, 0.95]) for sums in drawn]
     low, high = np.min(ends, axis=0)[0], np.max(ends, axis=0)[1]
     return [float(min(low, shrink)), float(max(high, shrink))]
 

@@ -25,6 +25,7 @@ _WIDE = 1.96
 HEADLINES = {
     "explained": "Cause found",
     "ambiguous": "Cause narrowed down, not settled",
+    "partial": "Main cause found, a rest is left",
     "none": "No gap beyond the noise",
     "unexplained": "A gap that no known effect explains",
 }

@@ -83,7 +83,7 @@ class Diagnosis:
 
     @property
     def status(self) -> str:
-        """``explained``, ``ambiguous``, ``none`` or ``unexplained``."""
+        """``explained``, ``ambiguous``, ``partial``, ``none`` or ``unexplained``."""
         return str(self.report["verdict"]["status"])
 
     @property
@@ -110,6 +110,22 @@ class Diagnosis:
     def law_mismatch(self) -> bool:
         """True if the cause acts by another law than the effect's formula."""
         return bool(self.report["verdict"]["law_mismatch"])
+
+    @property
+    def contributions(self) -> list[dict[str, Any]]:
+        """Causes in order: `effects` (a class), `share` of the gap on unseen data, `alone`."""
+        return list(self.report["verdict"]["contributions"])
+
+    @property
+    def remaining(self) -> dict[str, Any]:
+        """What nobody has explained: `share` of the gap, `rmse`, `noise_floors`, `shape`."""
+        return dict(self.report["verdict"]["remaining"])
+
+    @property
+    def unlisted(self) -> dict[str, Any] | None:
+        """What a cause that is in no list looks like, if one does better than any effect."""
+        found = self.report["verdict"]["unlisted"]
+        return None if found is None else dict(found)
 
     @property
     def summary(self) -> str:

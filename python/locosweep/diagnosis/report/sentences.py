@@ -25,24 +25,44 @@ def _said(name: str) -> str:
     return name.replace("_", " ")
 
 
-def _near(nearest: dict[str, Any], candidates: list[dict[str, Any]]) -> str:
-    """Say how much the nearest effects would take away, without calling them the cause."""
-    sets = [nearest["effects"], *nearest["as_near"]]
-    shown = " or, as well, ".join(" with ".join(map(_said, names)) for names in sets[:3])
-    if len(sets) > 3:
-        shown += f" or {len(sets) - 3} more"
-    first = next(c for c in candidates if c["effects"] == nearest["effects"])
-    much = ""
-    if first["shrink"] is not None and nearest["shrink_without_worst"] is not None:
-        much = f" would make it {first['shrink']:.0%} smaller"
-        much += f" ({nearest['shrink_without_worst']:.0%} without the worst tenth of windows) but"
-    return f"; {shown}{much} leaves more than noise, so none of them is named as its cause"
+def _value(report: dict[str, Any], name: str) -> str:
+    """Return the first parameter of a named effect, in brackets; nothing where it is unknown."""
+    named = set(report["verdict"]["effects"])
+    rows = [c["parameters"] for c in report["candidates"] if set(c["effects"]) == named]
+    for key, entry in rows[0].get(name, {}).items() if rows else ():
+        if entry["value"] is not None:
+            unit = "" if entry["unit"] == "1" else f" {entry['unit']}"
+            return f" ({key} = {entry['value']:.3g}{unit})"
+    return ""
+
+
+def _partial(report: dict[str, Any], sure: str) -> str:
+    """Say what each cause takes away, and how much nobody has explained."""
+    verdict, gap = report["verdict"], report["gap"]
+    parts = []
+    for i, row in enumerate(verdict["contributions"]):
+        names = [_said(n) + (_value(report, n) if k == 0 else "")
+                 for k, n in enumerate(row["effects"])]  # fmt: skip
+        verb = "makes " if i == 0 else ""
+        much = f"{row['share']:.0%}" + (f" of the gap in {gap['channel']}" if i == 0 else "")
+        parts.append(f"{' or '.join(names)} {verb}{much}")
+    text = ", ".join(parts)
+    left = verdict["remaining"]
+    if left["share"] is not None:
+        text += f"; {left['share']:.0%} ({left['rmse']:.2g} {gap['unit']}) nobody has explained"
+        if left["shape"]:
+            text += f": most like {left['shape'][0]['formula']}"
+    return f"{text[0].upper()}{text[1:]} ({sure} sure)."
 
 
 def summary(report: dict[str, Any]) -> str:
     """Return the verdict of a report as one sentence for a person."""
     verdict, gap = report["verdict"], report["gap"]
     sure = f"{verdict['probability']:.0%}"
+    wrong = sorted({row["column"] for row in report.get("readings", []) if not row["masked"]})
+    if wrong:
+        names = " and ".join(wrong)
+        return f"No cause is looked for: {names} cannot be what it is called (see the warnings)."
     if verdict["status"] == "none":
         return f"The nominal model accounts for these runs: no gap beyond the noise ({sure} sure)."
     size = f"the size of the gap in {gap['channel']} is not known"
@@ -52,17 +72,14 @@ def summary(report: dict[str, Any]) -> str:
     if verdict["status"] == "unexplained":
         best = next((c for c in report["candidates"] if c["effects"]), None)
         near = ""
-        if unlisted := verdict.get("unlisted"):
-            names = " with ".join(map(_said, unlisted["effects"]))
-            near = f"; {names} would do, and so would one force along the way"
-        elif nearest := verdict.get("nearest"):
-            near = _near(nearest, report["candidates"])
-        elif "nearest" in verdict:
-            near = "; none makes it surely smaller"
+        if unlisted := verdict["unlisted"]:
+            near = f"; it looks like a {unlisted['family']}, as of {unlisted['like']}"
         elif best and best["shrink"] is not None:
             names = " with ".join(map(_said, best["effects"]))
             near = f"; nearest comes {names}, which leaves more than noise"
         return f"A gap is there that no known effect accounts for: {size}{near} ({sure} sure)."
+    if verdict["status"] == "partial":
+        return _partial(report, sure)
     causes = [" or ".join(_said(n) for n in names) for names in verdict["equivalent"]]
     cause = " and ".join(f"({c})" if " or " in c and len(causes) > 1 else c for c in causes)
     text = f"The gap comes from {cause}"

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
 _JUDGED = 60_000
 """Samples kept from the fit on which every candidate's error reduction is judged."""
-_WORST = 0.1
-"""Part of the windows that a push may be in."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,17 +61,6 @@ class ReportWindows:
         errors = self.problem.errors([before, after], self.validation)
         return {c: _sums(e**2, self.problem.lengths[self.validation]) for c, e in errors.items()}
 
-    def reduction_without_worst(self, before: Point, after: Point, channel: str) -> float | None:
-        """Return the error reduction in validation windows but for the worst tenth.
-
-        A push from outside in one window would outweigh all that a model does in others.
-        """
-        sums = self.sums(before, after)[channel]
-        means = sums[:, :, 0] / np.maximum(sums[:, :, 1], 1.0)
-        order = np.argsort(means.max(axis=0), kind="stable")
-        old, new = means[:, order[: int(np.ceil((1.0 - _WORST) * order.size))]].sum(axis=1)
-        return float(1.0 - np.sqrt(new / old)) if old > 0.0 else None
-
 
 def report_windows(whole: Problem, plan: WindowPlan) -> ReportWindows:
     """Cut runs into windows from end to end, and choose those that validate."""
@@ -83,7 +70,8 @@ def report_windows(whole: Problem, plan: WindowPlan) -> ReportWindows:
     if whole.train_fraction < 1.0:
         kept = ends > whole.train_fraction * whole.lengths[record]
     else:
-        kept = np.isin(record, whole.held)
+        # Where no run was kept, all are judged.
+        kept = np.isin(record, whole.held or np.unique(record))
     chosen = np.flatnonzero(kept)
     most = max(1, int(_JUDGED / max(float(np.mean(problem.lengths)), 1.0)))
     if chosen.size > most:

@@ -39,6 +39,10 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.select.search import Search
 
+_CHANGES = np.geomspace(1e-4, 0.5, 27)
+"""Changes of a threshold that are tried, in sizes of the parameter: from what a sample resolves
+of a motion to all of its range, each a third larger than the last."""
+
 
 def singles(search: Search) -> Collection:
     """Fit every effect alone, from several starts."""
@@ -99,10 +103,16 @@ def extend(
         followed += [end for name in likely for end in _valley_end(search, along[name][0], runs)]
     found = descend(search, known, followed, runs, beside, at_noise=at_noise)
     if base is None and not at_noise:
-        for names, fit in found.items():
-            if not names & along.keys():
-                found[names] = _rescanned(search, fit)
+        found |= _thresholds_found(search, found, along)
     return found
+
+
+def _thresholds_found(search: Search, found: Found, along: Names[str]) -> Found:
+    """Fit the best single effects that act at rest again, if none has come to noise."""
+    if not found or search.is_noise(min(found.values(), key=chi2_of)):
+        return {}
+    unseen = sorted((f for names, f in found.items() if not names & set(along)), key=chi2_of)
+    return {frozenset(fit.model.names): _rescanned(search, fit) for fit in unseen[:FEW]}
 
 
 def _rescanned(search: Search, fit: Fit) -> Fit:
@@ -110,7 +120,7 @@ def _rescanned(search: Search, fit: Fit) -> Fit:
 
     A threshold of what acts at rest has no derivative: steps leave it where it was.
     """
-    changes = np.outer(np.geomspace(1e-4, 0.5, 27), (-1.0, 1.0)).ravel()
+    changes = np.outer(_CHANGES, (-1.0, 1.0)).ravel()
     for _ in range(PARTNERS):
         if search.is_noise(fit):
             break

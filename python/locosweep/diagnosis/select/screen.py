@@ -70,8 +70,9 @@ def seen_along(search: Search, beside: Fit, partners: Sequence[str]) -> dict[str
     flat = [fit for fits in starts.values() for fit in fits]
     residual, changes = _changes_along(along, beside, flat)
     size, factor, fall = _scalings(changes, residual)
-    along_of = changes @ residual
-    # What acts at rest, or between drive and head, changes nothing but roundings.
+    # What they leave as they stand, less what is left without them.
+    left = size - 2.0 * (changes @ residual)
+    # What acts at rest changes nothing but roundings.
     least = 1e-12 * max(float(size.max(initial=0.0)), 1.0)
     chosen: list[Fit] = []
     at = 0
@@ -82,9 +83,7 @@ def seen_along(search: Search, beside: Fit, partners: Sequence[str]) -> dict[str
         best = sorted(seen, key=lambda i: -fall[i])[:STARTS]
         chosen += [scaled(flat[i], factor[i]) for i in best]
         # And as they stand: not every effect grows in proportion to a parameter.
-        chosen += [
-            flat[i] for i in sorted(seen, key=lambda i: size[i] - 2.0 * along_of[i])[:STARTS]
-        ]
+        chosen += [flat[i] for i in sorted(seen, key=lambda i: left[i])[:STARTS]]
     found: dict[str, list[Fit]] = {}
     for fit in refined(along, chosen):
         found.setdefault(fit.model.names[-1], []).append(fit)

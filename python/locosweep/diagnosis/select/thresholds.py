@@ -81,14 +81,29 @@ UNEXPLAINED_SCALE = 4.0
 UNEXPLAINED_SURE = 0.95
 """Largest probability of `unexplained`."""
 
-NEAREST_SURE = 2.0
-"""Deviations by which more effects have to be better, over the windows' own scatter."""
-NEAREST_TIED = 2.0
-"""Deviations below which two sets of as many effects are as good."""
-NEAREST_FALL = 0.1
-"""Part of what fits left that further effects have to take: what a model lacks bends
-every effect a little."""
 STRAY_DEVIATIONS = 8.0
 """Deviations beyond which a single reading is no noise, however long the runs."""
 STRAY_SHARE = 0.02
 """Share of a run's readings up to which they are single ones."""
+
+UNSEEN_BLOCKS = 8
+"""Blocks of unseen runs, about, whose errors are compared: fewer say nothing about their spread."""
+AS_GOOD_UNSEEN = 1.25
+"""Ratio to the smallest error on unseen runs up to which a model predicts as well: what effects
+of the same motion differ by on rigs that leave a rest."""
+LEAST_SHARE = 0.05
+"""Share of an error on unseen runs below which no cause is worth a name."""
+CLEAR_FALL = 0.5
+"""Share of an error on unseen runs below which no test asks whether all of them agree: where one
+run goes elsewhere than its model, it alone holds the gap."""
+SURE_UNSEEN = 0.95
+"""Confidence, one-sided, with which errors on unseen runs have to fall."""
+AGREEMENT = 1e-3
+"""Probability below which parameters of single runs do not agree with those of all."""
+UNLISTED_GAIN = 1.1
+"""Ratio of gains from which an unlisted force refutes a cause: it is known to first order only,
+and bends to what a formula leaves."""
+CONFIRMED_PROBABILITY = 0.85
+"""Probability of a partial verdict: that each true cause lies in its class."""
+ALIKE_BETWEEN_RUNS = 0.25
+"""Spread of a parameter between runs, in its size, up to which they agree whatever their errors."""

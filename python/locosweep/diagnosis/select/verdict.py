@@ -27,6 +27,7 @@ from locosweep.diagnosis.select.whiteness import noise_level, residuals_by_run, 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from locosweep.diagnosis.select.graded import Graded
     from locosweep.diagnosis.select.search import Collection, Found, Search
     from locosweep.diagnosis.select.whiteness import WhitenessTest
 
@@ -84,6 +85,32 @@ class Choice:
         """Return the weight of a fit's set of effects among those that are ranked."""
         names = frozenset(fit.model.names)
         return next((w for one, w in self.ranked if frozenset(one.model.names) == names), 0.0)
+
+
+def partial_choice(first: Choice, found: Graded, fits: Found) -> Choice:
+    """Return the choice of the causes that unseen runs confirm beside what nobody explains.
+
+    `fits` are the models of these causes without the runs that are kept from fits.
+    """
+    known = first.known.adding(fits)
+    last = fits[frozenset(found.causes[-1].fit.model.names)]
+    deviances = np.array([one.deviance for one in found.ranked])
+    weights = np.exp(-0.5 * (deviances - deviances.min()) / limits.TEMPER)
+    ranked = [
+        (known.fits[frozenset(one.fit.model.names)], weight)
+        for one, weight in zip(found.ranked, (weights / weights.sum()).tolist(), strict=True)
+        if frozenset(one.fit.model.names) in known.fits
+    ]
+    return replace(
+        first,
+        status="partial",
+        fit=last,
+        known=known,
+        classes=[list(cause.names) for cause in found.causes],
+        ranked=[(last, 1.0), *ranked] if len(last.model.names) > 1 else ranked,
+        probability=limits.CONFIRMED_PROBABILITY
+        * float(np.prod([cause.weight for cause in found.causes])),
+    )
 
 
 @dataclass(frozen=True)

@@ -110,6 +110,28 @@ def whiteness_test(
     return worst
 
 
+def inflation(problem: Problem, residual: Floats) -> float:
+    """Return by how much chi2 overstates what residuals say, that are correlated: 1 or more.
+
+    It is the largest ratio of the variance of sums over blocks to that of white noise.
+    """
+    worst = 1.0
+    parts: dict[str, list[Floats]] = {}
+    for c, _, values in residuals_by_run(problem, residual):
+        parts.setdefault(c, []).append(values)
+    for runs_of in parts.values():
+        total = np.concatenate(runs_of)
+        if total.size < 32:
+            continue
+        level = max(float(total @ total) / total.size, 1e-300)
+        for n in BLOCKS:
+            sums = [_sums(values, n) for values in runs_of if values.size >= n]
+            squares = np.concatenate(sums) ** 2 if sums else np.zeros(0)
+            if squares.size >= 4:
+                worst = max(worst, float(squares.mean()) / level)
+    return worst
+
+
 def _sums(values: Floats, n: int) -> Floats:
     used = values[: values.size // n * n].reshape(-1, n)
     sums: Floats = used.sum(axis=1) / np.sqrt(n)

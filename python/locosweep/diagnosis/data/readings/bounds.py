@@ -1,0 +1,31 @@
+"""What a rig could do at most: bounds on its motion that no listed cause exceeds."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from locosweep.files.runs import Run
+
+
+def largest_force(run: Run, nominal: Mapping[str, float]) -> float:
+    """Return the sum of all forces on the head, in N or N m: drive, friction and weight."""
+    drive = float(np.abs(run.drive).max(initial=0.0)) * nominal["gain"]
+    return drive + resistance(run, nominal) + nominal.get("gravity_torque", 0.0)
+
+
+def resistance(run: Run, nominal: Mapping[str, float]) -> float:
+    """Return the force that holds the head at rest: nominal friction, and weight on a slope."""
+    slope = np.radians(nominal["slope_deg"] if run.slope_deg is None else run.slope_deg)
+    weight = nominal["mass"] * nominal["gravity"]
+    level = nominal.get("coulomb_force", nominal.get("mu_coulomb", 0.0) * weight * np.cos(slope))
+    return float(abs(level) + abs(weight * np.sin(slope)))
+
+
+def largest_acceleration(run: Run, nominal: Mapping[str, float]) -> float:
+    """Return the acceleration of all forces on the nominal mass, in m/s^2 or rad/s^2."""
+    return max(largest_force(run, nominal) / nominal["mass"], 1e-300)

@@ -1,0 +1,82 @@
+"""Errors of a fit on runs that it has not seen: each run left out in turn, to first order."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from locosweep.diagnosis.estimate.least_squares import jacobian_of, point_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from locosweep.diagnosis.estimate.least_squares import Fit
+    from locosweep.diagnosis.estimate.problem import Problem
+
+    Floats = NDArray[np.float64]
+
+_LEAST = 1e-12
+"""Part of the largest precision that every direction of parameters has: those that the other
+runs do not know stay as they are."""
+
+_FARTHEST = 4.0
+"""Deviations that an uncertain nominal value may be off without a run."""
+
+
+def groups_of(problem: Problem, runs: Sequence[int]) -> list[list[int]]:
+    """Return which of some runs belong together: windows of one run are not new to each other."""
+    groups: dict[int, list[int]] = {}
+    for r in runs:
+        groups.setdefault(problem.record_of(r), []).append(r)
+    return list(groups.values())
+
+
+def without_each(problem: Problem, fit: Fit, groups: Sequence[Sequence[int]]) -> list[Floats]:
+    """Return the parameters of a fit without each group of runs: one step of Gauss and Newton."""
+    if not fit.theta.size:
+        return [fit.theta for _ in groups]
+    slopes, residual = jacobian_of(problem, fit), fit.residual
+    precision = slopes @ slopes.T
+    floor = _LEAST * np.diag(np.maximum(np.diag(precision), 1e-300))
+    low, high = _bounds(fit)
+    found = []
+    for group in groups:
+        own = np.concatenate([problem.of_run(r, problem.fitted) for r in group])
+        here = slopes[:, own]
+        rest = precision - here @ here.T + floor
+        step = np.linalg.lstsq(rest, here @ residual[own], rcond=None)[0]
+        found.append(np.clip(fit.theta + step, low, high))
+    return found
+
+
+def _bounds(fit: Fit) -> tuple[Floats, Floats]:
+    """Return the ends of each entry's range; starts of runs have none."""
+    low, high = np.full(fit.theta.size, -np.inf), np.full(fit.theta.size, np.inf)
+    for i, free in enumerate(fit.model.free):
+        low[i], high[i] = (np.log(v) if free.log else v for v in (free.low, free.high))
+    for i, uncertain in enumerate(fit.nuisances.uncertain, start=len(fit.model.free)):
+        high[i] = _FARTHEST * fit.nuisances.spread[uncertain]
+        low[i] = -high[i]
+    return low, high
+
+
+def unseen_squares(
+    problem: Problem, fits: Sequence[Fit], groups: Sequence[Sequence[int]]
+) -> tuple[Floats, Floats]:
+    """Return sums of squared errors of x on groups of runs, and the readings of each.
+
+    Of every fit those of parameters fitted to the other groups; shapes (fits, groups) and
+    (groups,), in the square of the channel's unit.
+    """
+    moved = [without_each(problem, fit, groups) for fit in fits]
+    squares = np.zeros((len(fits), len(groups)))
+    counts = np.zeros(len(groups))
+    for g, group in enumerate(groups):
+        points = [point_of(problem, fit, theta[g]) for fit, theta in zip(fits, moved, strict=True)]
+        errors = problem.position_errors(points, group)
+        squares[:, g] = np.nansum(errors**2, axis=1)
+        counts[g] = np.isfinite(errors[0]).sum()
+    return squares, counts

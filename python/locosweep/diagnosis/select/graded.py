@@ -1,0 +1,416 @@
+"""The graded verdict: causes that unseen runs confirm, where no set of effects leaves but noise.
+
+Every model leaves the same rest (`estimate/rest.py`). A cause has to predict runs that it was not
+fitted to better than the model without it; the likeliest of those beside the rest is named. Errors
+of free runs are mostly the rest's, so that alone they name what bends to it. Where they are not
+small beside the motion, the rest is not known to first order, and only what predicts about as well
+as the best model can be named.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.special import chdtrc, stdtrit
+
+from locosweep.diagnosis.estimate.least_squares import (
+    evaluate,
+    fit_all,
+    jacobian_of,
+    point_of,
+    start_fits,
+)
+from locosweep.diagnosis.estimate.rest import Rest, RestForce
+from locosweep.diagnosis.estimate.unseen import groups_of, without_each
+from locosweep.diagnosis.estimate.window_plan import REACH
+from locosweep.diagnosis.select import thresholds as limits
+from locosweep.diagnosis.select.extension import extend
+from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
+from locosweep.diagnosis.select.search import Collection, Found
+from locosweep.diagnosis.select.whiteness import inflation
+from locosweep.simulation.replay import effect
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from locosweep.diagnosis.estimate.least_squares import Fit
+    from locosweep.diagnosis.estimate.problem import Point, Problem
+    from locosweep.diagnosis.select.search import Search
+
+    Floats = NDArray[np.float64]
+
+_STEPS, _TOLERANCE = 15, 1.0
+"""Steps of a fit, at most, and the fall of chi2 that ends it: a twelfth of what tells effects
+apart."""
+_ROUNDS = 3
+"""Times that the rest is found beside the likeliest fit, at most: few need more than one."""
+_FAR = 2.0
+"""Error on the runs that a fit has seen, over the smallest one, from which it is no rival."""
+_KNOWN = 1e-9
+"""Part of the largest precision from which a run knows a direction of parameters."""
+UNLISTED = ("terrain", "acceleration")
+"""Variables of forces that no effect stands for: the position in either direction, as of a tether
+or a wall, and the acceleration."""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A set of effects beside the rest."""
+
+    fit: Fit
+    deviance: float
+    """Of the set with its own likeliest rest, a price on every parameter included."""
+    squares: Floats
+    """Mean squared errors of x in blocks of runs that it was not fitted to."""
+    plainly: bool = False
+    """True if `fit` was made without the rest: it predicts unseen runs better then."""
+
+    @property
+    def error(self) -> float:
+        """Root mean square of its errors on unseen runs, in the unit of x."""
+        return float(np.sqrt(np.mean(self.squares)))
+
+
+@dataclass(frozen=True, eq=False)
+class Cause:
+    """A cause that unseen runs confirm, and the model with it and those before it."""
+
+    names: tuple[str, ...]
+    """Effects that the runs cannot tell from one another, the likeliest first."""
+    chosen: Candidate
+    before: Candidate
+    """The model without it."""
+    agrees: bool
+    """True if its parameters agree between runs within what the rest allows."""
+    weight: float
+    """Weight of its class among the causes that unseen runs confirm as well."""
+
+    @property
+    def fit(self) -> Fit:
+        """The model with this cause and those before it."""
+        return self.chosen.fit
+
+
+@dataclass(frozen=True, eq=False)
+class Graded:
+    """Causes in the order of what they take away, and what is left."""
+
+    rest: Rest
+    """The likeliest rest beside the last model."""
+    problem: Problem
+    """The runs, with this rest."""
+    causes: tuple[Cause, ...]
+    none: Candidate
+    ranked: tuple[Candidate, ...]
+    """Single effects, the likeliest first."""
+    unlisted: str = ""
+    """Variable of a force that no effect stands for and that does better than any, if any."""
+
+    @property
+    def last(self) -> Candidate:
+        """The model with all causes."""
+        return self.causes[-1].chosen if self.causes else self.none
+
+
+def graded(search: Search, known: Collection, most: int) -> Graded:
+    """Return the causes, at most `most`, that unseen runs confirm beside a rest.
+
+    The fits of `known` may be those of other runs: they are starts.
+    """
+    search.progress("causes beside what nobody explains")
+    force = RestForce(search.problem)
+    base, unlisted = search.none, ""
+    causes: list[Cause] = []
+    now = _compared(search, force, base, _more(search, known, base))
+    first, ranked = now.base, sorted(now.others, key=lambda c: c.deviance)
+    while len(causes) < most:
+        cause = _cause(now, base, first)
+        unlisted = _unlisted(now, cause) if cause else ""
+        if cause is None or unlisted:
+            break
+        causes.append(cause)
+        base = cause.fit
+        if len(causes) < most:
+            beside = replace(search, problem=now.problem, judges=False)
+            added = [*_extended(beside, base), *_more(search, known, base)]
+            now = _compared(search, force, base, added)
+    return Graded(now.rest, now.problem, tuple(causes), first, tuple(ranked), unlisted)
+
+
+def refitted(search: Search, found: Graded) -> Found:
+    """Fit the models of causes, and the single effects, to other runs.
+
+    Each plainly or beside the rest of these runs, as it was found.
+    """
+    models = [*(cause.chosen for cause in found.causes), *found.ranked]
+    starts = [
+        start
+        for one in models
+        for start in start_fits(search.nuisances, one.fit.model, one.fit.parameters[None])
+    ]
+    force = RestForce(search.problem)
+    last = len(found.causes) - 1
+    (rest,) = force.beside(starts[last : last + 1])
+    fits: Found = {}
+    for problem, plainly in ((search.problem, True), (force.beside_one(rest), False)):
+        own = [s for s, one in zip(starts, models, strict=True) if one.plainly == plainly]
+        for fit in fit_all(problem, own, steps=_STEPS, tolerance=_TOLERANCE):
+            fits.setdefault(frozenset(fit.model.names), fit)
+    return fits
+
+
+def confirmed_on_kept(search: Search, found: Graded, fits: Found) -> Graded:
+    """Leave out the last causes that take no share worth a name of the error on the kept runs.
+
+    `fits` are the models of the causes without these runs.
+    """
+    problem = search.problem
+    chain = [search.none, *(fits[frozenset(cause.fit.model.names)] for cause in found.causes)]
+    points = [point_of(problem, fit) for fit in chain]
+    errors = np.sqrt(np.nanmean(problem.position_errors(points, list(problem.held)) ** 2, axis=1))
+    least = limits.LEAST_SHARE * errors[0]
+    count = len(found.causes)
+    while count and errors[count - 1] - errors[count] < least:
+        count -= 1
+    return replace(found, causes=found.causes[:count])
+
+
+def predicts_kept(search: Search, fit: Fit) -> bool:
+    """Return whether a model has a smaller error on the runs kept from fits than the nominal one.
+
+    Smaller by a share that is worth a name; where none was kept, nothing speaks against it.
+    """
+    problem = search.problem
+    kept = list(problem.held)
+    if not kept:
+        return True
+    points = [point_of(problem, one) for one in (search.none, fit)]
+    before, after = np.nanmean(problem.position_errors(points, kept) ** 2, axis=1)
+    return bool(np.sqrt(after) < (1.0 - limits.LEAST_SHARE) * np.sqrt(before))
+
+
+def _more(search: Search, known: Collection, base: Fit) -> list[Fit]:
+    """Return the known sets with one effect more than a fit, to be fitted to these runs."""
+    names = frozenset(base.model.names)
+    return [
+        start
+        for key, fit in known.fits.items()
+        if len(key) == len(names) + 1 and names < key and np.isfinite(fit.chi2)
+        for start in start_fits(
+            search.nuisances, search.model(fit.model.names), fit.parameters[None]
+        )
+    ]
+
+
+def _extended(search: Search, base: Fit) -> list[Fit]:
+    """Fit a set with one more effect beside it, each of those that may gain beside the rest."""
+    (beside,) = evaluate(search.problem, [base.unfitted()])
+    known = Collection({frozenset(base.model.names): beside})
+    return list(extend(search, known, beside, search.names).values())
+
+
+@dataclass(frozen=True, eq=False)
+class _Compared:
+    """Models beside the rest that is likeliest beside the best of them."""
+
+    rest: Rest
+    problem: Problem
+    base: Candidate
+    others: list[Candidate]
+    inflation: float
+    """Factor by which differences in deviance count for less, as what even the rest leaves is
+    correlated."""
+
+
+def _compared(search: Search, force: RestForce, base: Fit, fits: Sequence[Fit]) -> _Compared:
+    """Fit models plainly and beside the rest that is likeliest beside the best of them.
+
+    Of the two fits of a model the one that predicts unseen runs better says how well it does.
+    """
+    plain = fit_all(search.problem, [base.unfitted(), *fits], steps=_STEPS, tolerance=_TOLERANCE)
+    able = [i for i, fit in enumerate(plain) if i == 0 or np.isfinite(fit.chi2)]
+    plain = [plain[i] for i in able]
+    now = [fit.unfitted() for fit in plain]
+    price = np.array([limits.PENALTY * len(fit.model.free) for fit in now])
+    rests = force.beside(now)
+    for _ in range(_ROUNDS):
+        rest = rests[int(np.argmin(price + [one.deviance for one in rests]))]
+        problem = force.beside_one(rest)
+        ends = fit_all(problem, [fit.unfitted() for fit in now], steps=_STEPS, tolerance=_TOLERANCE)
+        now, rests = ends, force.beside(ends)
+        new = rests[int(np.argmin(price + [one.deviance for one in rests]))]
+        if (new.size, new.time) == (rest.size, rest.time):
+            break
+    found = []
+    plain_rows, rows = _unseen(search, search.problem, plain), _unseen(search, problem, now)
+    for i, (one, cost) in enumerate(zip(rests, price.tolist(), strict=True)):
+        plainly = float(plain_rows[i].mean()) < float(rows[i].mean())
+        fit, squares = (plain[i], plain_rows[i]) if plainly else (now[i], rows[i])
+        found.append(Candidate(fit, one.deviance + cost, squares, plainly))
+    likeliest = min(range(len(found)), key=lambda i: found[i].deviance)
+    (left,) = evaluate(problem, [now[likeliest].unfitted()])
+    return _Compared(rest, problem, found[0], found[1:], inflation(problem, left.residual))
+
+
+def _unseen(search: Search, problem: Problem, fits: Sequence[Fit]) -> Floats:
+    """Return mean squared errors of x in blocks of runs that a fit has not seen, a row a fit.
+
+    Of the fitted runs each is left out in turn; those kept from fits count where they may judge.
+    What lies far behind on the runs that it has seen is not tried on others.
+    """
+    fitted = groups_of(problem, problem.fitted)
+    kept = groups_of(problem, problem.held) if search.judges else []
+    if len(fitted) < 2:
+        return _later_or_kept(problem, fits, kept or fitted)
+    groups = [*fitted, *kept]
+    blocks = -(-limits.UNSEEN_BLOCKS // len(groups))
+    seen = _block_errors(problem, [_points(problem, fits)] * len(groups), groups, blocks)
+    sizes = np.sqrt(seen.mean(axis=1))
+    near = [i for i in range(len(fits)) if i == 0 or sizes[i] <= _FAR * sizes.min()]
+    thetas = [without_each(problem, fits[i], fitted) for i in near]
+    points = [
+        [point_of(problem, fits[i], theta[g] if g < len(fitted) else None)
+         for i, theta in zip(near, thetas, strict=True)]
+        for g in range(len(groups))
+    ]  # fmt: skip
+    seen[near] = _block_errors(problem, points, groups, blocks)
+    return seen
+
+
+def _points(problem: Problem, fits: Sequence[Fit]) -> list[Point]:
+    return [point_of(problem, fit) for fit in fits]
+
+
+def _later_or_kept(problem: Problem, fits: Sequence[Fit], groups: Sequence[list[int]]) -> Floats:
+    """Return errors where only one run is fitted: of its last part, or of what was kept from it."""
+    points = [_points(problem, fits)] * len(groups)
+    if problem.train_fraction == 1.0:
+        return _block_errors(problem, points, groups, limits.UNSEEN_BLOCKS)
+    later = replace(problem, train_fraction=1.0, rest=(), initial=problem.initial_or_none)
+    own = np.flatnonzero(~problem.seen)
+    errors = later.position_errors(points[0], range(len(problem.runs)))[:, own]
+    parts = np.array_split(np.arange(own.size), limits.UNSEEN_BLOCKS)
+    rows = [np.nanmean(errors[:, part] ** 2, axis=1) for part in parts
+            if np.isfinite(errors[0, part]).any()]  # fmt: skip
+    return np.array(rows).T
+
+
+def _block_errors(
+    problem: Problem, points: Sequence[Sequence[Point]], groups: Sequence[list[int]], blocks: int
+) -> Floats:
+    """Return mean squared errors of x in blocks of groups of runs, of points for each group."""
+    rows = []
+    for own, group in zip(points, groups, strict=True):
+        errors = problem.position_errors(own, group)
+        parts = np.array_split(np.arange(errors.shape[1]), blocks)
+        rows += [np.nanmean(errors[:, part] ** 2, axis=1) for part in parts
+                 if np.isfinite(errors[0, part]).any()]  # fmt: skip
+    return np.array(rows).T
+
+
+def _cause(now: _Compared, base: Fit, none: Candidate) -> Cause | None:
+    """Return the next cause beside those of a model, if unseen runs confirm one."""
+    able = [one for one in now.others if _confirmed(now, one, none)]
+    if not able:
+        return None
+    near, likeliest = able, min(able, key=lambda one: one.deviance)
+    if likeliest.error > REACH * _motion(now.problem):
+        # Of what errs so far, the rest is not known to first order: prediction goes first.
+        least = min(one.error for one in able)
+        near = [one for one in able if one.error <= limits.AS_GOOD_UNSEEN * least]
+        likeliest = min(near, key=lambda one: one.deviance)
+    tie = limits.TIE * now.inflation
+    alike = [one for one in near if one.deviance - likeliest.deviance < tie]
+    own = {_added(one.fit, base): one for one in alike}
+    # A law that has another one as its limit is no rival of it.
+    names = [
+        name
+        for name in sorted(own, key=lambda name: own[name].deviance)
+        if not any(narrower in own for narrower in effect(name).contains)
+    ]
+    chosen = own[names[0]]
+    behind = np.array([one.deviance - likeliest.deviance for one in near])
+    weights = np.exp(-0.5 * behind / (limits.TEMPER * now.inflation))
+    inside = float(weights[behind < tie].sum() / weights.sum())
+    agrees = _agrees(now.problem, chosen.fit)
+    return Cause(tuple(names), chosen, now.base, agrees=agrees, weight=inside)
+
+
+def _motion(problem: Problem) -> float:
+    """Return the root mean square of the motion in the fitted runs, around the middle of each."""
+    runs = [problem.runs[r].channels["x"] for r in problem.fitted]
+    return float(np.sqrt(np.mean([np.nanvar(x) for x in runs])))
+
+
+def _added(fit: Fit, base: Fit) -> str:
+    return next(name for name in fit.model.names if name not in base.model.names)
+
+
+def _confirmed(now: _Compared, one: Candidate, none: Candidate) -> bool:
+    """Return whether unseen runs confirm what a model has more than the one before it.
+
+    It has to be likelier beside the rest, and its error in blocks of unseen runs smaller: surely,
+    and by a share of the nominal model's error that is worth a name.
+    """
+    before = now.base
+    if before.deviance - one.deviance < limits.LEAST_GAIN * now.inflation:
+        return False
+    if before.error - one.error < limits.LEAST_SHARE * none.error:
+        return False
+    if one.error < limits.CLEAR_FALL * before.error:
+        return True
+    fall = np.sqrt(before.squares) - np.sqrt(one.squares)
+    if fall.size < 2:
+        return True
+    spread = float(np.std(fall, ddof=1)) / np.sqrt(fall.size)
+    sure = float(stdtrit(fall.size - 1, limits.SURE_UNSEEN))
+    return bool(float(fall.mean()) > sure * spread)
+
+
+def _unlisted(now: _Compared, cause: Cause) -> str:
+    """Return the variable of an unlisted force that does better than a cause, if any."""
+    problem = now.problem
+    before, after = evaluate(problem, [now.base.fit.unfitted(), cause.fit.unfitted()])
+    more = len(after.model.free) - len(before.model.free)
+    gain = before.chi2 - after.chi2 - limits.PENALTY * more
+    terms = NonparametricCorrection(problem, before)
+    factors = {v: terms.log_bayes_factor([v], 1.0) for v in UNLISTED}
+    best = max(factors, key=lambda v: factors[v])
+    least = limits.UNLISTED_GAIN * max(gain, 0.0) + limits.LEAST_GAIN * now.inflation
+    return best if factors[best] > least else ""
+
+
+def _agrees(problem: Problem, fit: Fit) -> bool:
+    """Return whether the parameters of a fit agree between runs: Cochran's Q beside the rest.
+
+    The rest is known to first order only: a spread that is a small part of a parameter is none.
+    """
+    groups = groups_of(problem, problem.fitted)
+    (fit,) = evaluate(problem, [fit.unfitted()])
+    slopes = jacobian_of(problem, fit)[: len(fit.model.free)]
+    weights, pulls = [], []
+    for group in groups:
+        own = np.concatenate([problem.of_run(r, problem.fitted) for r in group])
+        weights.append(slopes[:, own] @ slopes[:, own].T)
+        pulls.append(slopes[:, own] @ fit.residual[own])
+    whole = sum(weights, np.zeros((len(slopes), len(slopes))))
+    # What all runs ask for together is no disagreement.
+    shift = np.linalg.lstsq(whole, sum(pulls, np.zeros(len(slopes))), rcond=None)[0]
+    statistic, count, scatter = 0.0, -shift.size, np.zeros(shift.size)
+    for weight, pull in zip(weights, pulls, strict=True):
+        left = pull - weight @ shift
+        values, vectors = np.linalg.eigh(weight)
+        keep = values > _KNOWN * max(float(values[-1]), 1e-300)
+        along = vectors[:, keep].T @ left
+        statistic += float(np.sum(along**2 / values[keep]))
+        count += int(keep.sum())
+        scatter += np.diag(weight) * np.square(vectors[:, keep] @ (along / values[keep]))
+    spread = np.sqrt(scatter / np.maximum(np.diag(whole), 1e-300))
+    logs = np.array([free.log for free in fit.model.free])
+    size = np.where(logs, 1.0, np.abs(fit.theta[: shift.size]))
+    alike = bool((spread < limits.ALIKE_BETWEEN_RUNS * np.maximum(size, 1e-300)).all())
+    return alike or count <= 0 or bool(chdtrc(count, statistic) > limits.AGREEMENT)

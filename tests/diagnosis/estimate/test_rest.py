@@ -1,0 +1,79 @@
+"""The force that no effect stands for: its likelihood by another route, its size, its runs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from diagnosis_small import NOISE, driven, measured, problem
+from locosweep.diagnosis.estimate.least_squares import Fit, Model, Nuisances, point_of
+from locosweep.diagnosis.estimate.rest import RestForce
+
+
+def pushed(size: float, count: int = 4):
+    """Runs in which a force acts that their drive column does not tell of."""
+    runs = driven(count)
+    random = np.random.default_rng(3)
+    knots = np.linspace(0.0, 2.0, 9)
+    hidden = [np.interp(run.t, knots, size * random.standard_normal(9)) for run in runs]
+    real = [replace(run, drive=run.drive + f) for run, f in zip(runs, hidden, strict=True)]
+    return [
+        replace(run, drive=told.drive)
+        for run, told in zip(measured({}, real), runs, strict=True)
+    ]  # fmt: skip
+
+
+def nothing() -> Fit:
+    return Fit(Model((), ()), Nuisances(), np.zeros(0))
+
+
+def test_its_size_is_that_of_the_hidden_force() -> None:
+    (found,) = RestForce(problem(pushed(0.05))).beside([nothing()])
+    assert 0.015 < found.size < 0.15
+
+
+def test_there_is_none_where_only_noise_is_left() -> None:
+    (found,) = RestForce(problem(measured({}))).beside([nothing()])
+    assert found.size < 1e-3
+    assert max(found.noise) < 1.3
+
+
+def test_its_deviance_is_that_of_a_normal_distribution() -> None:
+    """The covariance of all readings of a run, written out, gives the same likelihood."""
+    own = problem(pushed(0.05, 2))
+    force = RestForce(own)
+    (rest,) = force.beside([nothing()])
+    beside = force.beside_one(replace(rest, noise=(1.0,) * 2))
+    deviance = 0.0
+    e = own.measured["x"] - own.replay([point_of(own, nothing())])["x"][0]
+    for r in range(2):
+        at = slice(own.starts_at[r], own.starts_at[r + 1])
+        rows = np.array([dict(s)[0][at] for s in [*own.start_shifts, *beside.rest]])
+        weights = own.weights["x"][at]
+        covariance = np.eye(rows.shape[1]) + rows.T @ rows
+        density = multivariate_normal(np.zeros(rows.shape[1]), covariance, allow_singular=True)
+        deviance -= 2.0 * density.logpdf(e[at] * weights)
+        starts = np.array([dict(s)[0][at] for s in own.start_shifts])
+        # What does not depend on the rest is left out.
+        deviance -= np.linalg.slogdet(np.eye(len(starts)) + starts @ starts.T)[1]
+        deviance -= rows.shape[1] * np.log(2.0 * np.pi)
+    if max(rest.noise) == 1.0:
+        assert rest.deviance == pytest.approx(deviance, rel=1e-6)
+    else:
+        assert rest.deviance < deviance
+
+
+def test_a_run_that_no_model_follows_counts_for_less() -> None:
+    runs = measured({})
+    random = np.random.default_rng(1)
+    runs[1].channels["x"][:] += 30.0 * NOISE * random.standard_normal(runs[1].t.size)
+    own = problem(runs)
+    force = RestForce(own)
+    (rest,) = force.beside([nothing()])
+    assert 500.0 < rest.noise[1] < 1500.0
+    assert max(rest.noise[0], rest.noise[2]) < 1.5
+    weights = np.split(force.beside_one(rest).weights["x"], own.starts_at[1:-1])
+    assert weights[1].max() < 0.06 * weights[0].max()
