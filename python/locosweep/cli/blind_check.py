@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
+from locosweep.cli.blind_check_rig import RigCheck, check_rig, refuse_mixture, rig_options
 from locosweep.cli.options import called, meter, show
 from locosweep.files.strict_json import as_json
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 @options.count_option(
     "--gap-free", 0, "Further cases without a gap, with exactly the nominal values."
 )
+@rig_options
 @options.count_option("--seed", 0, "Case i of a seed is the same however many are drawn.")
 @options.out_option("Folder for cases, truths, diagnoses and figures")
 @options.count_option(
@@ -43,6 +45,11 @@ def blind_check(
     ctx: click.Context,
     cases: int,
     gap_free: int,
+    rig: Path | None,
+    nominal: Path | None,
+    calibrate: bool,
+    labels: str,
+    sizes: str,
     seed: int,
     out: Path,
     experiments: int,
@@ -56,6 +63,9 @@ def blind_check(
 
     A simulator of its own draws rigs, drives, noise and what is wrong; the truths are
     hashed before the first diagnosis and opened after the last.
+
+    With --rig, cases are made from a measured rig and its calibrated model: each effect
+    is planted into the log, so strongly that the model errs --sizes times as much.
     """
     from locosweep import _core
     from locosweep.errors import InputError
@@ -66,6 +76,14 @@ def blind_check(
     from locosweep.validation.tables import as_json as tables_as_json
     from locosweep.validation.tables import as_text, wrong_cases
 
+    refuse_mixture(ctx)
+    if rig is not None:
+        asked = RigCheck(
+            rig, nominal, calibrate, labels, sizes, seed, out, draw_only, force, quiet, threads,
+            json_,
+        )  # fmt: skip
+        check_rig(asked, called(ctx))
+        return
     if cases + gap_free == 0:
         raise InputError("--cases and --gap-free are both 0: allowed is at least one case")
     check_folder(out, force=force)

@@ -16,7 +16,7 @@ from locosweep.files.channels import CHANNELS
 from locosweep.validation.experiment import FINE, Experiment, World
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
     from pathlib import Path
 
     import polars as pl
@@ -162,12 +162,11 @@ def _plain(value: Any) -> Any:
     return value
 
 
-def seal(out: Path, names: Iterable[str]) -> Path:
-    """Write the hashes of all truths."""
-    hashes = {
-        name: {f: digest(out / "sealed" / name / f) for f in ("truth.json", "check.csv")}
-        for name in names
-    }
+def seal(
+    out: Path, names: Iterable[str], files: Sequence[str] = ("truth.json", "check.csv")
+) -> Path:
+    """Write the hashes of all truths, of which each is some `files`."""
+    hashes = {name: {f: digest(out / "sealed" / name / f) for f in files} for name in names}
     path = out / SEAL
     with replacing(path) as temporary:
         temporary.write_text(json.dumps(hashes, indent=1, sort_keys=True))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from locosweep.validation.case_files import SEAL, digest, read_truth, runs_file
 from locosweep.validation.fresh_runs import fresh_reduction
-from locosweep.validation.judge import Judged, judge
+from locosweep.validation.judge import NAMING, Judged, judge
 from locosweep.validation.next_run import NextRun, carried_out
 from locosweep.validation.processes import code_digest, over_processes
 
@@ -78,7 +78,7 @@ def _judge(out: Path, outcome: Outcome) -> Judged:
         return judge(truth, None, seconds=outcome.seconds, error=outcome.error)
     report: dict[str, Any] = json.loads((kept / "report.json").read_text())
     fresh = None
-    if report["verdict"]["status"] in ("explained", "ambiguous") and truth["kind"] != "none":
+    if report["verdict"]["status"] in NAMING and truth["kind"] != "none":
         fresh = fresh_reduction(
             out / "sealed" / outcome.name / "check.csv",
             out / outcome.name / "nominal.toml",

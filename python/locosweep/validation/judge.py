@@ -9,6 +9,8 @@ from typing import Any
 from locosweep.simulation.replay import effect as record_of
 from locosweep.simulation.replay import effects
 
+NAMING = ("explained", "ambiguous", "partial")
+"""Statuses of verdicts that name effects."""
 SURE_TWIN = 2.0
 """Standard deviations below which a rival is certainly indistinguishable from the truth."""
 
@@ -110,7 +112,7 @@ def _right(truth: dict[str, Any], verdict: dict[str, Any]) -> bool:
     status = verdict["status"]
     if truth["kind"] == "none":
         return bool(status == "none")
-    if status not in ("explained", "ambiguous"):
+    if status not in NAMING:
         return bool(truth["kind"] == "outside" and status == "unexplained")
     accepted = [sorted(a) for a in truth["accepted"]]
     if sorted(said) in accepted:
@@ -210,7 +212,7 @@ def judge(
         return Judged(**common, said="error", status="error", error=error or "no report")
     verdict = report["verdict"]
     status, said = verdict["status"], verdict["effects"]
-    named = status in ("explained", "ambiguous")
+    named = status in NAMING
     site = None
     if names and named:
         sites = {record_of(name).site for e in truth["effects"] for name in e["accepted"]}
