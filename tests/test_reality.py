@@ -8,7 +8,7 @@ import pytest
 from locosweep import _core
 from locosweep.errors import InputError
 from locosweep.simulation.replay import effect_values, effects
-from locosweep.validation.laws import CAUSES, LAWS, OUTSIDE
+from locosweep.validation.laws import ALL_LAWS, CAUSES, OUTSIDE
 
 NOMINAL = {
     "segments": 4.0, "mass": 0.8, "gravity": 9.81, "mu_coulomb": 0.3, "viscous": 0.4,
@@ -69,7 +69,7 @@ def test_every_effect_has_its_law_and_another() -> None:
     names = {record.name for record in effects()}
     assert set(CAUSES) == names == set(STRONG)
     forms = {(name, form) for name, form, _ in _core.reality_forms()}
-    assert forms == set(LAWS)
+    assert forms == set(ALL_LAWS)
     for name in names:
         assert (name, "law") in forms
         assert any(cause == name and form != "law" for cause, form in forms)

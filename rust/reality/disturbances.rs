@@ -103,6 +103,10 @@ pub fn force(effects: &[Effect], drawn: &Drawn, t: f64, x: f64, v: f64) -> f64 {
                 let u = (x - at) / width;
                 -amplitude * u * (-u * u).exp()
             }
+            // A spring drum: what it pulls with depends on whether the cable pays out or winds up.
+            Effect::CableReel { pull, k, at, loss, v0 } => {
+                -(pull + k * (x - at)) * (1.0 + loss * (v / v0).tanh())
+            }
             Effect::Wall { at, k, d } => {
                 let depth = x - at;
                 if depth > 0.0 { -(k * depth + d * v).max(0.0) } else { 0.0 }
@@ -120,6 +124,10 @@ pub fn tilt(effects: &[Effect], t: f64, x: f64) -> f64 {
         sum += match *effect {
             Effect::Rocking { amplitude, frequency, phase } => {
                 amplitude.to_radians() * ((TAU * frequency * t + phase).sin() - phase.sin())
+            }
+            // A rail that hangs through: downhill towards its middle.
+            Effect::SaggingRail { amplitude, at, length } => {
+                amplitude.to_radians() * (x - at) / length
             }
             Effect::SlopeUneven { d_alpha_deg, a, length } => {
                 d_alpha_deg.to_radians() * (1.0 + a * (TAU * x / length).sin())

@@ -86,7 +86,18 @@ fn saturation(effects: &[Effect], force: f64) -> f64 {
 pub fn told(effects: &[Effect], rig: &Rig, t: f64, command: f64, open: &mut bool) -> f64 {
     let force = gain(effects, t, rig.gain * command);
     let force = saturation(effects, deadzone(effects, force, open));
-    force.clamp(-rig.limit, rig.limit)
+    force.clamp(-rig.limit, rig.limit) + hum(effects, t)
+}
+
+/// What the mains add behind the drive's limit.
+fn hum(effects: &[Effect], t: f64) -> f64 {
+    let of = |effect: &Effect| match *effect {
+        Effect::MainsHum { amplitude, frequency, phase } => {
+            amplitude * (std::f64::consts::TAU * frequency * t + phase).sin()
+        }
+        _ => 0.0,
+    };
+    effects.iter().map(of).sum()
 }
 
 /// Rates of the lag's two states towards what is told; the second is the force.
@@ -122,6 +133,7 @@ pub fn fastest(effects: &[Effect]) -> f64 {
     let of = |effect: &Effect| match *effect {
         Effect::Lag { time } => 1.0 / time,
         Effect::LagTwice { time } => 2.0 / time,
+        Effect::MainsHum { frequency, .. } => std::f64::consts::TAU * frequency,
         Effect::LagAsymmetric { rise, fall } => 1.0 / rise.min(fall),
         _ => 0.0,
     };

@@ -120,6 +120,11 @@ effects! {
     Wall "wall" "outside" { at "x0", k "k", d "d" }
     ReadingSlips "reading_slips" "outside" { jump "J", every "T" }
     ReadingFreezes "reading_freezes" "outside" { width "w", every "T" }
+    DustRidge "dust_ridge" "outside" { amplitude "A", length "L" }
+    CableReel "cable_reel" "outside" { pull "A", k "k", at "x0", loss "h", v0 "v0" }
+    MainsHum "mains_hum" "outside" { amplitude "A", frequency "f", phase "p" }
+    SaggingRail "sagging_rail" "outside" { amplitude "A_deg", at "x0", length "L" }
+    LooseEncoder "loose_encoder" "outside" { play "b" }
 }
 
 /// The first of `effects` for which `found` has an answer.

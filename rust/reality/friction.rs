@@ -23,6 +23,8 @@ pub struct ContactState {
     pub t: f64,
     /// Forward, since the head last rested or turned.
     pub swept: f64,
+    /// Forward, how far a ridge at the head has been pushed; 0 behind it.
+    pub pushed: f64,
     /// Force that the transmission delivers.
     pub drive: f64,
 }
@@ -104,6 +106,9 @@ fn heap(effects: &[Effect], contact: &ContactState) -> f64 {
         more += match *effect {
             Effect::Buildup { k_b } => k_b * contact.swept,
             Effect::BuildupLevelling { k_b, s0 } => -k_b * s0 * (-contact.swept / s0).exp_m1(),
+            Effect::DustRidge { amplitude, length } => {
+                -amplitude * (-contact.pushed / length).exp_m1()
+            }
             _ => 0.0,
         };
     }

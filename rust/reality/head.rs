@@ -17,6 +17,9 @@ pub struct State {
     direction: f64,
     /// Where the head last rested or turned.
     origin: f64,
+    /// Where it began, and the furthest that it has come from there.
+    began: f64,
+    furthest: f64,
     bristle: f64,
     lag: [f64; 2],
     /// Memory of a dead zone with hysteresis.
@@ -25,7 +28,7 @@ pub struct State {
     side: (f64, f64),
     /// A payload that swings.
     load: (f64, f64),
-    /// A position reading that follows slowly.
+    /// A position reading that follows slowly, or with play.
     pub filtered: f64,
 }
 
@@ -64,6 +67,7 @@ pub struct Head<'a> {
     joint: Option<Joint>,
     swing: Option<Swing>,
     filter: Option<f64>,
+    play: Option<f64>,
     step: f64,
 }
 
@@ -113,7 +117,12 @@ impl<'a> Head<'a> {
             filter.map_or(0.0, |time| 1.0 / time),
         ];
         let fastest = fastest.into_iter().fold(1e-9, f64::max);
-        let tilts = |e: &Effect| matches!(e, Effect::Rocking { .. } | Effect::SlopeUneven { .. });
+        let tilts = |e: &Effect| {
+            matches!(
+                e,
+                Effect::Rocking { .. } | Effect::SlopeUneven { .. } | Effect::SaggingRail { .. }
+            )
+        };
         let remembers = |e: &Effect| matches!(e, Effect::DeadzoneHysteresis { .. });
         let alpha = (slope_deg + d_alpha.unwrap_or(0.0)).to_radians();
         // Coarse steps are for comparisons: they resolve a joint less finely.
@@ -143,6 +152,10 @@ impl<'a> Head<'a> {
             joint,
             swing,
             filter,
+            play: first(effects, |e| match *e {
+                Effect::LooseEncoder { play } => Some(play),
+                _ => None,
+            }),
             step: step.min(share / fastest).max(1e-7),
         }
     }
@@ -160,6 +173,8 @@ impl<'a> Head<'a> {
             v,
             direction: if v == 0.0 { 0.0 } else { v.signum() },
             origin: x,
+            began: x,
+            furthest: x,
             lag: [told; 2],
             open,
             side: (x + loaded, v),
@@ -239,6 +254,7 @@ impl<'a> Head<'a> {
             x: state.x,
             t: state.t,
             swept: (state.x - state.origin).max(0.0),
+            pushed: if state.x >= state.furthest { state.x - state.began } else { 0.0 },
             drive: handed,
         }
     }
@@ -396,6 +412,11 @@ impl<'a> Head<'a> {
         for _ in 0..steps as u64 {
             each(state, dt);
             self.step(state, command, dt);
+            state.furthest = state.furthest.max(state.x);
+            if let Some(play) = self.play {
+                let half = 0.5 * play;
+                state.filtered = state.filtered.clamp(state.x - half, state.x + half);
+            }
         }
         state.t = until;
     }

@@ -42,7 +42,9 @@ impl<'a> Sensor<'a> {
 
     /// Reading of a position `x` at its instant; the run began at `x0`.
     pub fn reading(&self, t: f64, x: f64, filtered: f64, x0: f64) -> f64 {
-        let filters = |e: &Effect| matches!(e, Effect::SensorDelayFilter { .. });
+        let filters = |e: &Effect| {
+            matches!(e, Effect::SensorDelayFilter { .. } | Effect::LooseEncoder { .. })
+        };
         let mut reading = if self.effects.iter().any(filters) { filtered } else { x };
         for effect in self.effects {
             let moved = reading - x0;

@@ -14,7 +14,8 @@ from locosweep.validation.baseline import ALIKE, baseline
 from locosweep.validation.calibration import calibrate
 from locosweep.validation.planting import NotPlantable, Rig
 from locosweep.validation.rig_problem import rms_of, see, weighed
-from locosweep.validation.semi_real import RISES, Source, controls, draw
+from locosweep.validation.semi_real import Source, controls, draw
+from locosweep.validation.sizes import RISES
 
 T = np.arange(0.0, 2.0, 0.01)
 BENCH = Robot(

@@ -8,6 +8,7 @@ import click
 
 from locosweep.cli import options
 from locosweep.cli.blind_check_rig import RigCheck, check_rig, refuse_mixture, rig_options
+from locosweep.cli.blind_check_strata import StratumCheck, check_stratum
 from locosweep.cli.options import called, meter, show
 from locosweep.files.strict_json import as_json
 
@@ -25,6 +26,14 @@ if TYPE_CHECKING:
 @options.count_option(
     "--gap-free", 0, "Further cases without a gap, with exactly the nominal values."
 )
+@click.option(
+    "--only", metavar="STRATUM",
+    help="Cases of one kind: outside, another-law, pairs, background or bad-readings.",
+)  # fmt: skip
+@click.option(
+    "--families", metavar="NAME,...", default="",
+    help="Disturbances of --only outside; default: all.",
+)  # fmt: skip
 @rig_options
 @options.count_option("--seed", 0, "Case i of a seed is the same however many are drawn.")
 @options.out_option("Folder for cases, truths, diagnoses and figures")
@@ -45,6 +54,8 @@ def blind_check(
     ctx: click.Context,
     cases: int,
     gap_free: int,
+    only: str | None,
+    families: str,
     rig: Path | None,
     nominal: Path | None,
     calibrate: bool,
@@ -66,6 +77,8 @@ def blind_check(
 
     With --rig, cases are made from a measured rig and its calibrated model: each effect
     is planted into the log, so strongly that the model errs --sizes times as much.
+
+    With --only, all cases are of one kind, as many as a bound on its errors needs.
     """
     from locosweep import _core
     from locosweep.errors import InputError
@@ -83,6 +96,13 @@ def blind_check(
             json_,
         )  # fmt: skip
         check_rig(asked, called(ctx))
+        return
+    if only is not None or families:
+        wanted = StratumCheck(
+            only, [name for name in families.split(",") if name], cases, gap_free, experiments,
+            seed, out, draw_only, force, quiet, threads, json_,
+        )  # fmt: skip
+        check_stratum(wanted, called(ctx))
         return
     if cases + gap_free == 0:
         raise InputError("--cases and --gap-free are both 0: allowed is at least one case")

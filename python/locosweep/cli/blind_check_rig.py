@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from locosweep.files.robot import Robot
 
-_MIXTURE = ("cases", "gap_free", "experiments")
+_MIXTURE = ("cases", "gap_free", "experiments", "only", "families")
 """Options of drawn rigs, which say nothing about a measured one."""
 
 

@@ -6,22 +6,32 @@ Case `i` is the same whatever the number of cases.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from locosweep.diagnosis.effects.catalogue import lacking
 from locosweep.simulation.replay import effects
+from locosweep.validation.case_truth import outside, over_background, pair, single
 from locosweep.validation.drives import KINDS, draw_shape, sample_times
 from locosweep.validation.experiment import COARSE, Drive, Experiment, World
-from locosweep.validation.laws import CAUSES, LAWS, OUTSIDE, Cause, Scale, draw_cause
+from locosweep.validation.laws import (
+    CAUSES,
+    LAWS,
+    OUTSIDE,
+    Cause,
+    Scale,
+    draw_background,
+    draw_cause,
+)
 from locosweep.validation.rigs import Rig, Sensors, draw_rig, draw_sensors, log_uniform
-from locosweep.validation.sizes import ALIKE, Nuisances, rival_distances
+from locosweep.validation.sizes import Nuisances
 
 if TYPE_CHECKING:
     from numpy.random import Generator
     from numpy.typing import NDArray
+
+    from locosweep.validation.experiment import Effect
 
     Floats = NDArray[np.float64]
 
@@ -33,6 +43,13 @@ _MOST_SAMPLES = 16000
 """Largest number of samples of all runs of a case."""
 _LEAST, _MOST = 0.8, 600.0
 """Sizes outside are drawn anew: an effect that sets in at once cannot be made small."""
+_TRIES = 200
+"""Draws until one can be seen, at most: of effects over a background one in some ten reaches
+its size."""
+_FLOORS = (3.0, 100.0)
+"""Error that a background alone makes, in deviations of a reading: what measured rigs leave."""
+_TIMES = (3.0, 30.0)
+"""Size of an effect's gap over that of its background."""
 _NO_SENSORS = Sensors(1.0, 1.0)
 """Sensors that do not matter yet."""
 
@@ -214,6 +231,11 @@ def _rounded(parameters: dict[str, float]) -> dict[str, float]:
     return {name: float(f"{value:.6g}") for name, value in parameters.items()}
 
 
+def _effect(cause: Cause, strength: float) -> Effect:
+    name, form, parameters = cause.effect(strength)
+    return name, form, _rounded(parameters)
+
+
 def _pick(rng: Generator, rig: Rig, channels: tuple[str, ...], count: int) -> list[str]:
     """Pick causes that the sensors could show."""
     absent = {*absent_of(rig), *lacking({"rear_sensor": "x_rear" in channels})}
@@ -227,6 +249,28 @@ def _pick(rng: Generator, rig: Rig, channels: tuple[str, ...], count: int) -> li
             return picked
 
 
+@dataclass(frozen=True)
+class Wanted:
+    """What a case is asked to be.
+
+    Attributes
+    ----------
+    kind : str
+        One of `KINDS_OF_CASE`, or ``background``: one effect over one that nobody names.
+    exact : bool
+        The nominal values are true.
+    mismatch : bool or None
+        Another functional form than the listed one; None draws it.
+    families : tuple of str
+        Disturbances that a case outside the list may have.
+    """
+
+    kind: str
+    exact: bool = False
+    mismatch: bool | None = None
+    families: tuple[str, ...] = OUTSIDE
+
+
 def draw_case(seed: int, index: int, *, gap_free: bool = False, threads: int = 1) -> Case:
     """Draw one case of a seed; it does not depend on `threads`, those of the reality.
 
@@ -234,16 +278,22 @@ def draw_case(seed: int, index: int, *, gap_free: bool = False, threads: int = 1
     """
     rng = np.random.default_rng([seed, int(gap_free), index])
     kind = str(rng.choice(list(KINDS_OF_CASE), p=list(KINDS_OF_CASE.values())))
-    kind = "none" if gap_free else kind
-    for _ in range(50):
-        case = _try_case(rng, kind, exact=gap_free, threads=threads)
+    wanted = Wanted("none" if gap_free else kind, exact=gap_free)
+    return draw_wanted(rng, wanted, f"case {index} of seed {seed}", threads=threads)
+
+
+def draw_wanted(rng: Generator, wanted: Wanted, label: str, *, threads: int = 1) -> Case:
+    """Draw cases until one can be seen; `label` names it where none can."""
+    for _ in range(_TRIES):
+        case = _try_case(rng, wanted, threads)
         if case is not None:
             return case
-    raise RuntimeError(f"case {index} of seed {seed}: nothing drawn can be seen")
+    raise RuntimeError(f"{label}: nothing drawn can be seen")
 
 
-def _try_case(rng: Generator, kind: str, *, exact: bool, threads: int) -> Case | None:
-    rig = draw_rig(rng, exact=exact)
+def _try_case(rng: Generator, wanted: Wanted, threads: int) -> Case | None:
+    kind = wanted.kind
+    rig = draw_rig(rng, exact=wanted.exact)
     plan = _plan(rng, rig)
     drives = _drives(rng, rig, plan["count"], plan)
     fresh = _drives(rng, rig, 3, {**plan, "repeats": False})
@@ -275,130 +325,61 @@ def _try_case(rng: Generator, kind: str, *, exact: bool, threads: int) -> Case |
         return case
     nuisances = Nuisances(experiment, scale, World(shifts), threads)
     if kind == "outside":
-        return _outside(rng, case, nuisances)
+        return _outside(rng, case, nuisances, wanted.families)
+    if kind == "background":
+        return _over_background(rng, case, nuisances)
     names = _pick(rng, rig, sensors.channels, 1 if kind == "one" else 2)
-    mismatch = kind == "one" and rng.random() < _MISMATCH
+    mismatch = wanted.mismatch
+    if mismatch is None:
+        mismatch = kind == "one" and rng.random() < _MISMATCH
     forms = [_form(rng, rig, name, mismatch=mismatch) for name in names]
     causes = [draw_cause(rng, scale, name, form) for name, form in zip(names, forms, strict=True)]
     chosen, gaps = [], []
     for cause in causes:
         strength, gap = _strength(nuisances, cause, _target(rng, kind))
-        name, form, parameters = cause.effect(strength)
-        chosen.append((name, form, _rounded(parameters)))
+        chosen.append(_effect(cause, strength))
         gaps.append(gap)
     sizes = [float(np.linalg.norm(gap)) for gap in gaps]
     if min(sizes) < _LEAST or max(sizes) > _MOST:
         return None
     case = replace(case, world=World(shifts, tuple(chosen)))
-    return _single(case, nuisances, gaps[0]) if kind == "one" else _pair(case, nuisances)
+    absent = absent_of(rig)
+    return (
+        single(case, nuisances, gaps[0], absent) if kind == "one" else pair(case, nuisances, absent)
+    )
 
 
-def _verdict(own: float, distances: dict[str, float], name: str) -> dict[str, Any]:
-    """Return the class of causes that the runs cannot tell from the true one.
-
-    A rival belongs to it if it leaves no more than noise, or, for an effect of another
-    functional form, no more than the listed form of its own name leaves.
-    """
-    bar = max(ALIKE, own)
-    accepted = [name, *sorted(r for r, left in distances.items() if left < bar and r != name)]
-    others = [left for r, left in distances.items() if r not in accepted]
-    return {"accepted": accepted, "next_rival": min(others, default=float("inf"))}
-
-
-def _single(case: Case, nuisances: Nuisances, gap: Floats) -> Case:
-    (name, form, parameters) = case.world.effects[0]
-    d = nuisances.size(case.world.effects)
-    absent = absent_of(case.experiment.rig)
-    distances = rival_distances(nuisances, gap, own=case.world.effects[0], absent=absent, most=d)
-    law = form in ("law", "force")
-    found = _verdict(0.0 if law else distances[name], distances, name)
-    entry = {
-        "name": name,
-        "form": form,
-        "parameters": parameters,
-        "d": d,
-        "d_name": min(d, found["next_rival"]),
-        "accepted": found["accepted"],
-        "distances": distances,
-    }
-    truth = {
-        **case.truth,
-        "status": "explained" if len(found["accepted"]) == 1 else "ambiguous",
-        "effects": [entry],
-        "mismatch": not law,
-        "accepted": [[rival] for rival in found["accepted"]],
-        "d": d,
-    }
-    return replace(case, truth=truth)
-
-
-def _pair(case: Case, nominal: Nuisances) -> Case:
-    """Find size and rivals of each of two effects, the other one refitted."""
-    effects, entries = case.world.effects, []
-    whole = nominal.differences([effects])[0]
-    absent = absent_of(case.experiment.rig)
-    singles = rival_distances(nominal, whole, absent=absent)
-    accepted = [[rival] for rival, left in sorted(singles.items()) if left < ALIKE]
-    for i, (name, form, parameters) in enumerate(effects):
-        other = effects[1 - i]
-        world = World(case.world.shifts, (other,))
-        around = Nuisances(case.experiment, nominal.scale, world, nominal.threads)
-        gap = around.differences([(effects[i],)])[0]
-        world = World(case.world.shifts, ((other[0], other[1], _nudged(other[2])),))
-        moved = case.experiment.read([world], COARSE, nominal.threads)[0]
-        sensitivity = around.left(case.experiment.whitened(moved) - around.base)
-        beside = [sensitivity] if np.linalg.norm(sensitivity) > 0.0 else []
-        alone = gap - sum((b * (b @ gap) / (b @ b) for b in beside), 0.0)
-        d = min(float(np.linalg.norm(alone)), around.size((effects[i],)))
-        distances = rival_distances(
-            around, gap, own=effects[i], beside=beside, absent=[*absent, other[0]], most=d
-        )
-        found = _verdict(0.0, distances, name)
-        entries.append({
-            "name": name, "form": form, "parameters": parameters, "d": d,
-            "d_name": min(d, found["next_rival"]), "accepted": found["accepted"],
-            "distances": distances,
-        })  # fmt: skip
-    classes = [entry["accepted"] for entry in entries]
-    (first, *_), (second, *_) = effects
-    accepted += [[a, b] for a, b in product(*classes) if a == first or b == second]
-    plain = all(len(c) == 1 for c in classes) and not any(len(a) == 1 for a in accepted)
-    truth = {
-        **case.truth,
-        "status": "explained" if plain else "ambiguous",
-        "effects": entries,
-        "mismatch": False,
-        "accepted": accepted,
-        "d": nominal.size(effects),
-    }
-    return replace(case, truth=truth)
-
-
-def _nudged(parameters: dict[str, float]) -> dict[str, float]:
-    """Move the first parameter, the one that carries most laws' strength, a little."""
-    first = next(iter(parameters))
-    return {**parameters, first: parameters[first] * 1.01}
-
-
-def _outside(rng: Generator, case: Case, nuisances: Nuisances) -> Case | None:
-    name = str(rng.choice(OUTSIDE))
-    cause = draw_cause(rng, nuisances.scale, name, "outside")
+def _outside(
+    rng: Generator, case: Case, nuisances: Nuisances, families: tuple[str, ...]
+) -> Case | None:
+    cause = draw_cause(rng, nuisances.scale, str(rng.choice(families)), "outside")
     strength, gap = _strength(nuisances, cause, _target(rng, "outside"))
-    parameters = _rounded(cause.effect(strength)[2])
-    d = nuisances.size(((name, "outside", parameters),))
-    if not _LEAST <= d <= _MOST:
+    effect = _effect(cause, strength)
+    world = World(nuisances.world.shifts, (effect,))
+    if not _LEAST <= nuisances.size(world.effects) <= _MOST:
         return None
-    absent = absent_of(case.experiment.rig)
-    distances = rival_distances(nuisances, gap, absent=absent, most=d)
-    accepted = [[rival] for rival, left in sorted(distances.items()) if left < ALIKE]
-    truth = {
-        **case.truth,
-        "status": "unexplained",
-        "outside": {"name": name, "parameters": parameters, "d": d, "distances": distances},
-        "accepted": accepted,
-        "mismatch": False,
-        "d": d,
-        "d_name": min(d, *distances.values()),
-    }
-    world = World(case.world.shifts, ((name, "outside", parameters),))
-    return replace(case, world=world, truth=truth)
+    return outside(replace(case, world=world), nuisances, absent_of(case.experiment.rig), gap)
+
+
+def _over_background(rng: Generator, case: Case, nuisances: Nuisances) -> Case | None:
+    """Draw one effect over a weak disturbance, which leaves more than the sensors' noise."""
+    rig, sensors = case.experiment.rig, case.experiment.sensors
+    weak = draw_background(rng, nuisances.scale)
+    floors = log_uniform(rng, *_FLOORS)
+    strength, left = _strength(nuisances, weak, floors * float(np.sqrt(nuisances.base.size)))
+    size = float(np.linalg.norm(left))
+    if size < _FLOORS[0] * np.sqrt(nuisances.base.size):
+        return None
+    background = _effect(weak, strength)
+    shifts = nuisances.world.shifts
+    around = Nuisances(case.experiment, nuisances.scale, World(shifts, (background,)), 1)
+    (picked,) = _pick(rng, rig, sensors.channels, 1)
+    cause = draw_cause(rng, nuisances.scale, picked, _form(rng, rig, picked, mismatch=False))
+    target = size * log_uniform(rng, *_TIMES)
+    strength, gap = _strength(around, cause, target)
+    found = float(np.linalg.norm(gap))
+    if not 0.8 * target <= found <= 1.25 * target:
+        return None
+    effect = _effect(cause, strength)
+    case = replace(case, world=World(shifts, (effect, background)))
+    return over_background(case, around, gap, absent_of(rig), size)

@@ -8,6 +8,7 @@ import time
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from locosweep.validation.bad_readings import BadJudged, judge_bad
 from locosweep.validation.case_files import SEAL, digest, read_truth, runs_file
 from locosweep.validation.fresh_runs import fresh_reduction
 from locosweep.validation.judge import NAMING, Judged, judge
@@ -92,6 +93,16 @@ def _judge(out: Path, outcome: Outcome) -> Judged:
 def judge_cases(out: Path, outcomes: Sequence[Outcome]) -> list[Judged]:
     """Open the truths, after the last diagnosis, and judge each verdict."""
     return [_judge(out, outcome) for outcome in outcomes]
+
+
+def judge_bad_readings(out: Path, outcomes: Sequence[Outcome]) -> list[BadJudged]:
+    """Open the truths of cases with bad readings, and judge each verdict."""
+    judged = []
+    for one in outcomes:
+        truth, file = read_truth(out, one.name), out / "diagnoses" / one.name / "report.json"
+        report = None if one.error else json.loads(file.read_text())
+        judged.append(judge_bad(truth, report, seconds=one.seconds, error=one.error))
+    return judged
 
 
 def _carry_out(out: Path, name: str, seed: int) -> NextRun | None:

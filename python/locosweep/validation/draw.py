@@ -14,7 +14,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 _DRAWING = (
+    "bad_readings",
     "case_files",
+    "case_truth",
     "cases",
     "drives",
     "experiment",
@@ -37,6 +39,13 @@ def _draw(seed: int, index: int, gap_free: bool, out: Path, code: str) -> str:
     return name
 
 
+def drawing_code() -> str:
+    """Return the hash of the code that says what a case is."""
+    modules = [f"validation/{name}.py" for name in _DRAWING]
+    files = (*modules, "diagnosis/effects", "files/channels.py", "files/toml.py")
+    return code_digest(*files, engine=False)
+
+
 def draw_cases(
     out: Path,
     cases: int,
@@ -48,9 +57,7 @@ def draw_cases(
 ) -> list[str]:
     """Draw cases into a folder and seal their truths; those that are there are kept."""
     wanted = [(i, False) for i in range(cases)] + [(i, True) for i in range(gap_free)]
-    modules = [f"validation/{name}.py" for name in _DRAWING]
-    files = (*modules, "diagnosis/effects", "files/channels.py", "files/toml.py")
-    code = code_digest(*files, engine=False)
+    code = drawing_code()
     calls = [(seed, index, free, out, code) for index, free in wanted]
     names = over_processes(_draw, calls, processes, progress)
     seal(out, names)

@@ -66,6 +66,8 @@ class Judged:
     next_resolves, next_possible : bool or None
         The proposed run, or any run of the menu, separates the true effect from its
         rivals; None where that was not tried.
+    times : float
+        Size of the gap over that of the background; NaN without one.
     """
 
     case: str
@@ -96,6 +98,7 @@ class Judged:
     channels: tuple[str, ...] = ("x",)
     next_resolves: bool | None = None
     next_possible: bool | None = None
+    times: float = float("nan")
 
 
 def _covers(classes: list[list[str]], names: list[str]) -> bool:
@@ -110,6 +113,10 @@ def _right(truth: dict[str, Any], verdict: dict[str, Any]) -> bool:
     names = [effect["name"] for effect in truth["effects"]]
     said, classes = verdict["effects"], verdict["equivalent"]
     status = verdict["status"]
+    if truth["kind"] == "background":
+        # Nobody is asked for the background: the first cause has to be the effect.
+        first = {*said[:1], *(classes[0] if classes else ())}
+        return bool(status in NAMING and first & set(truth["effects"][0]["accepted"]))
     if truth["kind"] == "none":
         return bool(status == "none")
     if status not in NAMING:
@@ -207,6 +214,9 @@ def judge(
         "twin": _twin(truth, report["verdict"]["effects"] if report else []),
         "seconds": seconds,
         "channels": tuple(truth["channels"]),
+        "times": float(truth["d"]) / truth["background"]["d"]
+        if "background" in truth
+        else float("nan"),
     }
     if report is None:
         return Judged(**common, said="error", status="error", error=error or "no report")

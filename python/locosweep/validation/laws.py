@@ -313,6 +313,29 @@ _OUTSIDE = {
     ("reading_freezes", "outside"): _Law(lambda s, k: {"w": 0.5 * s, "T": k.duration / 4.0}),
 }  # fmt: skip
 
+_KEPT_OUT = {
+    ("dust_ridge", "outside"): _Law(
+        lambda s, k, length: {"A": 3.0 * s * k.level, "L": k.travel * length}, _uniform(0.1, 1.0)
+    ),
+    ("cable_reel", "outside"): _Law(
+        lambda s, k, share, loss: {
+            "A": 1.5 * s * share * k.level, "k": 1.5 * s * (1.0 - share) * k.level / k.travel,
+            "x0": k.low, "h": loss, "v0": 0.02 * k.speed,
+        },
+        _uniform(0.2, 0.8), _uniform(0.1, 0.4),
+    ),
+    ("mains_hum", "outside"): _Law(
+        lambda s, k, f, p: {"A": 20.0 * s * k.level, "f": f, "p": p}, _one_of(50.0, 60.0), _PHASE
+    ),
+    ("sagging_rail", "outside"): _Law(
+        lambda s, k, at: {
+            "A_deg": 15.0 * s, "x0": k.low + (k.high - k.low) * at, "L": k.high - k.low
+        },
+        _uniform(0.3, 0.7),
+    ),
+    ("loose_encoder", "outside"): _Law(lambda s, k: {"b": 0.5 * s * k.travel}),
+}  # fmt: skip
+
 _MASS_SLOPE_SENSORS = {
     ("slope_error", "law"): _Law(lambda s, _, sign: {"d_alpha_deg": sign * 12.0 * s}, _SIGN),
     ("slope_error", "uneven"): _Law(
@@ -348,11 +371,28 @@ _MASS_SLOPE_SENSORS = {
     ("sensor_delay", "filter"): _Law(lambda s, _: {"T": 0.2 * max(s, 1e-4)}),
 }  # fmt: skip
 
+_BACKGROUNDS = {
+    ("coloured_push", "outside"): _OUTSIDE["coloured_push", "outside"],
+    ("slope_error", "uneven"): _Law(
+        lambda s, k, length: {"d_alpha_deg": 0.12 * s, "a": 100.0, "L": k.travel * length},
+        _log_uniform(0.3, 2.0),
+    ),
+    ("friction_drift", "linear"): _FRICTION["friction_drift", "linear"],
+}
+"""A track that is uneven about its nominal slope, and friction that warms up, beside the push."""
+
 LAWS = {**_DRIVE, **_FRICTION, **_OUTSIDE, **_MASS_SLOPE_SENSORS}
 """Laws by cause and functional form; which law a seed draws follows from their order."""
 
+ALL_LAWS = {**LAWS, **_KEPT_OUT}
+"""Those of the strata, too."""
+
 OUTSIDE = tuple(name for name, form in LAWS if form == "outside")
 """Disturbances that are no effect of the list."""
+
+KEPT_OUT = tuple(name for name, _ in _KEPT_OUT)
+"""Further ones, which cases of the mixture never have: no threshold was ever set on them."""
+
 
 CAUSES = tuple(dict.fromkeys(name for name, form in LAWS if form != "outside"))
 """Effects of the list."""
@@ -360,7 +400,18 @@ CAUSES = tuple(dict.fromkeys(name for name, form in LAWS if form != "outside"))
 
 def draw_cause(rng: Generator, scale: Scale, name: str, form: str) -> Cause:
     """Draw what of a law does not depend on its strength."""
-    law = LAWS[name, form]
+    law = ALL_LAWS[name, form]
+    return _drawn(rng, scale, name, form, law)
+
+
+def draw_background(rng: Generator, scale: Scale) -> Cause:
+    """Draw a disturbance that leaves a rest beside an effect."""
+    names = list(_BACKGROUNDS)
+    name, form = names[int(rng.integers(len(names)))]
+    return _drawn(rng, scale, name, form, _BACKGROUNDS[name, form])
+
+
+def _drawn(rng: Generator, scale: Scale, name: str, form: str, law: _Law) -> Cause:
     drawn = [draw(rng) for draw in law.draws]
     return Cause(name, form, partial(_at, law, scale, drawn))
 

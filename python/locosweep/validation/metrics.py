@@ -73,11 +73,13 @@ class _Target:
     reached: Callable[[Figure], bool]
 
 
-def _at_least(bar: float) -> _Target:
+def at_least(bar: float) -> _Target:
+    """Return the target of a share that is to be large."""
     return _Target(f"at least {bar:.2f}", lambda figure: figure.value >= bar)
 
 
-def _at_most(bar: float) -> _Target:
+def at_most(bar: float) -> _Target:
+    """Return the target of a share that is to be small."""
     return _Target(f"at most {bar:.2f}", lambda figure: figure.value <= bar)
 
 
@@ -85,8 +87,8 @@ _FALSE_POSITIVES = _Target(
     "at most 0.03, upper bound at most 0.045",
     lambda figure: figure.value <= 0.03 and figure.high <= 0.045,
 )
-_UNBIASED = _Target("within 0.02", lambda figure: abs(figure.value) <= 0.02)
-_COVERED = _Target("0.85 to 0.95", lambda figure: 0.85 <= figure.value <= 0.95)
+UNBIASED = _Target("within 0.02", lambda figure: abs(figure.value) <= 0.02)
+COVERED = _Target("0.85 to 0.95", lambda figure: 0.85 <= figure.value <= 0.95)
 
 
 def _figure(name: str, found: tuple[float, float, float], count: int, to: _Target | None) -> Figure:
@@ -94,14 +96,14 @@ def _figure(name: str, found: tuple[float, float, float], count: int, to: _Targe
     return replace(figure, met=to.reached(figure)) if to and count else figure
 
 
-def _share(name: str, hits: Iterable[bool | None], target: _Target | None = None) -> Figure:
+def share(name: str, hits: Iterable[bool | None], target: _Target | None = None) -> Figure:
     """Return the share of hits, those that are None left out, with its Wilson interval."""
     known = [bool(hit) for hit in hits if hit is not None]
     value = sum(known) / len(known) if known else math.nan
     return _figure(name, (value, *wilson(sum(known), len(known))), len(known), target)
 
 
-def _statistic(
+def summary(
     name: str,
     values: Sequence[float] | Sequence[tuple[float, float]],
     statistic: Callable[..., float],
@@ -158,93 +160,93 @@ def figures(judged: Sequence[Judged]) -> list[Figure]:
         if c.right and c.claimed is not None and c.fresh is not None
     ]
     return [
-        _share(
+        share(
             "false-positive rate: a gap reported where there is none",
             (c.status != "none" for c in gap_free),
             _FALSE_POSITIVES,
         ),
-        _share(
+        share(
             "false-positive rate: a cause named where there is no gap", (c.named for c in gap_free)
         ),
-        _share(
-            "detection rate, d >= 6", (c.status != "none" for c in gaps if c.d >= 6), _at_least(0.9)
+        share(
+            "detection rate, d >= 6", (c.status != "none" for c in gaps if c.d >= 6), at_least(0.9)
         ),
-        _share("detection rate, d >= 10", (c.status != "none" for c in seen), _at_least(0.99)),
-        _share("one effect: correct class", (c.right for c in single), _at_least(0.97)),
-        _share(
+        share("detection rate, d >= 10", (c.status != "none" for c in seen), at_least(0.99)),
+        share("one effect: correct class", (c.right for c in single), at_least(0.97)),
+        share(
             "one effect: correct class, d >= 10 before rivals are projected out",
             (c.right for c in seen if c.kind == "one" and not c.mismatch),
         ),
-        _share(
+        share(
             "one effect: exact name, where the class has one member",
             (c.exact for c in single if c.alone),
-            _at_least(0.95),
+            at_least(0.95),
         ),
-        _share("two effects: both correct", (c.right for c in pairs), _at_least(0.85)),
-        _share("two effects: at least one correct", (c.one_right for c in pairs), _at_least(0.98)),
-        _share(
+        share("two effects: both correct", (c.right for c in pairs), at_least(0.85)),
+        share("two effects: at least one correct", (c.one_right for c in pairs), at_least(0.98)),
+        share(
             "cause outside the list: `unexplained`",
             (c.status == "unexplained" for c in outside),
-            _at_least(0.9),
+            at_least(0.9),
         ),
-        _share("cause outside the list: a wrong name", (c.named for c in outside), _at_most(0.05)),
-        _share(
+        share("cause outside the list: a wrong name", (c.named for c in outside), at_most(0.05)),
+        share(
             "a single name given although a rival is nearer than 2 standard deviations",
             (c.single_name for c in judged if c.twin),
-            _at_most(0.01),
+            at_most(0.01),
         ),
-        _statistic(
+        summary(
             "mean probability given to the true class",
             [c.probability if c.right else 0.0 for c in effects if c.status != "none"],
             np.mean,
-            _at_least(0.92),
+            at_least(0.92),
         ),
-        _statistic(
+        summary(
             "expected calibration error",
             _stated(judged),
             lambda *columns: calibration_error(np.column_stack(columns)),
-            _at_most(0.05),
+            at_most(0.05),
         ),
-        _statistic(
+        summary(
             "bias of the claimed reduction (claimed less that on fresh runs), mean",
             [claimed - fresh for claimed, fresh, _ in claims],
             np.mean,
-            _UNBIASED,
+            UNBIASED,
         ),
-        _share(
+        share(
             "reduction on fresh runs inside the claimed interval",
             (ends[0] <= fresh <= ends[1] for _, fresh, ends in claims if ends is not None),
-            _COVERED,
+            COVERED,
         ),
-        _statistic(
+        summary(
             "parameter error, median",
             [error for c in effects if c.right for error in c.parameters],
             np.median,
-            _at_most(0.02),
+            at_most(0.02),
         ),
-        _share(
+        share(
             "location of the gap correct",
             (None if c.window_share is None else c.window_share >= 0.5 for c in seen),
-            _at_least(0.95),
+            at_least(0.95),
         ),
-        _share("site correct", (c.site_right for c in effects), _at_least(0.95)),
-        _share(
+        share("site correct", (c.site_right for c in effects), at_least(0.95)),
+        share(
             "one effect with a functional form other than the listed one: correct class",
             (c.right for c in one if c.mismatch),
-            _at_least(0.9),
+            at_least(0.9),
         ),
-        _share(
+        share(
             "next experiment separates the rivals, where some run of the menu would",
             (c.next_resolves for c in judged if c.next_possible),
-            _at_least(0.9),
+            at_least(0.9),
         ),
-        _share("some run of the menu would separate the rivals", (c.next_possible for c in judged)),
-        _statistic(
+        share("some run of the menu would separate the rivals", (c.next_possible for c in judged)),
+        summary(
             "processor time of a diagnosis, median [s]",
             [c.seconds for c in judged if math.isfinite(c.seconds)],
             np.median,
         ),
-        _share("diagnoses that failed", (bool(c.error) for c in judged)),
+        share("diagnoses that failed", (bool(c.error) for c in judged)),
     ]
 
 
@@ -257,15 +259,15 @@ def power(judged: Sequence[Judged]) -> list[tuple[float, float, Figure, Figure]]
     for low, high in itertools.pairwise(_SIZES):
         inside = [c for c in judged if c.kind != "none" and low <= c.d < high]
         if inside:
-            seen = _share("detected", (c.status != "none" for c in inside))
-            rows.append((low, high, seen, _share("right", (c.right for c in inside))))
+            seen = share("detected", (c.status != "none" for c in inside))
+            rows.append((low, high, seen, share("right", (c.right for c in inside))))
     return rows
 
 
 def calibration(judged: Sequence[Judged]) -> list[tuple[float, Figure]]:
     """Mean stated probability and share that is right, by bins of the former."""
     parts = _by_probability(np.array(_stated(judged)).reshape(-1, 2))
-    return [(float(p[:, 0].mean()), _share("right", p[:, 1] > 0.0)) for p in parts]
+    return [(float(p[:, 0].mean()), share("right", p[:, 1] > 0.0)) for p in parts]
 
 
 def splits(judged: Sequence[Judged]) -> dict[str, list[Figure]]:
@@ -274,7 +276,7 @@ def splits(judged: Sequence[Judged]) -> dict[str, list[Figure]]:
 
     def by(key: Callable[[Judged], str], cases: Sequence[Judged]) -> list[Figure]:
         names = sorted({key(c) for c in cases})
-        return [_share(name, (c.right for c in cases if key(c) == name)) for name in names]
+        return [share(name, (c.right for c in cases if key(c) == name)) for name in names]
 
     def size(case: Judged) -> str:
         at = max(i for i, low in enumerate(_SIZES[:-1]) if case.d >= low)

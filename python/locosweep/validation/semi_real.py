@@ -20,6 +20,7 @@ from locosweep.validation.rig_problem import (
     weighed,
     with_effect,
 )
+from locosweep.validation.sizes import RISES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,9 +28,6 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.effects.catalogue import Family
     from locosweep.validation.rig_problem import Seen
 
-RISES = 1.1
-"""Rise of the calibrated model's error, by what a rival leaves of the planted gap, below which
-the rival is the same answer."""
 _LEAST, _FACTOR = 1e-6, 2.0
 """Weakest magnitude that is tried, and the steps from there: a magnitude of 1 is about as strong
 as the rig allows."""

@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 
 ALIKE = 3.0
 """Standard deviations below which causes are indistinguishable."""
+RISES = 1.1
+"""Rise of the error beside a rest, by what a rival leaves of an effect's gap, below which the
+rival is the same answer."""
 _RIGID = {
     "transmission_backlash": "transmission_compliance",
     "transmission_compliance": "transmission_backlash",

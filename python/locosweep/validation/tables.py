@@ -27,7 +27,8 @@ def _row(figure: Figure, width: int) -> str:
     return f"{text}  {figure.target:<40} {met}".rstrip()
 
 
-def _block(title: str, rows: Sequence[Figure]) -> list[str]:
+def block(title: str, rows: Sequence[Figure]) -> list[str]:
+    """Return the lines of a table of figures, and an empty one."""
     width = max([len(row.name) for row in rows] + [len(title)])
     head = f"{title:<{width}}  {'figure':>7}  {'95 % interval':>16}  {'cases':>5}  target"
     return [head, *(_row(row, width) for row in rows), ""]
@@ -51,10 +52,10 @@ def wrong_cases(judged: Sequence[Judged]) -> list[str]:
 
 def as_text(judged: Sequence[Judged]) -> str:
     """Table of figures, what they are by kinds of case, and the confusions."""
-    lines = _block("figure", figures(judged))
+    lines = block("figure", figures(judged))
     for name, rows in splits(judged).items():
         if rows:
-            lines += _block(f"right, by {name}", rows)
+            lines += block(f"right, by {name}", rows)
     counts = confusion(judged)
     mixed = sorted(((n, k) for k, n in counts.items() if k[0] != k[1]), reverse=True)
     mixed = [(n, k) for n, k in mixed if k != ("outside the list", "unexplained")]

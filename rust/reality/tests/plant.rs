@@ -255,7 +255,7 @@ fn every_law_vanishes_at_its_off_value() {
         "sigma1" => 0.0,
         "mu_static" => 1e9,
         "x0" if name == "wall" || name == "tether" => 1e9,
-        "k" if name == "tether" => 0.0,
+        "k" if matches!(name, "tether" | "cable_reel") => 0.0,
         "T_rise" | "T_fall" => 1e-5,
         "T" if name == "drive_lag" || form == "filter" => 1e-5,
         "T" if matches!(name, "drive_delay" | "sensor_delay") => 0.0,

@@ -1,0 +1,159 @@
+"""Figures of strata of the blind check, with bounds that hold at a stated confidence."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.stats import binomtest
+
+from locosweep.validation.judge import Judged
+from locosweep.validation.laws import KEPT_OUT
+from locosweep.validation.metrics import (
+    COVERED,
+    PLAIN,
+    Figure,
+    at_least,
+    share,
+    summary,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from locosweep.validation.bad_readings import BadJudged
+
+_BIAS = 0.03
+"""Difference of stated and fresh shares, on average, that a background may make."""
+
+
+def upper_bound(hits: int, count: int) -> float:
+    """Return what a share is at most, at 95 % confidence, after Clopper and Pearson.
+
+    Examples
+    --------
+    >>> from locosweep.validation.strata_metrics import upper_bound
+    >>> [round(upper_bound(hits, n), 3) for hits, n in ((0, 59), (3, 153), (5, 208))]
+    [0.05, 0.05, 0.05]
+    """
+    if count == 0:
+        return float("nan")
+    # A two-sided interval at 90 % leaves 5 % above.
+    return float(binomtest(hits, count).proportion_ci(0.9, "exact").high)
+
+
+def _certified(name: str, hits: Iterable[bool], bar: float) -> Figure:
+    """Return a share of errors that has to lie below a bar at 95 % confidence."""
+    found = share(name, hits)
+    if not found.count:
+        return replace(found, target=f"at most {bar:.2f} at 95 % confidence")
+    bound = upper_bound(round(found.value * found.count), found.count)
+    return replace(
+        found, target=f"at most {bar:.2f} at 95 % confidence ({bound:.3f})", met=bound <= bar
+    )
+
+
+def _claims(judged: Sequence[Judged]) -> list[Figure]:
+    """Compare stated shares with those on fresh runs, where the cause is right."""
+    rows = [
+        (case.claimed, case.fresh, case.interval)
+        for case in judged
+        if case.right and case.claimed is not None and case.fresh is not None
+    ]
+    bias = summary(
+        "bias of the stated share (stated less that on fresh runs), mean",
+        [claimed - fresh for claimed, fresh, _ in rows], np.mean,
+    )  # fmt: skip
+    met = abs(bias.value) <= _BIAS if bias.count else None
+    held = (ends[0] <= fresh <= ends[1] for _, fresh, ends in rows if ends is not None)
+    return [
+        replace(bias, target=f"within {_BIAS:.2f}", met=met),
+        share("share on fresh runs inside the stated interval", held, COVERED),
+    ]
+
+
+def _common(judged: Sequence[Judged]) -> list[Figure]:
+    seconds = [case.seconds for case in judged if np.isfinite(case.seconds)]
+    return [
+        summary("processor time of a diagnosis, median [s]", seconds, np.median),
+        share("diagnoses that failed", (bool(case.error) for case in judged)),
+    ]
+
+
+def stratum_figures(name: str, judged: Sequence[Judged]) -> list[Figure]:
+    """Figures of a stratum, in the order of its table.
+
+    Causes count from 10 deviations away from every other explanation, as in the mixture; over a
+    background all count.
+    """
+    plain = [case for case in judged if case.d_name >= PLAIN]
+    if name == "outside":
+        new = [case for case in plain if case.family in KEPT_OUT]
+        return [
+            share(
+                "no wrong name: `unexplained`, or what copies the cause",
+                ((not case.named and case.status != "none") or case.right for case in plain),
+                at_least(0.9),
+            ),
+            _certified("a wrong name", (case.named and not case.right for case in plain), 0.05),
+            share("a wrong name, families that the mixture lacks",
+                  (case.named and not case.right for case in new)),
+            share("no gap seen", (case.status == "none" for case in plain)),
+            *_common(judged),
+        ]  # fmt: skip
+    if name == "another-law":
+        wrong = [case.named and not case.one_right for case in plain]
+        return [
+            share("right class", (case.right for case in plain), at_least(0.85)),
+            share("right class, or the cause beside another one",
+                  (case.right or case.one_right for case in plain)),
+            share("only wrong names", wrong),
+            *_claims(plain),
+            *_common(judged),
+        ]  # fmt: skip
+    if name == "pairs":
+        return [
+            share("both right", (case.right for case in plain), at_least(0.88)),
+            share("at least one right", (case.one_right for case in plain), at_least(0.98)),
+            *_claims(plain),
+            *_common(judged),
+        ]
+    weak, strong = ([c for c in judged if (c.times >= 10.0) == far] for far in (False, True))
+    return [
+        share("first cause right, 10 to 30 times the background", (c.right for c in strong),
+              at_least(0.9)),
+        share("first cause right, 3 to 10 times", (c.right for c in weak), at_least(0.8)),
+        share("a wrong first cause", (c.named and not c.right for c in judged)),
+        *_claims(judged),
+        *_common(judged),
+    ]  # fmt: skip
+
+
+def bad_figures(judged: Sequence[BadJudged]) -> list[Figure]:
+    """Figures of cases with bad readings, in the order of their table."""
+    seconds = [case.seconds for case in judged if np.isfinite(case.seconds)]
+    return [
+        _certified("a confident false cause", (case.false_cause for case in judged), 0.02),
+        share("the fault is named where it is", (case.found for case in judged)),
+        share("the verdict of the case without its fault", (case.right for case in judged)),
+        summary("processor time of a diagnosis, median [s]", seconds, np.median),
+        share("diagnoses that failed", (bool(case.error) for case in judged)),
+    ]
+
+
+def by_family(judged: Sequence[Judged]) -> list[Figure]:
+    """Share that is right by true cause, of what can be named."""
+    plain = [c for c in judged if c.d_name >= PLAIN]
+    return [
+        share(name, (c.right for c in plain if c.family == name))
+        for name in sorted({c.family for c in plain})
+    ]
+
+
+def by_fault(judged: Sequence[BadJudged]) -> list[Figure]:
+    """Share without a confident false cause by fault."""
+    return [
+        share(name, (not c.false_cause for c in judged if c.fault == name))
+        for name in sorted({c.fault for c in judged})
+    ]

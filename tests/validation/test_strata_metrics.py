@@ -1,0 +1,98 @@
+"""Figures and tables of strata."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from locosweep.validation.bad_readings import BadJudged
+from locosweep.validation.judge import Judged, judge
+from locosweep.validation.strata_metrics import bad_figures, stratum_figures, upper_bound
+from locosweep.validation.strata_tables import bad_text, stratum_json, stratum_text
+
+OUTSIDE = Judged("out", "outside", "tether", d=30.0, d_name=20.0, status="unexplained", right=True)
+WRONG = replace(
+    OUTSIDE, status="partial", named=True, said="drive_lag", right=False, family="dust_ridge"
+)
+OVER = Judged(
+    "back", "background", "drive_lag", status="partial", named=True, right=True, times=12.0,
+    claimed=0.8, fresh=0.78, interval=(0.7, 0.9),
+)  # fmt: skip
+
+
+def test_upper_bounds_are_exact() -> None:
+    # No error in n: the bound b solves (1 - b)^n = 0.05.
+    assert upper_bound(0, 100) == pytest.approx(1.0 - 0.05**0.01, rel=1e-9)
+
+
+def test_wrong_names_outside_the_list_are_certified() -> None:
+    clean = {f.name: f for f in stratum_figures("outside", [OUTSIDE] * 59)}
+    assert clean["a wrong name"].met
+    one = {f.name: f for f in stratum_figures("outside", [*[OUTSIDE] * 59, WRONG])}
+    assert one["a wrong name"].met is False
+    assert one["a wrong name, families that the mixture lacks"].value == 1.0
+
+
+def test_a_gap_that_nobody_sees_is_no_success() -> None:
+    blind = replace(OUTSIDE, status="none", right=False)
+    found = {f.name: f for f in stratum_figures("outside", [OUTSIDE, blind])}
+    assert found["no wrong name: `unexplained`, or what copies the cause"].value == 0.5
+    assert found["no gap seen"].value == 0.5
+
+
+def test_causes_over_a_background_are_split_by_size() -> None:
+    weak = replace(OVER, times=5.0, right=False)
+    found = {f.name: f for f in stratum_figures("background", [OVER, weak])}
+    assert found["first cause right, 10 to 30 times the background"].value == 1.0
+    assert found["first cause right, 3 to 10 times"].value == 0.0
+    bias = found["bias of the stated share (stated less that on fresh runs), mean"]
+    assert bias.value == pytest.approx(0.02)
+    assert bias.met
+
+
+def test_the_first_cause_is_judged_over_a_background() -> None:
+    truth = {
+        "case": "b", "kind": "background", "plan": {"mode": "both"}, "d": 300.0,
+        "channels": ["x"], "accepted": [["drive_lag"]], "mismatch": False,
+        "background": {"name": "coloured_push", "d": 30.0},
+        "effects": [
+            {"name": "drive_lag", "form": "law", "parameters": {}, "accepted": ["drive_lag"],
+             "d_name": 100.0, "distances": {}}
+        ],
+    }  # fmt: skip
+
+    def said(*names: str) -> bool:
+        verdict = {
+            "status": "partial", "effects": [*names], "equivalent": [[n] for n in names],
+            "probability": 0.8,
+        }  # fmt: skip
+        report = {
+            "verdict": verdict, "gap": {"shrink": 0.5, "shrink_ci": [0.4, 0.6]},
+            "where": {"site": "drive", "windows": []}, "candidates": [],
+        }  # fmt: skip
+        return judge(truth, report).right
+
+    assert said("drive_lag")
+    assert said("drive_lag", "viscous_friction")
+    assert not said("viscous_friction", "drive_lag")
+    assert judge(truth, None, error="none").times == pytest.approx(10.0)
+
+
+def test_bad_readings_are_judged_by_false_causes() -> None:
+    good = BadJudged(
+        "bad_0000", "spikes", "0.1", "none", True, ("spike",), "none", "none", 0.9, True, False, 1.0
+    )
+    bad = replace(good, case="bad_0001", false_cause=True, said="drive_lag", found=False)
+    found = {f.name: f for f in bad_figures([good, bad])}
+    assert found["a confident false cause"].value == 0.5
+    text = bad_text([good, bad])
+    assert "bad_0001" in text
+    assert "bad_0000" not in text
+
+
+def test_tables_name_what_was_wrong() -> None:
+    text = stratum_text("outside", [OUTSIDE, WRONG])
+    assert "dust_ridge" in text.split("wrong verdicts:")[1]
+    figures = stratum_figures("outside", [OUTSIDE, WRONG])
+    assert stratum_json("outside", [OUTSIDE], figures, {"seed": 1})["stratum"] == "outside"
