@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 @pytest.fixture(autouse=True)
 def _handlers() -> Iterator[None]:
     """Give back the signal handlers that the command sets where a test runs it in here."""
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    before = {number: signal.getsignal(number) for number in numbers}
     yield
     for number, handler in before.items():
         signal.signal(number, handler)

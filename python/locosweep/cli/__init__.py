@@ -1,6 +1,7 @@
 """The command ``locosweep``.
 
-Exit codes: 0 done, 1 internal or solver error, 2 bad input, 130 Ctrl-C, 143 terminated.
+Exit codes: 0 done, 1 internal or solver error, 2 bad input, 129 hung up, 130 Ctrl-C,
+143 terminated.
 Results go to standard output, everything else to standard error.
 """
 
@@ -9,10 +10,8 @@ from __future__ import annotations
 import errno
 import gc
 import os
-import signal
 import sys
-import threading
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING
 
 import click
 
@@ -35,6 +34,7 @@ from locosweep.cli.registry_lists import (
 )
 from locosweep.cli.reproduce import reproduce
 from locosweep.cli.screen import screen
+from locosweep.cli.signals import INTERRUPTED, end_at_once, listen, pressed
 from locosweep.cli.simulate import simulate
 from locosweep.cli.sweep import sweep
 from locosweep.errors import Cancelled, InputError, SolveError
@@ -42,9 +42,7 @@ from locosweep.errors import Cancelled, InputError, SolveError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_INTERNAL, _INPUT, _INTERRUPTED, _TERMINATED = 1, 2, 130, 143
-_pressed = threading.Event()
-"""Set by Ctrl-C."""
+_INTERNAL, _INPUT = 1, 2
 
 
 def _show_version(ctx: click.Context, _: click.Parameter, value: bool) -> None:
@@ -80,12 +78,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         What follows the command's name; default ``sys.argv``.
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
-    _pressed.clear()
-    if threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGTERM, _terminate)
-        # A process that ignores Ctrl-C, as in the background of a script, goes on ignoring it.
-        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-            signal.signal(signal.SIGINT, _interrupt)
+    listen()
     try:
         code = _run(given)
         sys.stdout.flush()
@@ -95,10 +88,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if error.errno == errno.EPIPE:
             return 0
         return _fail(f"cannot write the output: {error.strerror or error}", _INPUT)
-    if arguments is None and code == _INTERRUPTED:
-        # A library whose import was cut may bring the interpreter down while it ends.
-        sys.stderr.flush()
-        os._exit(code)
+    if arguments is None and code == INTERRUPTED:
+        end_at_once(code)
     if arguments is None:
         # The process ends here: searching matplotlib for cycles takes 0.1 s.
         gc.freeze()
@@ -121,7 +112,7 @@ def _run(given: list[str]) -> int:
     except MemoryError:
         return _fail("not enough memory: reduce an axis, or use --dtype float32", _INPUT)
     except (KeyboardInterrupt, click.Abort, Cancelled):
-        return _fail("interrupted", _INTERRUPTED)
+        return _fail("interrupted", INTERRUPTED)
     except SolveError as error:
         return _fail(str(error), _INTERNAL)
     except OSError:
@@ -129,9 +120,9 @@ def _run(given: list[str]) -> int:
     except Exception as error:
         if os.environ.get("LOCOSWEEP_DEBUG") == "1":
             raise
-        if _pressed.is_set():
+        if pressed():
             # Imports turn Ctrl-C into errors of their own.
-            return _fail("interrupted", _INTERRUPTED)
+            return _fail("interrupted", INTERRUPTED)
         text = f"internal error, please report it: {type(error).__name__}: {error}"
         return _fail(f"{text} (LOCOSWEEP_DEBUG=1 shows where)", _INTERNAL)
     return 0
@@ -157,13 +148,3 @@ def _silence() -> None:
         except OSError:
             os.dup2(null, stream.fileno())
     os.close(null)
-
-
-def _interrupt(*_: Any) -> NoReturn:
-    _pressed.set()
-    raise KeyboardInterrupt
-
-
-def _terminate(*_: Any) -> NoReturn:
-    # An exception, so that temporary files are removed on the way out.
-    raise SystemExit(_TERMINATED)

@@ -6,6 +6,7 @@ import hashlib
 import multiprocessing
 import os
 import signal
+import threading
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -43,6 +44,20 @@ def code_digest(*parts: str, engine: bool) -> str:
     return whole.hexdigest()
 
 
+def _begin() -> None:
+    """Make a worker of this process: Ctrl-C is its parent's, whose end is its own, too."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        # Work is written whole or not at all, so it may be cut.
+        os._exit(1)
+
+
 def over_processes(
     function: Callable[..., _Found],
     calls: Sequence[tuple[Any, ...]],
@@ -51,7 +66,8 @@ def over_processes(
 ) -> list[_Found]:
     """Call a function with each tuple of arguments; return the results in their order.
 
-    Processes end at once with Ctrl-C or an error in one of them.
+    Processes end at once with Ctrl-C, an error in one of them, or the process that asked,
+    however that ended.
     """
     # One thread each: as many processes as threads were asked for.
     names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "POLARS_MAX_THREADS")
@@ -60,7 +76,7 @@ def over_processes(
     # Ctrl-C reaches a whole group of processes: the first of them ends the others.
     pool = ProcessPoolExecutor(
         processes, multiprocessing.get_context("spawn"),
-        initializer=signal.signal, initargs=(signal.SIGINT, signal.SIG_IGN),
+        initializer=_begin,
     )  # fmt: skip
     try:
         waiting = [pool.submit(function, *arguments) for arguments in calls]
@@ -73,7 +89,8 @@ def over_processes(
         # Their work is written whole or not at all, so it may be cut.
         for process in list(getattr(pool, "_processes", {}).values()):
             process.terminate()
-        pool.shutdown(wait=False, cancel_futures=True)
+        # They are gone at once: waiting for it gives back what was shared with them.
+        pool.shutdown(cancel_futures=True)
         raise
     finally:
         for name, value in before.items():

@@ -1,0 +1,120 @@
+"""Commands that are told to end: exit codes, no orphans, nothing half-written."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from typing import TYPE_CHECKING
+
+import pytest
+
+from locosweep.cli import signals
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="no SIGHUP here")
+LONG = [
+    "sweep", "mean_velocity", "--axis", "mu_static=0.31:1:400", "--axis", "slope_deg=0:20:400",
+    "--axis", "viscous=0.1:2:40", "--axis", "segments=2:4001", "--over", "segments",
+    "--reduce", "mean", "--set", "mu_coulomb=0.3", "--dtype", "float32", "--out", "r.parquet",
+    "--threads", "1",
+]  # fmt: skip
+
+
+def test_a_hung_up_sweep_leaves_nothing(tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-m", "locosweep", *LONG], cwd=tmp_path, stderr=subprocess.PIPE
+    )
+    time.sleep(1.5)
+    assert process.poll() is None
+    process.send_signal(signal.SIGHUP)
+    _, err = process.communicate(timeout=20)
+    assert process.returncode == 129
+    assert err == b""
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_ignores_hanging_up_goes_on(tmp_path: Path) -> None:
+    """As under nohup."""
+    script = (
+        "import os, signal; signal.signal(signal.SIGHUP, signal.SIG_IGN);"
+        "from locosweep.cli import main; from locosweep.cli.signals import listen;"
+        "listen(); os.kill(os.getpid(), signal.SIGHUP); raise SystemExit(main(['quantities']))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=tmp_path, capture_output=True, timeout=60, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.usefixtures("ctrl_c")
+def test_a_second_ctrl_c_does_not_cut_the_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    ended: list[int] = []
+    monkeypatch.setattr(signals.os, "_exit", ended.append)
+    signals.listen()
+    assert not signals.pressed()
+    with pytest.raises(KeyboardInterrupt):
+        signal.raise_signal(signal.SIGINT)
+    assert signals.pressed()
+    signal.raise_signal(signal.SIGINT)
+    assert ended == []
+    signal.raise_signal(signal.SIGINT)
+    assert ended == [130]
+    signals.listen()
+    assert not signals.pressed()
+
+
+@pytest.mark.usefixtures("ctrl_c")
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("number", "code"),
+    [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129), (signal.SIGKILL, -9)],
+)
+def test_a_blind_check_leaves_no_orphans(number: signal.Signals, code: int, tmp_path: Path) -> None:
+    out = tmp_path / "check"
+    # A session of its own: what is alive of it afterwards is an orphan.
+    process = subprocess.Popen(
+        [sys.executable, "-m", "locosweep", "blind-check", "--cases", "4", "--seed", "3",
+         "--quiet", "--threads", "2", "--out", str(out)],
+        cwd=tmp_path, stderr=subprocess.PIPE, start_new_session=True, text=True,
+    )  # fmt: skip
+    try:
+        wait_for(lambda: len(list(workers(process.pid))) == 2)
+        time.sleep(3.0)
+        begin = time.perf_counter()
+        (os.killpg if number == signal.SIGINT else os.kill)(process.pid, number)
+        process.wait(timeout=20)
+        ended = time.perf_counter() - begin
+        wait_for(lambda: not list(workers(process.pid)))
+    finally:
+        left = list(workers(process.pid))
+        for pid in left:
+            os.kill(pid, signal.SIGKILL)
+        process.kill()
+    _, err = process.communicate(timeout=20)
+    assert process.returncode == code
+    assert ended < 2.0
+    if number != signal.SIGKILL:
+        assert err == ("locosweep: interrupted\n" if number == signal.SIGINT else "")
+
+
+def workers(session: int) -> list[int]:
+    """Return the processes of a session that were started by another one of it."""
+    rows = subprocess.run(
+        ["ps", "-ww", "-eo", "pid=,sid=,args="], capture_output=True, text=True, check=True
+    ).stdout.splitlines()
+    found = [row.split(None, 2) for row in rows]
+    return [int(pid) for pid, sid, text in found if sid == str(session) and "spawn_main" in text]
+
+
+def wait_for(condition: object, seconds: float = 20.0) -> None:
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if condition():  # type: ignore[operator]
+            return
+        time.sleep(0.1)
+    raise AssertionError("did not come true")
