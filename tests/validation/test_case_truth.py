@@ -53,9 +53,7 @@ def test_over_a_background_a_rival_may_leave_what_adds_a_tenth(
 
 def test_what_copies_a_disturbance_is_accepted_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
     distances(monkeypatch, drive_lag=2.0, viscous_friction=25.0)
-    sizes = Sizes(40.0)
-    truth = case_truth.outside(case(PUSH), sizes, [], np.ones(2)).truth  # type: ignore[arg-type]
-    assert sizes.asked == [(PUSH,)]
+    truth = case_truth.outside(case(PUSH), Sizes(0.0), np.ones(2), [], 40.0).truth  # type: ignore[arg-type]
     assert truth["status"] == "unexplained"
     assert truth["accepted"] == [["drive_lag"]]
     assert (truth["d"], truth["d_name"]) == (40.0, 2.0)

@@ -17,10 +17,18 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-def test_no_two_strata_share_a_seed_nor_one_with_the_mixture() -> None:
+def test_no_two_strata_share_a_seed() -> None:
     numbers = [stratum.number for stratum in STRATA.values()]
     assert len(set(numbers)) == len(numbers)
+    # Second numbers of the seeds of the mixture and of bad readings.
     assert not set(numbers) & {0, 1, 2, 3}
+
+
+def test_help_names_every_stratum(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["blind-check", "--help"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    for name in STRATA:
+        assert name in said
 
 
 def test_families_are_those_of_the_stratum() -> None:

@@ -46,7 +46,7 @@ def test_causes_over_a_background_are_split_by_size() -> None:
     found = {f.name: f for f in stratum_figures("background", [OVER, weak])}
     assert found["first cause right, 10 to 30 times the background"].value == 1.0
     assert found["first cause right, 3 to 10 times"].value == 0.0
-    bias = found["bias of the stated share (stated less that on fresh runs), mean"]
+    bias = found["bias of the claimed reduction (claimed less that on fresh runs), mean"]
     assert bias.value == pytest.approx(0.02)
     assert bias.met
 

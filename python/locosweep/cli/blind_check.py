@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
+from locosweep.cli.blind_check_asked import Asked
 from locosweep.cli.blind_check_rig import RigCheck, check_rig, refuse_mixture, rig_options
 from locosweep.cli.blind_check_strata import StratumCheck, check_stratum
-from locosweep.cli.options import called, meter, show
-from locosweep.files.strict_json import as_json
+from locosweep.cli.options import called
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -80,82 +80,48 @@ def blind_check(
 
     With --only, all cases are of one kind, as many as a bound on its errors needs.
     """
-    from locosweep import _core
     from locosweep.errors import InputError
-    from locosweep.files.folder import check_folder
-    from locosweep.validation.case_files import SEAL, digest
-    from locosweep.validation.check import carry_out, diagnose_cases, judge_cases
+    from locosweep.validation.check import carry_out, judge_cases
     from locosweep.validation.draw import draw_cases
-    from locosweep.validation.tables import as_json as tables_as_json
-    from locosweep.validation.tables import as_text, wrong_cases
+    from locosweep.validation.tables import as_json, as_text, wrong_cases
 
     refuse_mixture(ctx)
+    asked = Asked(seed, out, draw_only, force, quiet, threads, json_, called(ctx))
     if rig is not None:
-        asked = RigCheck(
-            rig, nominal, calibrate, labels, sizes, seed, out, draw_only, force, quiet, threads,
-            json_,
-        )  # fmt: skip
-        check_rig(asked, called(ctx))
+        check_rig(asked, RigCheck(rig, nominal, calibrate, labels, sizes))
         return
     if only is not None or families:
-        wanted = StratumCheck(
-            only, [name for name in families.split(",") if name], cases, gap_free, experiments,
-            seed, out, draw_only, force, quiet, threads, json_,
-        )  # fmt: skip
-        check_stratum(wanted, called(ctx))
+        chosen = [name.strip() for name in families.split(",") if name.strip()]
+        check_stratum(asked, StratumCheck(only, chosen, cases, gap_free, experiments))
         return
     if cases + gap_free == 0:
         raise InputError("--cases and --gap-free are both 0: allowed is at least one case")
-    check_folder(out, force=force)
-    out.mkdir(parents=True, exist_ok=True)
-    processes = _core.threads_to_use(threads)
+    asked.make_folder()
     names = draw_cases(
-        out, cases, seed, gap_free=gap_free, processes=processes,
-        progress=meter("drawing", "cases", quiet=quiet),
+        out, cases, seed, gap_free=gap_free, processes=asked.processes,
+        progress=asked.meter("drawing"),
     )  # fmt: skip
-    sealed = digest(out / SEAL)
-    if not quiet:
-        click.echo(f"truths sealed: {out / SEAL}, sha256 {sealed}", err=True)
-    if draw_only:
-        show(json_, {"cases": len(names), "sealed": sealed}, out)
+    outcomes = asked.diagnosed(names)
+    if outcomes is None:
         return
-    outcomes = diagnose_cases(
-        out,
-        names,
-        seed=seed,
-        processes=processes,
-        progress=meter("diagnosing", "cases", quiet=quiet),
-    )
     judged = judge_cases(out, outcomes)
     if experiments:
         judged = carry_out(
-            out, judged, seed, experiments, processes=processes,
-            progress=meter("next runs", "cases", quiet=quiet),
+            out, judged, seed, experiments, processes=asked.processes,
+            progress=asked.meter("next runs"),
         )  # fmt: skip
-    command = called(ctx)
-    about = {
-        "command": command,
-        "locosweep": _core.version(),
-        "seed": seed,
-        "sealed_sha256": sealed,
-    }
-    found = tables_as_json(judged, about)
-    text, wrong = as_text(judged), wrong_cases(judged)
-    _write(out, as_json(found), text, wrong, judged, command)
+    wrong = wrong_cases(judged)
+    _write(out, wrong, judged, asked.command)
     count = f"{len(wrong)} of {len(judged)} verdicts are wrong: {out / 'wrong.txt'}"
-    show(json_, found, text, count)
+    asked.write(as_json(judged, asked.about), as_text(judged), count)
 
 
-def _write(
-    out: Path, metrics: str, text: str, wrong: Sequence[str], judged: Sequence[Judged], command: str
-) -> None:
-    """Write figures, tables and pictures."""
+def _write(out: Path, wrong: Sequence[str], judged: Sequence[Judged], command: str) -> None:
+    """Write wrong verdicts and pictures."""
     from locosweep.files.atomic import write_text
     from locosweep.plot.save import save_figure
     from locosweep.validation.pictures import PICTURES
 
-    lists = {"metrics.json": metrics, "table.txt": text, "wrong.txt": "\n".join(wrong)}
-    for name, content in lists.items():
-        write_text(out / name, content + "\n")
+    write_text(out / "wrong.txt", "\n".join(wrong) + "\n")
     for name, draw in PICTURES.items():
         save_figure(draw(judged), out / name, command=command)

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import meter, show
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    from locosweep.cli.blind_check_asked import Asked
     from locosweep.files.robot import Robot
 
 _MIXTURE = ("cases", "gap_free", "experiments", "only", "families")
@@ -57,13 +57,6 @@ class RigCheck:
     calibrate: bool
     labels: str
     sizes: str
-    seed: int
-    out: Path
-    draw_only: bool
-    force: bool
-    quiet: bool
-    threads: int | None
-    json_: bool
 
 
 def refuse_mixture(ctx: click.Context) -> None:
@@ -83,91 +76,62 @@ def refuse_mixture(ctx: click.Context) -> None:
         raise InputError(f"{option}: allowed {beside}")
 
 
-def check_rig(asked: RigCheck, command: str) -> None:
+def check_rig(asked: Asked, wanted: RigCheck) -> None:
     """Draw semi-real cases of a rig, diagnose them, and say which first causes are right."""
-    from locosweep import _core
     from locosweep.errors import InputError
-    from locosweep.files.atomic import write_text
-    from locosweep.files.folder import check_folder
-    from locosweep.files.strict_json import as_json as as_text_json
-    from locosweep.validation.case_files import SEAL, digest
-    from locosweep.validation.check import diagnose_cases
     from locosweep.validation.semi_check import baselines, judge_semi_real
     from locosweep.validation.semi_files import draw_semi_real
     from locosweep.validation.semi_tables import as_json, as_text
 
-    if asked.nominal is None:
+    if wanted.nominal is None:
         raise InputError("--nominal is missing: --rig needs the model of the rig")
-    sizes = [options.number("--sizes", text) for text in asked.sizes.split(",") if text]
+    sizes = [options.number("--sizes", text) for text in wanted.sizes.split(",") if text]
     if not sizes or min(sizes) <= 1.0:
-        raise InputError(f"--sizes is {asked.sizes}: allowed are numbers above 1")
-    labels = [label for label in asked.labels.split(",") if label]
-    check_folder(asked.out, force=asked.force)
-    asked.out.mkdir(parents=True, exist_ok=True)
-    nominal = _nominal(asked, asked.nominal, labels)
-    processes = _core.threads_to_use(asked.threads)
+        raise InputError(f"--sizes is {wanted.sizes}: allowed are numbers above 1")
+    labels = [label for label in wanted.labels.split(",") if label]
+    asked.make_folder()
+    nominal = _nominal(asked, wanted, wanted.nominal, labels)
     names, skipped = draw_semi_real(
-        asked.runs, nominal, asked.out, chosen=labels, sizes=sizes, seed=asked.seed,
-        processes=processes, progress=meter("drawing", "cases", quiet=asked.quiet),
+        wanted.runs, nominal, asked.out, chosen=labels, sizes=sizes, seed=asked.seed,
+        processes=asked.processes, progress=asked.meter("drawing"),
     )  # fmt: skip
-    sealed = digest(asked.out / SEAL)
-    if not asked.quiet:
-        click.echo(f"truths sealed: {asked.out / SEAL}, sha256 {sealed}", err=True)
-    if asked.draw_only:
-        record = {"cases": len(names), "skipped": skipped, "sealed": sealed}
-        show(asked.json_, record, asked.out)
+    outcomes = asked.diagnosed(names, skipped=skipped)
+    if outcomes is None:
         return
-    outcomes = diagnose_cases(
-        asked.out, names, seed=asked.seed, processes=processes,
-        progress=meter("diagnosing", "cases", quiet=asked.quiet),
-    )  # fmt: skip
     plainly = baselines(
-        asked.out, names, processes=processes,
-        progress=meter("baseline", "cases", quiet=asked.quiet),
-    )  # fmt: skip
+        asked.out, names, processes=asked.processes, progress=asked.meter("baseline")
+    )
     judged = judge_semi_real(asked.out, outcomes, plainly)
-    about = {
-        "command": command,
-        "locosweep": _core.version(),
-        "seed": asked.seed,
-        "sealed_sha256": sealed,
-    }
-    found, text = as_json(judged, skipped, about), as_text(judged, skipped)
-    write_text(asked.out / "metrics.json", as_text_json(found) + "\n")
-    write_text(asked.out / "table.txt", text)
-    show(asked.json_, found, text)
+    asked.write(as_json(judged, skipped, asked.about), as_text(judged, skipped))
 
 
-def _nominal(asked: RigCheck, given: Path, labels: list[str]) -> Path:
+def _nominal(asked: Asked, wanted: RigCheck, given: Path, labels: list[str]) -> Path:
     """Return the file of the calibrated model; with --calibrate it is fitted and written.
 
     One that is there for the same runs and model is kept: other values would make other cases.
     """
-    import json
-
     from locosweep.errors import InputError
-    from locosweep.files.atomic import write_text
     from locosweep.files.robot import load_robot
     from locosweep.files.runs import load_runs
     from locosweep.validation.calibration import calibrate
-    from locosweep.validation.case_files import digest
+    from locosweep.validation.records import digest, keep, kept
     from locosweep.validation.semi_files import rig_of
 
-    known = [run.label for run in load_runs(asked.runs)[0]]
+    there = [run.label for run in load_runs(wanted.runs)[0]]
     for label in labels:
-        if label not in known:
-            raise InputError(f"--runs: no run {label}: there are {', '.join(known)}")
+        if label not in there:
+            raise InputError(f"--runs: no run {label}: there are {', '.join(there)}")
     robot = load_robot(given)
     path, record = asked.out / "calibrated.toml", asked.out / "calibrated.json"
-    key = [digest(asked.runs), digest(given), *labels, str(asked.calibrate)]
-    if path.exists() and record.exists() and json.loads(record.read_text())["key"] == key:
-        found: dict[str, float] = json.loads(record.read_text())["values"]
+    key = [digest(wanted.runs), digest(given), *labels, str(wanted.calibrate)]
+    if (known := kept(record, key)) is not None:
+        found: dict[str, float] = known["values"]
     else:
         found = {}
-        if asked.calibrate:
-            robot, found = calibrate(rig_of(asked.runs, given, labels).runs, robot)
+        if wanted.calibrate:
+            robot, found = calibrate(rig_of(wanted.runs, given, labels).runs, robot)
         _written(robot, path)
-        write_text(record, json.dumps({"key": key, "values": found}, indent=1) + "\n")
+        keep(record, key, [path], values=found)
     if found and not asked.quiet:
         text = ", ".join(f"{name} {value:.4g}" for name, value in found.items())
         click.echo(f"calibrated: {text}", err=True)

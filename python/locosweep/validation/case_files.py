@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 from typing import TYPE_CHECKING, Any
@@ -14,6 +13,7 @@ from locosweep.files import toml
 from locosweep.files.atomic import replacing
 from locosweep.files.channels import CHANNELS
 from locosweep.validation.experiment import FINE, Experiment, World
+from locosweep.validation.records import digest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -30,11 +30,6 @@ SEAL = "sealed.json"
 def case_name(index: int, *, gap_free: bool = False) -> str:
     """Return the folder of a case."""
     return f"{'free' if gap_free else 'case'}_{index:04d}"
-
-
-def digest(path: Path) -> str:
-    """SHA-256 of a file."""
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _frame(
@@ -122,6 +117,13 @@ def runs_file(folder: Path) -> Path:
         if (folder / name).exists():
             return folder / name
     raise FileNotFoundError(folder / "runs.csv")
+
+
+def files_of(out: Path, name: str) -> list[Path]:
+    """Return the files of a case, the sealed ones among them."""
+    sealed = out / "sealed" / name
+    open_ = [runs_file(out / name), out / name / "nominal.toml"]
+    return [*open_, sealed / "truth.json", sealed / "check.csv"]
 
 
 def write_case(case: Case, name: str, out: Path, seed: list[int]) -> None:

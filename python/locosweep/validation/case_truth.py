@@ -105,10 +105,9 @@ def _nudged(parameters: dict[str, float]) -> dict[str, float]:
     return {**parameters, first: parameters[first] * 1.01}
 
 
-def outside(case: Case, nuisances: Nuisances, absent: list[str], gap: Floats) -> Case:
-    """Find what comes near a disturbance that no effect of the list stands for."""
+def outside(case: Case, nuisances: Nuisances, gap: Floats, absent: list[str], d: float) -> Case:
+    """Find what comes near a disturbance, of size `d`, that no effect of the list stands for."""
     ((name, _, parameters),) = case.world.effects
-    d = nuisances.size(case.world.effects)
     distances = rival_distances(nuisances, gap, absent=absent, most=d)
     accepted = [[rival] for rival, left in sorted(distances.items()) if left < ALIKE]
     truth = {

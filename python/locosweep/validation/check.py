@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import time
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from locosweep.validation.bad_readings import BadJudged, judge_bad
-from locosweep.validation.case_files import SEAL, digest, read_truth, runs_file
+from locosweep.validation.case_files import SEAL, read_truth, runs_file
 from locosweep.validation.fresh_runs import fresh_reduction
 from locosweep.validation.judge import NAMING, Judged, judge
 from locosweep.validation.next_run import NextRun, carried_out
 from locosweep.validation.processes import code_digest, over_processes
+from locosweep.validation.records import digest, keep, kept
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -29,19 +29,18 @@ class Outcome:
     error: str
 
 
-def _diagnose(folder: Path, kept: Path, seed: int, code: str) -> Outcome:
+def _diagnose(folder: Path, into: Path, seed: int, code: str) -> Outcome:
     """Diagnose one case from its two files; keep a diagnosis that the same code has made."""
     from locosweep.diagnosis.pipeline import diagnose
     from locosweep.diagnosis.report.model_file import write_augmented
 
     runs, nominal = runs_file(folder), folder / "nominal.toml"
-    key = hashlib.sha256(f"{digest(runs)} {digest(nominal)} {seed} {code}".encode()).hexdigest()
-    record = kept / "outcome.json"
-    if record.exists():
-        known = json.loads(record.read_text())
-        if known["key"] == key:
-            return Outcome(folder.name, known["seconds"], known["error"])
-    kept.mkdir(parents=True, exist_ok=True)
+    key = {"runs": digest(runs), "nominal": digest(nominal), "seed": seed, "code": code}
+    record = into / "outcome.json"
+    if (known := kept(record, key)) is not None:
+        return Outcome(folder.name, known["seconds"], known["error"])
+    into.mkdir(parents=True, exist_ok=True)
+    made = []
     begin, error = time.process_time(), ""
     try:
         found = diagnose(runs, nominal, seed=seed, threads=1)
@@ -50,9 +49,10 @@ def _diagnose(folder: Path, kept: Path, seed: int, code: str) -> Outcome:
         error = f"{type(problem).__name__}: {' '.join(str(problem).split())}"[:300]
     seconds = time.process_time() - begin
     if not error:
-        (kept / "report.json").write_text(json.dumps(found.report, allow_nan=False))
-        write_augmented(found.augmented, kept / "augmented.toml", nominal.read_text())
-    record.write_text(json.dumps({"key": key, "seconds": seconds, "error": error}))
+        made = [into / "report.json", into / "augmented.toml"]
+        made[0].write_text(json.dumps(found.report, allow_nan=False))
+        write_augmented(found.augmented, made[1], nominal.read_text())
+    keep(record, key, made, seconds=seconds, error=error)
     return Outcome(folder.name, seconds, error)
 
 
@@ -74,16 +74,16 @@ def diagnose_cases(
 
 def _judge(out: Path, outcome: Outcome) -> Judged:
     truth = read_truth(out, outcome.name)
-    kept = out / "diagnoses" / outcome.name
+    diagnosis = out / "diagnoses" / outcome.name
     if outcome.error:
         return judge(truth, None, seconds=outcome.seconds, error=outcome.error)
-    report: dict[str, Any] = json.loads((kept / "report.json").read_text())
+    report: dict[str, Any] = json.loads((diagnosis / "report.json").read_text())
     fresh = None
     if report["verdict"]["status"] in NAMING and truth["kind"] != "none":
         fresh = fresh_reduction(
             out / "sealed" / outcome.name / "check.csv",
             out / outcome.name / "nominal.toml",
-            kept / "augmented.toml",
+            diagnosis / "augmented.toml",
             report["gap"]["channel"] or "x",
             truth,
         )

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING
 
-from locosweep.validation.case_files import case_name, seal, write_case
+from locosweep.validation.case_files import case_name, files_of, seal, write_case
 from locosweep.validation.cases import draw_case
 from locosweep.validation.processes import code_digest, over_processes
+from locosweep.validation.records import keep, kept
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -21,6 +21,7 @@ _DRAWING = (
     "drives",
     "experiment",
     "laws",
+    "records",
     "rigs",
     "rivals",
     "sizes",
@@ -32,10 +33,10 @@ def _draw(seed: int, index: int, gap_free: bool, out: Path, code: str) -> str:
     name = case_name(index, gap_free=gap_free)
     record = out / "sealed" / name / "drawn.json"
     key = {"seed": seed, "index": index, "gap_free": gap_free, "code": code}
-    if not record.exists() or json.loads(record.read_text()) != key:
+    if kept(record, key) is None:
         case = draw_case(seed, index, gap_free=gap_free)
         write_case(case, name, out, [seed, int(gap_free), index])
-        record.write_text(json.dumps(key))
+        keep(record, key, files_of(out, name))
     return name
 
 

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from locosweep.files.strict_json import plain
 from locosweep.validation.baseline import baseline
-from locosweep.validation.case_files import digest, read_truth
+from locosweep.validation.case_files import read_truth
 from locosweep.validation.processes import code_digest, over_processes
+from locosweep.validation.records import digest, keep, kept
 from locosweep.validation.semi_files import rig_of
 
 if TYPE_CHECKING:
@@ -82,15 +83,15 @@ LARGE = 0.2
 """Share of the gap from which a cause that is not there counts against a diagnosis."""
 
 
-def _baseline(folder: Path, kept: Path, code: str) -> dict[str, Any]:
-    key = f"{digest(folder / 'runs.parquet')} {digest(folder / 'nominal.toml')} {code}"
-    if kept.exists() and (known := json.loads(kept.read_text()))["key"] == key:
-        return dict(known)
+def _baseline(folder: Path, record: Path, code: str) -> dict[str, Any]:
+    files = {name: digest(folder / name) for name in ("runs.parquet", "nominal.toml")}
+    key = {**files, "code": code}
+    if (known := kept(record, key)) is not None:
+        return known
     found = baseline(rig_of(folder / "runs.parquet", folder / "nominal.toml", ()))
-    record = plain({"key": key, **asdict(found)})
-    kept.parent.mkdir(parents=True, exist_ok=True)
-    kept.write_text(json.dumps(record, indent=1))
-    return dict(record)
+    said: dict[str, Any] = plain(asdict(found))
+    keep(record, key, **said)
+    return said
 
 
 def baselines(

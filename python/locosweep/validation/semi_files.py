@@ -10,9 +10,10 @@ from locosweep.diagnosis.report.model_file import write_augmented
 from locosweep.files.robot import load_robot
 from locosweep.files.runs import load_runs
 from locosweep.files.strict_json import plain
-from locosweep.validation.case_files import digest, seal
+from locosweep.validation.case_files import seal
 from locosweep.validation.planting import NotPlantable, Rig
 from locosweep.validation.processes import code_digest, over_processes
+from locosweep.validation.records import digest, keep, kept
 from locosweep.validation.semi_real import Source, controls, draw, names_of
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ def frame_of(runs: Sequence[Run]) -> pl.DataFrame:
     return pl.concat(parts, how="diagonal")
 
 
-def _write(case: Case, name: str, out: Path) -> None:
+def _write(case: Case, name: str, out: Path) -> list[Path]:
     open_, sealed = out / name, out / "sealed" / name
     open_.mkdir(parents=True, exist_ok=True)
     sealed.mkdir(parents=True, exist_ok=True)
@@ -51,6 +52,7 @@ def _write(case: Case, name: str, out: Path) -> None:
     write_augmented(case.rig.robot, open_ / "nominal.toml")
     text = json.dumps(plain({"case": name, **case.truth}), indent=1, allow_nan=False)
     (sealed / "truth.json").write_text(text)
+    return [open_ / "runs.parquet", open_ / "nominal.toml", sealed / "truth.json"]
 
 
 def _draw(
@@ -60,21 +62,20 @@ def _draw(
     """Draw one case into its folder; return the folder, or why there is none."""
     folder = f"{name}_{size:g}"
     record = out / "sealed" / folder / "drawn.json"
-    if record.exists() and (known := json.loads(record.read_text()))["key"] == key:
+    if (known := kept(record, key)) is not None:
         return folder, known["reason"]
     source = Source(rig_of(*files, chosen))
-    reason = ""
+    reason, made = "", []
     try:
         # The same parameters at every size: only the strength differs.
         case = draw(source, name, size, [seed, names_of(source.rig).index(name)])
-        _write(case, folder, out)
+        made = _write(case, folder, out)
     except NotPlantable as why:
         reason = str(why)
         # Another version may have drawn it.
         shutil.rmtree(out / folder, ignore_errors=True)
-        record.parent.mkdir(parents=True, exist_ok=True)
         (record.parent / "truth.json").unlink(missing_ok=True)
-    record.write_text(json.dumps({"key": key, "reason": reason}))
+    keep(record, key, made, reason=reason)
     return folder, reason
 
 

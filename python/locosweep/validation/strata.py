@@ -5,19 +5,19 @@ Of the mixture 15 in 100 cases lie outside the list: too few to see an error of 
 
 from __future__ import annotations
 
-import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from locosweep.errors import InputError
 from locosweep.validation.bad_readings import write_bad
-from locosweep.validation.case_files import seal, write_case
+from locosweep.validation.case_files import files_of, seal, write_case
 from locosweep.validation.cases import Wanted, draw_wanted
 from locosweep.validation.draw import drawing_code
 from locosweep.validation.laws import KEPT_OUT, OUTSIDE
 from locosweep.validation.processes import over_processes
+from locosweep.validation.records import keep, kept
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -33,7 +33,8 @@ class Stratum:
     name : str
         As the command line takes it.
     number : int
-        Part of the seed of its cases: no two strata, nor the mixture, share a case.
+        Part of the seed of its cases, which no other stratum nor the mixture draws. Faults of the
+        readings are put into cases of the mixture (`bad_readings.draw_base`).
     about : str
         What its cases are.
     wanted : Wanted or None
@@ -123,16 +124,14 @@ def _draw(name: str, seed: int, index: int, families: tuple[str, ...], out: Path
         folder = f"bad_{index:04d}"
     record = out / "sealed" / folder / "drawn.json"
     key = {"stratum": name, "seed": seed, "index": index, "families": [*families], "code": code}
-    if record.exists() and json.loads(record.read_text()) == key:
+    if kept(record, key) is not None:
         return folder
     if stratum.wanted is None:
         write_bad(out, seed, index)
     else:
-        wanted = stratum.wanted
-        if families:
-            wanted = Wanted(wanted.kind, families=families)
+        wanted = replace(stratum.wanted, families=families)
         numbers = [seed, stratum.number, index]
         case = draw_wanted(np.random.default_rng(numbers), wanted, f"{name} {index} of {seed}")
         write_case(case, folder, out, numbers)
-    record.write_text(json.dumps(key))
+    keep(record, key, files_of(out, folder))
     return folder

@@ -6,6 +6,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from locosweep.files.strict_json import plain
+from locosweep.validation.strata import STRATA
 from locosweep.validation.strata_metrics import bad_figures, by_family, by_fault, stratum_figures
 from locosweep.validation.tables import block, wrong_cases
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 def stratum_text(name: str, judged: Sequence[Judged]) -> str:
     """Return the table of a stratum and its wrong verdicts."""
-    lines = block("figure", stratum_figures(name, judged))
+    lines = [f"{name}: {STRATA[name].about}", *block("figure", stratum_figures(name, judged))]
     if rows := by_family(judged):
         lines += block("right, by true cause", rows)
     return "\n".join([*lines, "wrong verdicts:", *wrong_cases(judged)]) + "\n"
@@ -27,7 +28,8 @@ def stratum_text(name: str, judged: Sequence[Judged]) -> str:
 
 def bad_text(judged: Sequence[BadJudged]) -> str:
     """Return the table of cases with bad readings, and their confident false causes."""
-    lines = block("figure", bad_figures(judged))
+    about = STRATA["bad-readings"].about
+    lines = [f"bad-readings: {about}", *block("figure", bad_figures(judged))]
     lines += block("no confident false cause, by fault", by_fault(judged))
     lines.append("confident false causes, and faults that were not found:")
     lines += [
