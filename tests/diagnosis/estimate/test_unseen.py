@@ -9,7 +9,8 @@ import pytest
 
 from diagnosis_search import fit_of, search_of
 from diagnosis_small import driven, measured
-from locosweep.diagnosis.estimate.least_squares import evaluate
+from locosweep.diagnosis.estimate import unseen
+from locosweep.diagnosis.estimate.least_squares import evaluate, start_fits
 from locosweep.diagnosis.estimate.unseen import groups_of, unseen_squares, without_each
 
 HIDDEN = {"drive_gain_error": {"e": -0.01}}
@@ -25,6 +26,30 @@ def test_a_run_left_out_to_first_order_is_a_fit_without_it() -> None:
         exact = fit_of(own, "viscous_friction")
         assert found[r][0] == pytest.approx(exact.theta[0], rel=1e-3)
         assert abs(found[r][0] - exact.theta[0]) < 0.3 * abs(whole.theta[0] - exact.theta[0])
+
+
+def test_a_start_speed_that_only_the_left_out_run_knows_stays(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    runs = measured(HIDDEN, driven(2))
+    search = search_of(runs, "viscous_friction")
+    search = replace(search, nuisances=replace(search.nuisances, moving=(0,)))
+    model = search.model(["viscous_friction"])
+    (start,) = start_fits(search.nuisances, model, np.array([[0.1]]))
+    (whole,) = evaluate(search.problem, [start])
+    # Of the speed, in small units, the first run alone says something.
+    random, own = np.random.default_rng(3), search.problem.of_run(0, search.problem.fitted)
+    slopes = random.standard_normal((2, whole.residual.size))
+    slopes[1, :] = 0.0
+    slopes[1, own] = 1e6 * random.standard_normal(own.size)
+    monkeypatch.setattr(unseen, "jacobian_of", lambda *_: slopes)
+    first, second = without_each(search.problem, whole, [[0], [1]])
+    assert first[1] == whole.theta[1]
+    other = search.problem.of_run(1, search.problem.fitted)
+    pull = slopes[0, own] @ whole.residual[own] / (slopes[0, other] @ slopes[0, other])
+    low, high = model.free[0].low, model.free[0].high
+    assert first[0] == pytest.approx(np.clip(whole.theta[0] + pull, low, high))
+    assert second[1] != whole.theta[1]
 
 
 def test_errors_are_those_of_the_position_in_its_unit() -> None:

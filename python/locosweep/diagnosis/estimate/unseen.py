@@ -19,8 +19,11 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _LEAST = 1e-12
-"""Part of the largest precision that every direction of parameters has: those that the other
-runs do not know stay as they are."""
+"""Part of its precision that every parameter has besides: directions that the other runs do not
+know stay as they are."""
+_KNOWN = 1e-6
+"""Part of a parameter's precision that the other runs must hold, or it stays as it is, as the
+start speed of the run that is left out: a thousandth of what a run says of it by itself."""
 
 _FARTHEST = 4.0
 """Deviations that an uncertain nominal value may be off without a run."""
@@ -46,8 +49,12 @@ def without_each(problem: Problem, fit: Fit, groups: Sequence[Sequence[int]]) ->
     for group in groups:
         own = np.concatenate([problem.of_run(r, problem.fitted) for r in group])
         here = slopes[:, own]
-        rest = precision - here @ here.T + floor
-        step = np.linalg.lstsq(rest, here @ residual[own], rcond=None)[0]
+        rest = precision - here @ here.T
+        known = np.flatnonzero(np.diag(rest) > _KNOWN * np.diag(precision))
+        within = np.ix_(known, known)
+        step = np.zeros(fit.theta.size)
+        pull = here[known] @ residual[own]
+        step[known] = np.linalg.lstsq(rest[within] + floor[within], pull, rcond=None)[0]
         found.append(np.clip(fit.theta + step, low, high))
     return found
 
