@@ -52,6 +52,7 @@ class TestCommand:
         assert arguments == (Path("r.csv"), Path("n.toml"))
         assert options == {"holdout": ["2", "3", "4"], "max_effects": 2, "seed": 5,
                            "columns": {"drive": "tau"}, "units": {"x": "mm"}, "threads": 1,
+                           "separator": None, "decimal": None,
                            "progress": None}  # fmt: skip
         assert (tmp_path / "d" / "report.html").is_file()
 

@@ -108,8 +108,8 @@ class TestRuns:
         (folder / "r.csv").write_text(table())
         with pytest.raises(InputError, match="unknown column 'drivee': did you mean 'drive'"):
             load_runs("r.csv", {"drivee": "tau"})
-        with pytest.raises(InputError, match="unknown unit 'furlong'"):
-            load_runs("r.csv", {}, {"x": "furlong"})
+        with pytest.raises(InputError, match="unknown unit 'furlongg'"):
+            load_runs("r.csv", {}, {"x": "furlongg"})
         with pytest.raises(DataFileError, match="no column tau"):
             load_runs("r.csv", {"drive": "tau"})
 

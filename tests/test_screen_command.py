@@ -185,7 +185,7 @@ class TestCommand:
             ("r.csv", "--nominal", "no.toml"),
             ("r.csv", "--nominal", "n.toml", "--pairs", "-1"),
             ("r.csv", "--nominal", "n.toml", "--column", "drive"),
-            ("r.csv", "--nominal", "n.toml", "--unit", "x=parsec"),
+            ("r.csv", "--nominal", "n.toml", "--unit", "x=blorp"),
             ("n.toml", "--nominal", "n.toml"),
         ],
     )

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 @click.option("--quiet", is_flag=True, help="Print the verdict only.")
 @options.map_option
 @options.unit_option
+@options.csv_options
 @options.threads_option
 @options.json_option
 def diagnose(
@@ -45,6 +46,8 @@ def diagnose(
     quiet: bool,
     columns: dict[str, str],
     units: dict[str, str],
+    separator: str | None,
+    decimal: str | None,
     threads: int | None,
     json_: bool,
 ) -> None:
@@ -72,6 +75,8 @@ def diagnose(
         seed=seed,
         columns=columns,
         units=units,
+        separator=separator,
+        decimal=decimal,
         threads=threads,
         progress=None if bar is None else bar.say,
     )

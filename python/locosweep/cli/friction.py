@@ -26,6 +26,7 @@ def _labels(option: str, given: str | None) -> list[str]:
 @options.out_option("Folder for report and pictures")
 @options.column_option
 @options.unit_option
+@options.csv_options
 @click.option("--runs", metavar="RUN,...", help="Runs to use; default all.")
 @click.option(
     "--holdout", metavar="RUN,...",
@@ -48,6 +49,8 @@ def friction(
     out: Path,
     columns: dict[str, str],
     units: dict[str, str],
+    separator: str | None,
+    decimal: str | None,
     runs: str | None,
     holdout: str | None,
     laws: tuple[str, ...],
@@ -84,6 +87,8 @@ def friction(
         runs=wanted,
         columns=columns,
         units=units,
+        separator=separator,
+        decimal=decimal,
         seed=seed,
         threads=threads,
         progress=meter("friction", "fits", quiet=quiet),

@@ -233,6 +233,22 @@ unit_option = pair_option(
     "units", "--unit", metavar="NAME=UNIT",
     text="Unit of a column of the data, for instance x=mm.",
 )  # fmt: skip
+
+
+def csv_options(command: _Command) -> _Command:
+    """Add the options that settle what the text of a CSV file leaves open."""
+    separators = "tab", "semicolon", "comma", "bar"
+    decimal = click.option(
+        "--decimal", type=click.Choice(["point", "comma"]),
+        help="Decimal character of a CSV file; default as its numbers show.",
+    )  # fmt: skip
+    separator = click.option(
+        "--separator", type=click.Choice(separators),
+        help="Character between columns of a CSV file; default as its rows show.",
+    )  # fmt: skip
+    return separator(decimal(command))
+
+
 force_option = click.option("--force", is_flag=True, help="Write into a folder that is not empty.")
 threads_option = click.option(
     "--threads", metavar="N", type=click.IntRange(min=1), help="Threads; default all processors."

@@ -27,6 +27,7 @@ _LEAST_SHARE = 1e-3
 @options.count_option("--pairs", 5, "Pairs of effects to list, at most.")
 @options.column_option
 @options.unit_option
+@options.csv_options
 @options.threads_option
 @options.json_option
 def screen(
@@ -35,6 +36,8 @@ def screen(
     pairs: int,
     columns: dict[str, str],
     units: dict[str, str],
+    separator: str | None,
+    decimal: str | None,
     threads: int | None,
     json_: bool,
 ) -> None:
@@ -48,7 +51,16 @@ def screen(
     """
     from locosweep.diagnosis.screening import screen as screen_runs
 
-    found = screen_runs(runs, nominal, pairs=pairs, columns=columns, units=units, threads=threads)
+    found = screen_runs(
+        runs,
+        nominal,
+        pairs=pairs,
+        columns=columns,
+        units=units,
+        separator=separator,
+        decimal=decimal,
+        threads=threads,
+    )
     for warning in found.warnings:
         click.echo(f"locosweep: note: {' '.join(warning.split())}", err=True)
     show(json_, _record(found), *_lines(found))

@@ -15,6 +15,7 @@ from locosweep.cli.simulate_runs import replay
 from locosweep.cli.simulation_options import refuse_beside, refuse_idle, simulation_options
 from locosweep.errors import InputError, SolveError
 from locosweep.files.strict_json import plain
+from locosweep.files.table import CsvForm
 
 if TYPE_CHECKING:
     from locosweep.simulation.trajectories import Trajectories
@@ -60,6 +61,7 @@ _MOST_CURVES = 8
 )  # fmt: skip
 @options.map_option
 @options.unit_option
+@options.csv_options
 @options.threads_option
 @options.json_option
 @click.pass_context
@@ -75,6 +77,8 @@ def simulate(
     runs: Path | None,
     columns: dict[str, str],
     units: dict[str, str],
+    separator: str | None,
+    decimal: str | None,
     threads: int | None,
     json_: bool,
 ) -> None:
@@ -95,10 +99,15 @@ def simulate(
             missing = {"--model": model, "--runs": runs, "--out": out}
             first = next(name for name, value in missing.items() if value is None)
             raise InputError(f"{first} is missing: a replay takes --model, --runs and --out")
-        replay(model, runs, out, columns=columns, units=units, threads=threads, json_=json_)
+        form = CsvForm(separator, decimal)
+        replay(
+            model, runs, out, columns=columns, units=units, form=form, threads=threads, json_=json_
+        )
         return
-    if columns or units:
-        raise InputError("--column and --unit are allowed with --runs only")
+    if columns or units or separator or decimal:
+        raise InputError(
+            "--column and --unit, --separator and --decimal are allowed with --runs only"
+        )
     if out is None and plot_file is None:
         raise InputError("--out is missing: allowed is a file that ends in .csv or .parquet, or "
                          "--plot with a picture")  # fmt: skip

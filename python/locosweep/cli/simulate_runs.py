@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
     import polars as pl
 
+    from locosweep.files.table import CsvForm
+
 
 def replay(
     model: Path,
@@ -23,19 +25,22 @@ def replay(
     *,
     columns: Mapping[str, str],
     units: Mapping[str, str],
+    form: CsvForm,
     threads: int | None,
     json_: bool,
 ) -> None:
     """Replay the runs and write what the sensors would read."""
     from locosweep.files.atomic import check_file_name, write_frame
-    from locosweep.files.robot import load_robot
+    from locosweep.files.robot import is_rotary, load_robot
     from locosweep.files.runs import load_runs
     from locosweep.simulation.replay import replay_runs
 
     check_file_name(out)
     robot = load_robot(model)
     # A start may be given instead of measured: x is not needed to be driven.
-    measured, notices = load_runs(runs, columns, units, needs=("t", "drive"))
+    measured, notices = load_runs(
+        runs, columns, units, needs=("t", "drive"), form=form, rotary=is_rotary(robot)
+    )
     for notice in notices:
         click.echo(f"locosweep: note: {notice}", err=True)
     frame = replay_runs(robot, measured, threads=threads, progress=meter("simulate"))

@@ -47,6 +47,7 @@ from locosweep.diagnosis.select.verdict import Choice, choose, partial_choice
 from locosweep.diagnosis.select.whiteness import stray_readings
 from locosweep.engine import whole
 from locosweep.errors import InputError
+from locosweep.files.table import CsvForm
 from locosweep.simulation.replay import nominal_of, sensor_of
 
 if TYPE_CHECKING:
@@ -73,6 +74,8 @@ def diagnose(
     seed: int = 0,
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
+    separator: str | None = None,
+    decimal: str | None = None,
     threads: int | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Diagnosis:
@@ -93,6 +96,8 @@ def diagnose(
         Of the resampling that intervals come from.
     columns, units : mapping of str to str, optional
         As in `locosweep.files.runs.load_runs`; only where `runs` is a file.
+    separator, decimal : str, optional
+        Of a CSV file, where its text leaves them open: ``"semicolon"``, ``"comma"``.
     threads : int, optional
         As in `sweep`. The report does not depend on it.
     progress : callable, optional
@@ -126,7 +131,9 @@ def diagnose(
     workers = _core.threads_to_use(whole("threads", threads))
     robot = nominal_model(nominal)
     say("reading")
-    records, notices, digest = read_runs(runs, columns or {}, units or {})
+    records, notices, digest = read_runs(
+        runs, columns or {}, units or {}, robot, CsvForm(separator, decimal)
+    )
     checked = _reading_checks(robot, records)
     data = _prepared(robot, checked, holdout, workers)
     measured = {c for run in data.whole.runs for c in run.channels}

@@ -23,6 +23,7 @@ from locosweep.diagnosis.select.screen import pairs_along, seen_along
 from locosweep.diagnosis.select.search import Search
 from locosweep.engine import whole
 from locosweep.errors import InputError, SolveError
+from locosweep.files.table import CsvForm
 
 if TYPE_CHECKING:
     import os
@@ -82,6 +83,8 @@ def screen(
     pairs: int = 5,
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
+    separator: str | None = None,
+    decimal: str | None = None,
     threads: int | None = None,
 ) -> Screen:
     """Say which effects could explain a gap: a fit of each to the equation error.
@@ -90,7 +93,7 @@ def screen(
 
     Parameters
     ----------
-    runs, nominal, columns, units, threads
+    runs, nominal, columns, units, separator, decimal, threads
         As in `diagnose`. All runs are used.
     pairs : int
         Pairs of effects that are listed, at most.
@@ -123,7 +126,9 @@ def screen(
     if isinstance(pairs, bool) or not isinstance(pairs, int | np.integer) or pairs < 0:
         raise InputError(f"pairs is {pairs!r}: allowed is a whole number from 0 upward")
     robot = nominal_model(nominal)
-    records, notices, _ = read_runs(runs, columns or {}, units or {})
+    records, notices, _ = read_runs(
+        runs, columns or {}, units or {}, robot, CsvForm(separator, decimal)
+    )
     chosen, missing = usable(records)
     scale = scale_of(robot, chosen)
     workers = _core.threads_to_use(whole("threads", threads))

@@ -121,3 +121,8 @@ def _effect(name: str, tables: dict[str, Any], level: str) -> dict[str, float]:
                 f"the model's Coulomb level is given as {level}"
             )
     return found
+
+
+def is_rotary(robot: Robot) -> bool:
+    """Return whether the robot is a rotary bench: positions are angles, forces are torques."""
+    return robot.other.get("bench.kind") == "rotary"

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.errors import DataFileError, InputError
+from locosweep.errors import DataFileError
 from locosweep.files import channels
 from locosweep.files.bags import is_bag, read_bag
-from locosweep.files.columns import check_units, number_columns, read_frame, rows_by_run
+from locosweep.files.columns import check_units, number_columns, rows_by_run
+from locosweep.files.table import Table, listed, read_table
+from locosweep.files.units import DRIVES
 
 if TYPE_CHECKING:
     import os
@@ -21,11 +23,19 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from locosweep.files.columns import MendStamps
+    from locosweep.files.table import CsvForm
 
 CHANNELS = {name: channel.meaning for name, channel in channels.CHANNELS.items()}
 """Measured channels, beside time and drive."""
 
-_COLUMNS = ("run", "t", "drive", *CHANNELS, "slope_deg")
+
+def wanted_columns(rotary: bool | None = None) -> dict[str, tuple[str, ...]]:
+    """Return the allowed units of each column: on a rotary bench, on another rig, or on either."""
+    measured = {
+        name: (c.unit, c.rotary_unit) if rotary is None else (c.unit_on(rotary=rotary),)
+        for name, c in channels.CHANNELS.items()
+    }
+    return {"run": (), "t": ("s",), "drive": DRIVES, **measured, "slope_deg": ("deg",)}
 
 
 @dataclass(frozen=True)
@@ -101,22 +111,30 @@ def load_runs(
     *,
     needs: tuple[str, ...] = ("t", "drive", "x"),
     stamps: MendStamps | None = None,
+    form: CsvForm | None = None,
+    rotary: bool | None = None,
 ) -> tuple[list[Run], list[str]]:
     """Read measured runs from CSV or Parquet, long form, one row a sample, or from a bag.
 
     Parameters
     ----------
     path : path-like
-        The file.
+        The file. Separator, decimal character, comments and a row of units of a CSV file are
+        found from its text. Times that are dates or Unix time count from each run's start.
     columns : mapping of str to str, optional
         Their name of a column by ours, for instance ``{"drive": "tau"}``; of a bag, topic and
         field, for instance ``{"drive": "/cmd.effort[0]"}``.
     units : mapping of str to str, optional
-        Unit of a column, for instance ``{"x": "mm"}``; SI where not given.
+        Unit of a column, for instance ``{"x": "mm"}``; what the file states, or SI, where not
+        given. It has to measure what the column measures.
     needs : tuple of str
         Columns that must be there.
     stamps : callable, optional
         Given the label and the times of a run, which may repeat, returns times that rise.
+    form : CsvForm, optional
+        Separator and decimal character, where the text leaves them open.
+    rotary : bool, optional
+        Whether positions are angles; either is allowed where not given.
 
     Returns
     -------
@@ -129,43 +147,40 @@ def load_runs(
     ------
     DataFileError
         Not readable, a column missing, text or an infinite value in a column of
-        numbers, time that does not rise, fewer than 20 samples in a run: one
-        line with file, run, row and column.
+        numbers, a row that is too short or too long, time that does not rise, fewer than 20
+        samples in a run: one line with file, run, row and column.
+    InputError
+        A unit that is none, or that measures something else than its column.
     """
     columns, units = dict(columns or {}), dict(units or {})
-    check_units(units, _COLUMNS[1:])
+    wanted = wanted_columns(rotary)
+    check_units(units, [name for name, allowed in wanted.items() if allowed])
     if is_bag(Path(path)):
-        frame, others = read_bag(Path(path), columns), list[str]()
-        columns = {}
+        table = read_table(read_bag(Path(path), columns), wanted, needs, name=str(path))
     else:
-        frame, others = read_frame(path, _COLUMNS, needs, columns)
-    runs, notices = _runs(str(path), frame, columns, units, stamps)
-    if others:
-        notices.insert(0, f"{path}: columns not used: {', '.join(others)}")
-    return runs, notices
+        table = read_table(path, wanted, needs, columns, form)
+    return _runs(table, units, stamps)
 
 
 def runs_from_frame(
     frame: pl.DataFrame, name: str = "runs", *, stamps: MendStamps | None = None
 ) -> list[Run]:
     """Take measured runs from a Polars frame with the columns of a file."""
-    for needed in ("t", "drive", "x"):
-        if needed not in frame.columns:
-            raise InputError(f"{name}: no column {needed}: there are {', '.join(frame.columns)}")
-    return _runs(name, frame, {}, {}, stamps)[0]
+    table = read_table(frame, wanted_columns(), ("t", "drive", "x"), name=name)
+    return _runs(table, {}, stamps)[0]
 
 
 def _runs(
-    path: str,
-    frame: pl.DataFrame,
-    columns: Mapping[str, str],
-    units: Mapping[str, str],
-    stamps: MendStamps | None,
+    table: Table, units: Mapping[str, str], stamps: MendStamps | None
 ) -> tuple[list[Run], list[str]]:
-    numbers = number_columns(path, frame, _COLUMNS[1:], units, columns)
-    notices: list[str] = []
+    numbers, calendar = number_columns(table, units)
+    notices = [*table.notices]
+    if table.others:
+        notices.insert(0, f"{table.path}: columns not used: {listed(table.others)}")
     runs = []
-    for label, where, rows, t in rows_by_run(path, frame, numbers["t"], stamps=stamps):
+    for label, where, rows, t in rows_by_run(
+        table, numbers["t"], stamps=stamps, from_start=calendar
+    ):
         drive = _held(numbers["drive"][rows], where, notices)
         measured = {name: numbers[name][rows] for name in CHANNELS if name in numbers}
         slope = _slope(numbers, rows, where)

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from locosweep.errors import DataFileError, InputError
-from locosweep.files.columns import check_units, number_columns, read_frame, rows_by_run
+from locosweep.files.columns import check_units, number_columns, rows_by_run
+from locosweep.files.table import listed, read_table
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Collection, Mapping
 
     import polars as pl
     from numpy.typing import NDArray
+
+    from locosweep.files.table import CsvForm
 
 COLUMNS = {
     "run": "label of the run",
@@ -29,7 +31,16 @@ COLUMNS = {
 }
 """Columns of a data file."""
 
-_NUMBERS = tuple(COLUMNS)[1:]
+_UNITS = {
+    "run": (),
+    "t": ("s",),
+    "x": ("m", "rad"),
+    "v": ("m/s", "rad/s"),
+    "force": ("N", "N m"),
+    "drive": ("N", "N m"),
+    "load": ("N",),
+}
+"""Allowed units; those of a rotary bench as well."""
 
 
 @dataclass(frozen=True)
@@ -52,13 +63,15 @@ def read_friction(
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
     runs: Collection[str] | None = None,
+    form: CsvForm | None = None,
 ) -> tuple[list[FrictionRun], list[str]]:
     """Read measured friction from a file, a frame or arrays, one row a sample.
 
     Columns are those of `COLUMNS`: ``t``, ``x`` or ``v``, ``force`` or with a mass [kg]
     ``drive``, and optionally ``run`` and ``load``. `columns` maps our names to those of the
-    data, `units` gives units other than SI, `runs` the labels of the runs to take. Returns
-    the runs in the order of their first rows, and notices of what was unexpected but readable.
+    data, `units` gives units other than SI, `runs` the labels of the runs to take, `form` what
+    the text of a CSV file leaves open. Returns the runs in the order of their first rows, and
+    notices of what was unexpected but readable.
 
     Raises
     ------
@@ -78,12 +91,12 @@ def read_friction(
     ('0', ['force', 'v'])
     """
     columns, units = dict(columns or {}), dict(units or {})
-    check_units(units, _NUMBERS)
-    frame, others = read_frame(data, tuple(COLUMNS), ("t",), columns)
-    name = str(Path(data)) if isinstance(data, str | os.PathLike) else "data"
+    check_units(units, [name for name, allowed in _UNITS.items() if allowed])
+    table = read_table(data, _UNITS, ("t",), columns, form)
+    name, frame, others = table.path, table.frame, table.others
     for either in (("x", "v"), ("force", "drive")):
         if not set(either) & set(frame.columns):
-            there = ", ".join([*frame.columns, *others][:20])
+            there = listed([*frame.columns, *others])
             one, other = (columns.get(c, c) for c in either)
             raise DataFileError(
                 f"{name}: no column {one}, and no {other} either: there are {there}"
@@ -93,10 +106,11 @@ def read_friction(
             "mass is missing: friction is the drive force less mass times acceleration, "
             "allowed is a mass in kg or a column force"
         )
-    notices = [f"{name}: columns not used: {', '.join(others)}"] if others else []
-    numbers = number_columns(name, frame, _NUMBERS, units, columns)
+    numbers, calendar = number_columns(table, units)
+    notices = [f"{name}: columns not used: {listed(others)}"] if others else []
+    notices += table.notices
     found = []
-    for label, _, rows, t in rows_by_run(name, frame, numbers["t"], runs):
+    for label, _, rows, t in rows_by_run(table, numbers["t"], runs, from_start=calendar):
         rest = {column: values[rows] for column, values in numbers.items() if column != "t"}
         found.append(FrictionRun(label, t, rest))
     return found, notices

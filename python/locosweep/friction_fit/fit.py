@@ -11,6 +11,7 @@ import numpy as np
 from locosweep import _core
 from locosweep.errors import InputError
 from locosweep.files.columns import checksum
+from locosweep.files.table import CsvForm
 from locosweep.friction_fit.data import read_friction
 from locosweep.friction_fit.prepare import Prepared, fitted_only, prepare
 from locosweep.friction_fit.result import FittedLaw, FittedParameter, FrictionFit
@@ -57,6 +58,8 @@ def fit_friction(
     runs: Collection[str] | None = None,
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
+    separator: str | None = None,
+    decimal: str | None = None,
     seed: int = 0,
     threads: int | None = None,
     progress: Progress | None = None,
@@ -82,6 +85,8 @@ def fit_friction(
         Labels of the runs to use; all by default.
     columns, units : mapping of str to str, optional
         Their name of a column by ours; unit of a column (SI where not given).
+    separator, decimal : str, optional
+        Of a CSV file, where its text leaves them open: ``"semicolon"``, ``"comma"``.
     seed : int
         Of the samples that pictures show; no fit depends on it.
     threads : int, optional
@@ -129,7 +134,10 @@ def fit_friction(
             raise InputError(f"law: {unknown('friction law', name, known)}")
     if not wanted:
         raise InputError("laws is empty: allowed is at least one friction law")
-    measured, notices = read_friction(data, mass=mass, columns=columns, units=units, runs=runs)
+    form = CsvForm(separator, decimal)
+    measured, notices = read_friction(
+        data, mass=mass, columns=columns, units=units, runs=runs, form=form
+    )
     ready = prepare(measured, mass=mass, holdout=[str(label) for label in holdout])
     job = ready.core()
     workers = _core.threads_to_use(threads)

@@ -11,6 +11,7 @@ from locosweep import _core
 from locosweep.engine import whole
 from locosweep.errors import InputError
 from locosweep.files.channels import REPLAYED
+from locosweep.files.robot import is_rotary
 from locosweep.registry import unknown
 
 if TYPE_CHECKING:
@@ -72,7 +73,7 @@ def nominal_of(robot: Robot) -> dict[str, float]:
         nominal["mu_coulomb"] = values["mu_coulomb"]
     else:
         raise InputError("the model has no mu_coulomb and no coulomb_force in [surface]")
-    if other.get("bench.kind") == "rotary":
+    if is_rotary(robot):
         nominal["gravity_torque"] = float(other.get("bench.gravity_torque", 0.0))
     return nominal
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from locosweep import registry
 from locosweep.errors import InputError
 from locosweep.files.toml import moved
+from locosweep.files.units import DRIVES
 
 if TYPE_CHECKING:
     import os
@@ -20,7 +21,8 @@ if TYPE_CHECKING:
 
 SIMULATION = ("law", "drive", "method", "drive_file", "gait")
 _TABLE = "table"
-_COLUMNS = ("t", "drive")
+_COLUMNS = {"t": ("s",), "drive": DRIVES}
+"""Columns of drive samples with their allowed units."""
 
 
 @dataclass(frozen=True)
@@ -105,10 +107,11 @@ def read_drive(path: str | os.PathLike[str]) -> Samples:
     """
     import numpy as np
 
-    from locosweep.files.columns import check_complete, check_rising, number_columns, read_frame
+    from locosweep.files.columns import check_complete, check_rising, number_columns
+    from locosweep.files.table import read_table
 
-    frame, _ = read_frame(path, _COLUMNS, _COLUMNS)
-    t, drive = number_columns(path, frame, _COLUMNS).values()
+    numbers, _ = number_columns(read_table(path, _COLUMNS, tuple(_COLUMNS)))
+    t, drive = (numbers[name] for name in _COLUMNS)
     # Not the blank lines between and below.
     rows = np.flatnonzero(~(np.isnan(t) & np.isnan(drive)))
     check_complete(f"{path}: ", "t", t[rows], rows)

@@ -11,7 +11,7 @@ import polars as pl
 
 from locosweep.diagnosis.data.clocks import Finding, in_words, on_their_clocks, packets_spread
 from locosweep.errors import InputError
-from locosweep.files.robot import Robot, load_robot
+from locosweep.files.robot import Robot, is_rotary, load_robot
 from locosweep.files.runs import Run, load_runs, runs_from_frame
 
 if TYPE_CHECKING:
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from locosweep.files.columns import MendStamps
+    from locosweep.files.table import CsvForm
 
 
 def nominal_model(nominal: str | os.PathLike[str] | Robot) -> Robot:
@@ -31,20 +32,30 @@ def nominal_model(nominal: str | os.PathLike[str] | Robot) -> Robot:
 
 
 def read_runs(
-    runs: Any, columns: Mapping[str, str], units: Mapping[str, str]
+    runs: Any,
+    columns: Mapping[str, str],
+    units: Mapping[str, str],
+    robot: Robot | None = None,
+    form: CsvForm | None = None,
 ) -> tuple[list[Run], list[str], str]:
     """Return runs from a file or columns, notices about them, and the digest of the data.
 
-    Runs are at the ticks of their clocks (`data/clocks.py`); notices say what that took.
+    Units have to be those of the robot, if one is given: a rotary bench or another rig. Runs are
+    at the ticks of their clocks (`data/clocks.py`); notices say what that took.
     """
     packets: list[Finding] = []
-    records, notices, digest = _read(runs, columns, units, packets_spread(packets))
+    records, notices, digest = _read(runs, columns, units, robot, form, packets_spread(packets))
     mended, findings = on_their_clocks(records)
     return mended, [*notices, *in_words([*packets, *findings])], digest
 
 
 def _read(
-    runs: Any, columns: Mapping[str, str], units: Mapping[str, str], stamps: MendStamps
+    runs: Any,
+    columns: Mapping[str, str],
+    units: Mapping[str, str],
+    robot: Robot | None,
+    form: CsvForm | None,
+    stamps: MendStamps,
 ) -> tuple[list[Run], list[str], str]:
     if isinstance(runs, pl.DataFrame):
         frame = runs
@@ -54,7 +65,14 @@ def _read(
         except (TypeError, ValueError, pl.exceptions.PolarsError) as error:
             raise InputError(f"runs: not columns of one length: {error}") from None
     else:
-        records, notices = load_runs(runs, columns, units, stamps=stamps)
+        records, notices = load_runs(
+            runs,
+            columns,
+            units,
+            stamps=stamps,
+            form=form,
+            rotary=None if robot is None else is_rotary(robot),
+        )
         return records, notices, _digest(Path(runs))
     if columns or units:
         raise InputError("columns and units: allowed only where runs is a file")

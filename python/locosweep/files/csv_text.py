@@ -1,0 +1,235 @@
+"""CSV as loggers and spreadsheets write it: encoding, comments, names and separator from the text.
+
+Nothing is guessed that the text leaves open: an error then names the option that settles it.
+"""
+
+from __future__ import annotations
+
+import codecs
+import csv
+import io
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from locosweep.errors import DataFileError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import polars as pl
+
+SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", "bar": "|"}
+"""Characters between columns, by their names in options."""
+_COMMENTS = (b"#", b"%", b"//")
+_SKIPPED = re.compile(rb"^[ \t]*(?:$|#|%|//)", re.MULTILINE)
+_SAMPLE = 50
+"""Rows that a separator has to fit: more say nothing new, and all are counted later."""
+_NUMBER = re.compile(r"\s*[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?\s*")
+MISSING = ("", "nan", "na", "null")
+"""Cells without a value, in lower case."""
+
+
+@dataclass(frozen=True)
+class Text:
+    """Rows of a CSV file, line ends being LF, and what is known of its columns."""
+
+    names: list[str]
+    separator: str
+    body: bytes
+    """The rows, in UTF-8, without comments and blank lines; empty if there are none."""
+
+
+def parsed(data: bytes, path: str, separator: str | None = None) -> Text:
+    r"""Find the names and the rows of a CSV file.
+
+    Parameters
+    ----------
+    data : bytes
+        The file: UTF-8, UTF-16 with its mark, or Windows-1252 (Latin-1).
+    path : str
+        What messages call it.
+    separator : str, optional
+        Name or character of `SEPARATORS`; found from the text if not given.
+
+    Raises
+    ------
+    DataFileError
+        No text, no line of names, or a separator that the text leaves open.
+
+    Examples
+    --------
+    >>> from locosweep.files.csv_text import parsed
+    >>> found = parsed(b"# a rig\nt;x\n0,5;1,5\n", "log.csv")
+    >>> found.names, found.separator, found.body
+    (['t', 'x'], ';', b'0,5;1,5')
+    """
+    data = _as_utf8(data, path)
+    given = SEPARATORS.get(separator or "", separator)
+    header, body, said = _parts(data)
+    if not header.strip():
+        raise DataFileError(f"{path}: empty, allowed is at least a line of names")
+    rows = body[: body.find(b"\n", 1 << 20) + 1 or None].split(b"\n", _SAMPLE)[:_SAMPLE]
+    sample = [row.decode() for row in rows if row]
+    first = header.decode()
+    if said and _all_numbers(first) and not _all_numbers(said.decode()):
+        # NumPy's savetxt writes the names as a comment.
+        body = header + b"\n" + body if body else header
+        sample, first = [first, *sample[:-1]], said.decode()
+    char = given or _separator(first, sample, path)
+    names = [name.strip() for name in _fields(first, char)]
+    if _all_numbers(first):
+        raise DataFileError(f"{path}: its first line holds numbers: allowed is a line of names")
+    return Text(names, char, body)
+
+
+def frame_of(text: Text, path: str, keep: Sequence[int]) -> pl.DataFrame:
+    """Return the columns at the places `keep`, as text, under their places as names.
+
+    DataFileError if a row is shorter or longer than the line of names, or has an open quote.
+    """
+    import polars as pl
+
+    if not text.body:
+        return pl.DataFrame({str(place): pl.Series([], dtype=pl.String) for place in keep})
+    _check_lengths(text, path)
+    try:
+        frame = pl.read_csv(
+            text.body,
+            has_header=False,
+            separator=text.separator,
+            columns=sorted(keep),
+            infer_schema=False,
+            truncate_ragged_lines=False,
+        )
+    except (pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
+        first = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise DataFileError(f"{path}: not a readable CSV file: {first}") from None
+    return frame.rename(dict(zip(frame.columns, map(str, sorted(keep)), strict=True)))
+
+
+def _as_utf8(data: bytes, path: str) -> bytes:
+    """Return the text in UTF-8 with LF at line ends, without a byte order mark."""
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        try:
+            data = data.decode("utf-16").encode()
+        except UnicodeDecodeError:
+            raise DataFileError(f"{path}: not text: its UTF-16 is broken") from None
+    data = data.removeprefix(codecs.BOM_UTF8)
+    if b"\0" in data:
+        line = data.count(b"\n", 0, data.index(b"\0")) + 1
+        raise DataFileError(f"{path}: line {line}: a NUL byte, so this is no text file")
+    try:
+        data.decode()
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        try:
+            text = data.decode("cp1252")
+        except UnicodeDecodeError:
+            text = "\x1b"
+        if re.search("[\x00-\x08\x0b\x0c\x0e-\x1f]", text):
+            raise DataFileError(
+                f"{path}: line {line}: neither UTF-8 nor Latin-1 text, allowed is CSV or Parquet"
+            ) from None
+        data = text.encode()
+    if b"\r" in data:
+        data = data.replace(b"\r\n", b"\n")
+        if b"\n" not in data:
+            data = data.replace(b"\r", b"\n")
+    return data
+
+
+def _parts(data: bytes) -> tuple[bytes, bytes, bytes]:
+    """Return the line of names, the rows, and the last comment above the names."""
+    at, said = 0, b""
+    while at < len(data):
+        end = data.find(b"\n", at)
+        end = len(data) if end < 0 else end
+        line = data[at:end]
+        at = end + 1
+        bare = line.strip()
+        if bare.startswith(_COMMENTS):
+            said = bare.lstrip(b"#%/ ")
+        elif bare and not re.fullmatch(rb'"?sep=."?', bare):
+            body = data[at:].rstrip(b"\n")
+            if _SKIPPED.search(body):
+                kept = (row for row in body.split(b"\n") if not _SKIPPED.match(row))
+                body = b"\n".join(kept)
+            return line, body, said
+    return b"", b"", said
+
+
+def _fields(line: str, separator: str) -> list[str]:
+    try:
+        return next(csv.reader([line], delimiter=separator), [])
+    except csv.Error:
+        return []
+
+
+def _all_numbers(line: str) -> bool:
+    # A decimal comma cuts a number into two numbers.
+    return all(_NUMBER.fullmatch(cell) for cell in re.split(r"[;,\t|]", line))
+
+
+def _separator(header: str, rows: list[str], path: str) -> str:
+    """Return the separator by which all rows have as many values as there are names."""
+    counts = {char: len(_fields(header, char)) for char in SEPARATORS.values()}
+    several = [char for char in counts if counts[char] > 1]
+    fits = [
+        char for char in several if all(len(_fields(row, char)) == counts[char] for row in rows)
+    ]
+    if len(several) < 2 or not fits:
+        # Rows that are too short or too long are named later.
+        return max(several or [","], key=lambda char: counts[char])
+    if len(fits) == 1:
+        return fits[0]
+    # Names may hold commas and so may numbers: the right columns are those of numbers.
+    share = {char: _numbers(rows, char) for char in fits}
+    best = max(share.values())
+    ahead = [char for char in fits if share[char] == best]
+    if len(ahead) > 1:
+        names = " or ".join(name for name, char in SEPARATORS.items() if char in ahead)
+        raise DataFileError(f"{path}: columns may be separated by {names}: --separator settles it")
+    return ahead[0]
+
+
+def _numbers(rows: list[str], separator: str) -> float:
+    cells = [cell for row in rows for cell in _fields(row, separator)]
+    numbers = sum(_NUMBER.fullmatch(cell) is not None for cell in cells)
+    return numbers / len(cells) if cells else 0.0
+
+
+def _check_lengths(text: Text, path: str) -> None:
+    """Refuse a row with fewer or more values than there are names."""
+    wanted = len(text.names)
+    wrong, has = _quoted_lengths(text, path) if b'"' in text.body else _plain_lengths(text)
+    if wrong is not None:
+        hint = ""
+        if text.separator == "," and has == 2 * wanted:
+            hint = ": decimal commas need another separator"
+        raise DataFileError(
+            f"{path}: row {wrong + 1} has {has} values, there are {wanted} names{hint}"
+        )
+
+
+def _plain_lengths(text: Text) -> tuple[int | None, int]:
+    """Return the first row of another length than the names', and its length."""
+    chars = np.frombuffer(text.body, np.uint8)
+    starts = np.concatenate([[0], np.flatnonzero(chars == ord("\n")) + 1])
+    counts = np.add.reduceat(chars == ord(text.separator), starts, dtype=np.int64) + 1
+    wrong = np.flatnonzero(counts != len(text.names))
+    return (int(wrong[0]), int(counts[wrong[0]])) if wrong.size else (None, 0)
+
+
+def _quoted_lengths(text: Text, path: str) -> tuple[int | None, int]:
+    lines = io.TextIOWrapper(io.BytesIO(text.body), encoding="utf-8", newline="")
+    row = -1
+    try:
+        for row, cells in enumerate(csv.reader(lines, delimiter=text.separator, strict=True)):
+            if len(cells) != len(text.names):
+                return row, len(cells)
+    except csv.Error as error:
+        raise DataFileError(f"{path}: row {row + 2}: {error}") from None
+    return None, 0

@@ -1,0 +1,296 @@
+"""Tables of others: the wanted columns of a CSV or Parquet file or of a frame, by our names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from locosweep.errors import DataFileError, InputError
+from locosweep.files import csv_text, stamps
+from locosweep.files.raw import contents
+from locosweep.files.units import is_unit
+from locosweep.registry import unknown
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Collection, Sequence
+
+    import polars as pl
+
+    Wanted = Mapping[str, Sequence[str]]
+    """Allowed SI units of a column by our name; none for labels."""
+
+DECIMALS = {"point": ".", "comma": ","}
+"""Decimal characters by their names in options."""
+_BRACKETS = re.compile(r"(.*?)\s*[\[(]\s*([^\[\]()]+?)\s*[\])]")
+_COMMA = r"^\s*[+-]?\d*,\d+([eE][+-]?\d+)?\s*$"
+_POINT = r"^\s*[+-]?\d*\.\d+([eE][+-]?\d+)?\s*$"
+_GROUPS = r"^\s*[+-]?[1-9]\d{0,2}(,\d{3})+\s*$"
+_GROUPED = r"^\s*[+-]?\d{1,3}(,\d{3})+(\.\d*)?([eE][+-]?\d+)?\s*$"
+
+
+@dataclass(frozen=True)
+class CsvForm:
+    """What a user says of a CSV file that its text leaves open."""
+
+    separator: str | None = None
+    """Name or character of `locosweep.files.csv_text.SEPARATORS`."""
+    decimal: str | None = None
+    """``point`` or ``comma``."""
+
+    def __post_init__(self) -> None:
+        known = {**csv_text.SEPARATORS, **{c: c for c in csv_text.SEPARATORS.values()}}
+        for name, value, allowed in (
+            ("separator", self.separator, known), ("decimal", self.decimal, DECIMALS)
+        ):  # fmt: skip
+            if value is not None and value not in allowed:
+                names = ", ".join(key for key in allowed if len(key) > 1)
+                raise InputError(f"{name} is {value!r}: allowed are {names}")
+
+
+@dataclass(frozen=True)
+class Table:
+    """Wanted columns by our names, as they stand in a file or frame."""
+
+    path: str
+    """What messages call it."""
+    frame: pl.DataFrame
+    labels: dict[str, str]
+    """Names in the file, by ours."""
+    others: list[str]
+    """Columns that are not wanted."""
+    wanted: Wanted
+    units: dict[str, str] = field(default_factory=dict)
+    """Units that the file states itself, in brackets or in a row below the names."""
+    notices: list[str] = field(default_factory=list)
+    refused: type[InputError] = DataFileError
+
+
+def read_table(
+    data: str | os.PathLike[str] | pl.DataFrame | Mapping[str, object],
+    wanted: Wanted,
+    needed: Collection[str],
+    columns: Mapping[str, str] | None = None,
+    form: CsvForm | None = None,
+    *,
+    name: str = "data",
+) -> Table:
+    """Return the wanted columns of a file, a frame or arrays by our names.
+
+    `needed` columns must be there; `columns` maps our names to those of the file, where a unit
+    in brackets may follow; `name` is what messages call a frame. Refuses what cannot be read,
+    is empty, or lacks a column or has it twice: a file with DataFileError, a frame with
+    InputError.
+    """
+    import polars as pl
+
+    columns = dict(columns or {})
+    for own in columns:
+        if own not in wanted:
+            raise InputError(f"column: {unknown('column', own, wanted)}")
+    theirs = {own: columns.get(own, own) for own in wanted}
+    asked = {own: text for own, text in theirs.items() if own in (*needed, *columns)}
+    form = form or CsvForm()
+    if isinstance(data, pl.DataFrame | Mapping):
+        frame = _frame(data)
+        found = _found(name, InputError, frame.columns, theirs, asked)
+        picked = frame.select(frame.columns[place] for place, _ in found.values())
+    else:
+        path = Path(data)
+        if not path.is_file():
+            raise DataFileError(f"{path}: no such file")
+        if path.suffix == ".parquet":
+            return _finished(*_parquet(path, theirs, asked), wanted, DataFileError, form)
+        return _finished(*_csv(path, theirs, asked, form), wanted, DataFileError, form)
+    picked.columns = list(found)
+    return _finished(name, picked, found, frame.columns, wanted, InputError, form)
+
+
+Found = dict[str, tuple[int, str]]
+"""Place and stated unit of each column, by our name."""
+
+
+def _csv(
+    path: Path, theirs: Mapping[str, str], asked: Mapping[str, str], form: CsvForm
+) -> tuple[str, pl.DataFrame, Found, list[str]]:
+    data = contents(path)
+    text = csv_text.parsed(data, str(path), form.separator)
+    found = _found(str(path), DataFileError, text.names, theirs, asked)
+    frame = csv_text.frame_of(text, str(path), [place for place, _ in found.values()])
+    frame = frame.select(str(place) for place, _ in found.values())
+    frame.columns = list(found)
+    return str(path), frame, found, text.names
+
+
+def _parquet(
+    path: Path, theirs: Mapping[str, str], asked: Mapping[str, str]
+) -> tuple[str, pl.DataFrame, Found, list[str]]:
+    import polars as pl
+
+    try:
+        names = list(pl.read_parquet_schema(path))
+        found = _found(str(path), DataFileError, names, theirs, asked)
+        own = [names[place] for place, _ in found.values()]
+        frame = pl.read_parquet(path, columns=own).select(own)
+    except (OSError, pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
+        first = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise DataFileError(f"{path}: not a readable Parquet file: {first}") from None
+    frame.columns = list(found)
+    return str(path), frame, found, names
+
+
+def _frame(data: pl.DataFrame | Mapping[str, object]) -> pl.DataFrame:
+    import polars as pl
+
+    try:
+        return data if isinstance(data, pl.DataFrame) else pl.DataFrame(dict(data))
+    except (pl.exceptions.PolarsError, TypeError, ValueError) as error:
+        first = (str(error).splitlines() or [type(error).__name__])[0]
+        raise InputError(f"data: not columns of one length: {first}") from None
+
+
+def _found(
+    path: str,
+    refused: type[InputError],
+    names: Sequence[str],
+    theirs: Mapping[str, str],
+    asked: Mapping[str, str],
+) -> Found:
+    """Return where the wanted columns are."""
+    found: Found = {}
+    for name, label in theirs.items():
+        places = [place for place, one in enumerate(names) if one == label]
+        units = [_unit_of(names[place]) for place in places]
+        if not places:
+            for place, one in enumerate(names):
+                bare = _BRACKETS.fullmatch(one)
+                if bare and bare[1] == label and is_unit(bare[2]):
+                    places.append(place)
+                    units.append(bare[2])
+        if len(places) > 1:
+            raise refused(f"{path}: column {label} is there twice")
+        if places:
+            found[name] = (places[0], units[0])
+        elif name in asked:
+            hint = "" if label == name else f" (given for {name})"
+            raise refused(f"{path}: no column {label}{hint}: there are {listed(names)}")
+    return found
+
+
+def _unit_of(name: str) -> str:
+    """Return the unit in brackets at the end of a name; empty without one."""
+    bare = _BRACKETS.fullmatch(name)
+    return bare[2] if bare and is_unit(bare[2]) else ""
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return names for a message, the first 20 and none longer than 40 characters."""
+    short = [name if len(name) <= 40 else f"{name[:37]}..." for name in names[:20]]
+    more = f" and {len(names) - 20} more" if len(names) > 20 else ""
+    return ", ".join(short) + more
+
+
+def _finished(
+    path: str,
+    frame: pl.DataFrame,
+    found: Found,
+    names: Sequence[str],
+    wanted: Wanted,
+    refused: type[InputError],
+    form: CsvForm,
+) -> Table:
+    """Take off a row of units, settle the decimal character, and refuse a table without rows."""
+    import polars as pl
+
+    places = {place for place, _ in found.values()}
+    labels = {name: names[place] for name, (place, _) in found.items()}
+    units = {name: unit for name, (_, unit) in found.items() if unit}
+    others = [name for place, name in enumerate(names) if place not in places]
+    table = Table(path, frame, labels, others, wanted, units, refused=refused)
+    text = [name for name in found if wanted[name] and frame[name].dtype == pl.String]
+    if text and frame.height:
+        below = _units_row(frame, text)
+        if below:
+            frame = frame.slice(1)
+            units.update(below)
+            told = ", ".join(f"{labels[name]} in {unit}" for name, unit in below.items())
+            table.notices.append(f"{path}: a row below the names gives units: {told}")
+        numbers = [name for name in text if name != "t" or not stamps.are_dates(frame["t"])]
+        frame = _with_points(replace(table, frame=frame), numbers, form)
+    if frame.height == 0:
+        raise refused(f"{path}: no rows")
+    return replace(table, frame=frame)
+
+
+def _units_row(frame: pl.DataFrame, names: Sequence[str]) -> dict[str, str]:
+    """Return the units that the first row gives; none if it is a row of values."""
+    cells = {name: (frame[name][0] or "").strip().strip("[]()").strip() for name in names}
+    given = {name: cell for name, cell in cells.items() if cell}
+    values = (cell.lower() in csv_text.MISSING or cell[0] in "+-.,0123456789" for cell in
+              given.values() if cell not in {"1", "-"})  # fmt: skip
+    if not given or all(cell in {"1", "-"} for cell in given.values()) or any(values):
+        return {}
+    return given if all(is_unit(cell) for cell in given.values()) else {}
+
+
+def _with_points(table: Table, names: Sequence[str], form: CsvForm) -> pl.DataFrame:
+    """Return a frame whose decimal character is the point."""
+    import polars as pl
+
+    frame = table.frame
+    commas = [
+        name for name in names if frame[name].str.contains(",", literal=True).any()
+    ]  # fmt: skip
+    if not commas:
+        return frame
+    if form.decimal == "point":
+        ungrouped = (
+            pl.when(pl.col(name).str.contains(_GROUPED))
+            .then(pl.col(name).str.replace_all(",", "", literal=True))
+            .otherwise(pl.col(name)).alias(name)
+            for name in commas
+        )  # fmt: skip
+        return frame.with_columns(*ungrouped)
+    if form.decimal is None and not _settled(table, names, commas):
+        return frame
+    table.notices.append(f"{table.path}: read with decimal commas")
+    for name in names:
+        points = frame[name].str.contains(_POINT).arg_true()
+        if len(points):
+            row = int(points[0])
+            raise table.refused(
+                f"{table.path}: row {row + 1}, column {table.labels[name]}: "
+                f"{frame[name][row]!r} has a decimal point, others have commas"
+            )
+    pointed = (
+        pl.when(pl.col(name).str.contains(_COMMA))
+        .then(pl.col(name).str.replace(",", ".", literal=True))
+        .otherwise(pl.col(name)).alias(name)
+        for name in commas
+    )  # fmt: skip
+    return frame.with_columns(*pointed)
+
+
+def _settled(table: Table, names: Sequence[str], commas: Sequence[str]) -> bool:
+    """Return whether commas are decimal; refuse a table that leaves it open."""
+    frame = table.frame
+    sure = any(
+        (frame[name].str.contains(_COMMA) & ~frame[name].str.contains(_GROUPS)).any()
+        for name in commas
+    )
+    if sure:
+        return True
+    groups = {name: frame[name].str.contains(_GROUPS).arg_true() for name in commas}
+    pointed = any(frame[name].str.contains(_POINT).any() for name in names)
+    for name, rows in groups.items():
+        if len(rows) and not pointed:
+            row, cell = int(rows[0]), frame[name][int(rows[0])].strip()
+            raise table.refused(
+                f"{table.path}: row {row + 1}, column {table.labels[name]}: {cell!r} may be "
+                f"{cell.replace(',', '.', 1)} or {cell.replace(',', '')}: "
+                "--decimal comma or --decimal point settles it"
+            )
+    return False
