@@ -56,6 +56,13 @@ class TestCommand:
                            "progress": None}  # fmt: skip
         assert (tmp_path / "d" / "report.html").is_file()
 
+    def test_several_files(self, call):
+        given = ("--nominal", "n", "--out", "d")
+        code, _, _, asked = call("a.csv", "b.csv", *given)
+        assert code == 0
+        assert asked[0][0] == ([Path("a.csv"), Path("b.csv")], Path("n"))
+        assert call(*given)[0] == 2
+
     def test_quiet_and_json(self, call, found):
         code, out, err, _ = call("r", "--nominal", "n", "--out", "d", "--quiet")
         assert (code, err, len(out.splitlines())) == (0, "", 2)

@@ -315,6 +315,9 @@ class TestOut:
         ({"over": "mu_coulomb", "reduce": "quantile", "q": 1.5}, "q is 1.5"),
         ({"over": "mu_coulomb", "reduce": "quantile", "q": float("nan")}, "q is NaN"),
         ({"memory_limit": 10}, "limit"),
+        ({"threads": 2**64}, "threads is 1.84e[+]19: allowed is a whole number up to"),
+        ({"chunk": 10**30}, "chunk is 1e[+]30: allowed is a whole number up to"),
+        ({"chunk": 10**400}, "chunk is too large"),
     ],
     ids=str,
 )

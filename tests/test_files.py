@@ -93,6 +93,8 @@ class TestRobot:
             ("[robot]\nmass = '1'", ["[robot] mass", "'1'", "a number"]),
             ("[robot]\nmass = true", ["[robot] mass", "True", "a number"]),
             ("[robot]\nmass = [1]", ["[robot] mass", "a number"]),
+            (f"[robot]\nmass = 1{'0' * 5000}", ["robot.toml: not TOML", "4300 digits"]),
+            (f"[robot]\nmass = 1{'0' * 400}", ["[robot] mass is too large"]),
             ("[robot]\nmass = nan", ["[robot]", "mass", "NaN"]),
             ("[robot]\nmass = -1.0", ["[robot]", "mass", "-1", "a number from"]),
             ("[robot]\nsegments = 2.5", ["[robot]", "segments", "2.5", "whole number"]),
@@ -307,6 +309,16 @@ class TestResult:
         file = folder / "r.parquet"
         ls.sweep("mean_velocity", **GRID).save(file)
         return file, json.loads(pl.read_parquet_metadata(file)["locosweep"]), pl.read_parquet(file)
+
+    @pytest.mark.parametrize(
+        "odd", [{"rivals": 5}, {"rivals": ["x"]}, {"q": [1]}, {"how": [1]}, {"outputs": []},
+                {"over": {}}, {"outputs": [["resistance"]]}]
+    )  # fmt: skip
+    def test_odd_headers_are_refused(self, tmp_path, odd):
+        file, header, frame = self.save(tmp_path)
+        frame.write_parquet(file, metadata={"locosweep": json.dumps({**header, **odd})})
+        with pytest.raises(ls.DataFileError, match=r"not a result of locosweep|altered or damaged"):
+            ls.load(file)
 
     def refused(self, file, words):
         with pytest.raises(ls.DataFileError) as caught:

@@ -109,7 +109,9 @@ class TestFunction:
         with pytest.raises(InputError, match="has effects"):
             nominal_model(replace(ROBOT, effects={"drive_lag": {"T": 0.1}}))
         assert isinstance(nominal_model(ROBOT), Robot)
-        with pytest.raises(InputError, match="columns and units"):
+        with pytest.raises(
+            InputError, match=r"runs: no column tau \(given for drive\): there are t"
+        ):
             read_runs({"t": [0.0]}, {"drive": "tau"}, {})
         with pytest.raises(InputError, match="not columns of one length"):
             read_runs({"t": [0.0], "x": [0.0, 1.0]}, {}, {})

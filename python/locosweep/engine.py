@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
     from locosweep.progress import Progress
 
+_LARGEST = 2**63 - 1
+"""Largest whole number that the core takes."""
 _FLOATS = {"float64": np.float64, "float32": np.float32}
 
 
@@ -196,7 +198,16 @@ def whole(name: str, value: int | None) -> int | None:
         return None
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
         raise InputError(f"{name} is {value!r}: allowed is a whole number from 1 upward")
+    if value > _LARGEST:
+        raise InputError(f"{name} is {_short(value)}: allowed is a whole number up to {_LARGEST}")
     return int(value)
+
+
+def _short(value: int) -> str:
+    try:
+        return f"{float(value):.3g}"
+    except OverflowError:
+        return "too large"
 
 
 def _arrays(

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("runs", metavar="RUNS", type=options.FILE)
+@options.runs_argument
 @click.option(
     "--nominal", required=True, metavar="NOMINAL.toml", type=options.FILE,
     help="The model that the runs are held against.",
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 @options.threads_option
 @options.json_option
 def diagnose(
-    runs: Path,
+    runs: tuple[Path, ...],
     nominal: Path,
     out: Path,
     holdout: tuple[str, ...],
@@ -53,9 +53,10 @@ def diagnose(
 ) -> None:
     """Say where measured RUNS leave their model, which effect causes it, how far it shrinks.
 
-    RUNS is a CSV or Parquet file with a row for each sample: run, t [s], drive,
-    x [m], and where measured x_rear [m], force [N], v [m/s], power [W]; or a ROS 2 bag
-    (.mcap, .db3 or its folder), with --map drive=/cmd.effort[0] --map
+    RUNS are CSV or Parquet files with a row for each sample: run, t [s], drive,
+    x [m], and where measured x_rear [m], force [N], v [m/s], power [W]. Several files, or
+    those of a folder, are a run each where they have no column run; - is standard input.
+    Or a ROS 2 bag (.mcap, .db3 or its folder), with --map drive=/cmd.effort[0] --map
     x=/joint_states.position[0].
 
     Writes report.html (for people), report.json, augmented.toml (the model with
@@ -68,7 +69,7 @@ def diagnose(
 
     bar = meter("diagnose", quiet=quiet)
     found = diagnose_runs(
-        runs,
+        options.one_or_all(runs),
         nominal,
         holdout=[label for text in holdout for label in text.split(",") if label] or None,
         max_effects=max_effects,

@@ -193,6 +193,14 @@ def _described(record: registry.Parameter) -> str:
 FILE: click.ParamType[Path] = click.Path(path_type=Path)
 FOLDER: click.ParamType[Path] = click.Path(file_okay=False, path_type=Path)
 
+runs_argument = click.argument("runs", metavar="RUNS...", nargs=-1, required=True, type=FILE)
+
+
+def one_or_all(paths: tuple[Path, ...]) -> Path | list[Path]:
+    """Return the one path that was given, or all of them."""
+    return paths[0] if len(paths) == 1 else list(paths)
+
+
 robot_option = click.option(
     "--robot", metavar="FILE.toml", type=FILE,
     help="Robot file; its parameters hold where no other option gives them.",

@@ -19,7 +19,7 @@ _LEAST_SHARE = 1e-3
 
 
 @click.command()
-@click.argument("runs", metavar="RUNS", type=options.FILE)
+@options.runs_argument
 @click.option(
     "--nominal", required=True, metavar="NOMINAL.toml", type=options.FILE,
     help="The model that the runs are held against.",
@@ -31,7 +31,7 @@ _LEAST_SHARE = 1e-3
 @options.threads_option
 @options.json_option
 def screen(
-    runs: Path,
+    runs: tuple[Path, ...],
     nominal: Path,
     pairs: int,
     columns: dict[str, str],
@@ -43,7 +43,7 @@ def screen(
 ) -> None:
     """Say which effects could explain a gap between measured RUNS and their model.
 
-    RUNS is a file as for locosweep diagnose. Each effect is fitted to the equation
+    RUNS are files as for locosweep diagnose. Each effect is fitted to the equation
     error: forces of the model along the measured slides, without a replay. That
     takes a moment and is no verdict; what acts at rest is not seen.
 
@@ -52,7 +52,7 @@ def screen(
     from locosweep.diagnosis.screening import screen as screen_runs
 
     found = screen_runs(
-        runs,
+        options.one_or_all(runs),
         nominal,
         pairs=pairs,
         columns=columns,

@@ -54,8 +54,6 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable, Mapping, Sequence
 
-    import polars as pl
-
     from locosweep.diagnosis.effects.scale import Scale
     from locosweep.diagnosis.report.result import Diagnosis
     from locosweep.files.robot import Robot
@@ -66,7 +64,7 @@ _SURE = (0.5, 0.95)
 
 
 def diagnose(
-    runs: str | os.PathLike[str] | pl.DataFrame | Mapping[str, Any],
+    runs: Any,
     nominal: str | os.PathLike[str] | Robot,
     *,
     holdout: Sequence[str] | None = None,
@@ -83,9 +81,10 @@ def diagnose(
 
     Parameters
     ----------
-    runs : path-like, polars.DataFrame or mapping of str to array
+    runs : path-like, list of path-like, or frame
         Measured runs, long form: columns t, drive and x, and if measured run, v,
-        x_rear, force, power, slope_deg (SI units).
+        x_rear, force, power, slope_deg (SI units). Files, a folder of them or columns in memory
+        (Polars, pandas, Arrow, mapping of arrays), as `locosweep.measured.load_runs` takes them.
     nominal : path-like or Robot
         The nominal model (`load_robot`).
     holdout : sequence of str, optional
@@ -95,7 +94,7 @@ def diagnose(
     seed : int
         Of the resampling that intervals come from.
     columns, units : mapping of str to str, optional
-        As in `locosweep.files.runs.load_runs`; only where `runs` is a file.
+        As in `locosweep.measured.load_runs`.
     separator, decimal : str, optional
         Of a CSV file, where its text leaves them open: ``"semicolon"``, ``"comma"``.
     threads : int, optional

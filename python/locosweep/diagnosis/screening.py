@@ -77,7 +77,7 @@ class Screen:
 
 
 def screen(
-    runs: str | os.PathLike[str] | pl.DataFrame | Mapping[str, Any],
+    runs: Any,
     nominal: str | os.PathLike[str] | Robot,
     *,
     pairs: int = 5,

@@ -11,6 +11,7 @@ import numpy as np
 from locosweep.errors import DataFileError, InputError
 from locosweep.files import stamps as clock
 from locosweep.files.csv_text import MISSING
+from locosweep.files.raw import stored
 from locosweep.files.units import factor
 from locosweep.registry import unknown
 
@@ -34,10 +35,7 @@ _LONGEST = 200
 
 def checksum(path: str | os.PathLike[str]) -> str:
     """Return the SHA-256 of a file, in hexadecimal digits."""
-    try:
-        return hashlib.sha256(Path(path).read_bytes()).hexdigest()
-    except OSError as error:
-        raise DataFileError(f"{path}: {error.strerror or error}") from None
+    return hashlib.sha256(stored(Path(path))).hexdigest()
 
 
 def number_column(path: str, column: pl.Series, label: str) -> NDArray[np.float64]:

@@ -98,21 +98,23 @@ def load(path: str | os.PathLike[str]) -> Result:
         raise DataFileError(f"{path}: not a readable Parquet file: {first}") from None
     try:
         outputs, axes, fixed, values, statuses = _unpack(header, frame)
-    except (AttributeError, KeyError, TypeError, ValueError, pl.exceptions.PolarsError) as error:
+        rivals, q = header["rivals"], header["q"]
+        result = Result(
+            outputs,
+            axes,
+            fixed,
+            values,
+            over=header["over"],
+            rivals=None if rivals is None else np.array([float(v) for v in rivals]),
+            q=None if q is None else float(q),
+            statuses=statuses,
+            how={str(key): str(value) for key, value in header.get("how", {}).items()},
+        )
+        unaltered = _digest(header, result) == header.get("sha256")
+    except (AttributeError, IndexError, KeyError, OverflowError, TypeError, ValueError,
+            pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:  # fmt: skip
         raise DataFileError(f"{path}: not a result of locosweep: {error}") from None
-    rivals, q = header["rivals"], header["q"]
-    result = Result(
-        outputs,
-        axes,
-        fixed,
-        values,
-        over=header["over"],
-        rivals=None if rivals is None else np.array([float(v) for v in rivals]),
-        q=None if q is None else float(q),
-        statuses=statuses,
-        how={str(key): str(value) for key, value in header.get("how", {}).items()},
-    )
-    if _digest(header, result) != header.get("sha256"):
+    if not unaltered:
         raise DataFileError(f"{path}: altered or damaged since it was written (hash differs)")
     return result
 

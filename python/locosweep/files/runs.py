@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from pathlib import Path
-from typing import TYPE_CHECKING
+from collections import Counter
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from locosweep.errors import DataFileError
 from locosweep.files import channels
 from locosweep.files.bags import is_bag, read_bag
-from locosweep.files.columns import check_units, number_columns, rows_by_run
+from locosweep.files.columns import check_units, labels_of, number_columns, rows_by_run
+from locosweep.files.sources import files_of, is_frame, names_of
 from locosweep.files.table import Table, listed, read_table
 from locosweep.files.units import DRIVES
 
 if TYPE_CHECKING:
-    import os
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
-    import polars as pl
     from numpy.typing import NDArray
 
     from locosweep.files.columns import MendStamps
@@ -105,7 +104,7 @@ class Run:
 
 
 def load_runs(
-    path: str | os.PathLike[str],
+    data: Any,
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
     *,
@@ -118,9 +117,11 @@ def load_runs(
 
     Parameters
     ----------
-    path : path-like
-        The file. Separator, decimal character, comments and a row of units of a CSV file are
-        found from its text. Times that are dates or Unix time count from each run's start.
+    data : path-like, list of path-like, or frame
+        A file, several, a folder of them or ``-`` for standard input; or columns in memory: a
+        Polars or pandas frame, an Arrow table, a mapping of arrays. What the text of a CSV file
+        shows is found from it: separator, decimal character, comments, a row of units. Times
+        that are dates or Unix time count from each run's start.
     columns : mapping of str to str, optional
         Their name of a column by ours, for instance ``{"drive": "tau"}``; of a bag, topic and
         field, for instance ``{"drive": "/cmd.effort[0]"}``.
@@ -139,7 +140,8 @@ def load_runs(
     Returns
     -------
     runs : list of Run
-        In the order of their first rows.
+        In the order of their first rows. Of several files, one without a column ``run`` is one
+        run under the file's name, and labels that come in several have that name before them.
     notices : list of str
         What was not as expected but could be read all the same.
 
@@ -155,17 +157,48 @@ def load_runs(
     columns, units = dict(columns or {}), dict(units or {})
     wanted = wanted_columns(rotary)
     check_units(units, [name for name, allowed in wanted.items() if allowed])
-    if is_bag(Path(path)):
-        table = read_table(read_bag(Path(path), columns), wanted, needs, name=str(path))
-    else:
-        table = read_table(path, wanted, needs, columns, form)
-    return _runs(table, units, stamps)
+    if is_frame(data):
+        return _runs(read_table(data, wanted, needs, columns, name="runs"), units, stamps)
+    files = files_of(data)
+    tables = [
+        read_table(read_bag(path, columns), wanted, needs, name=str(path))
+        if is_bag(path)
+        else read_table(path, wanted, needs, columns, form)
+        for path in files
+    ]
+    runs, notices = [], []
+    for table in tables if len(tables) == 1 else _named(tables, names_of(files)):
+        found, said = _runs(table, units, stamps)
+        runs += found
+        notices += said
+    return runs, notices
+
+
+def _named(tables: Sequence[Table], names: Sequence[str]) -> list[Table]:
+    """Return the tables of several files with labels that differ from file to file."""
+    import polars as pl
+
+    labels = [
+        labels_of(table.path, table.frame) if "run" in table.frame.columns else None
+        for table in tables
+    ]
+    seen = Counter(one for own in labels if own is not None for one in own.unique())
+    seen.update(name for name, own in zip(names, labels, strict=True) if own is None)
+    renamed = []
+    for table, name, own in zip(tables, names, labels, strict=True):
+        frame = table.frame
+        if own is None:
+            frame = frame.with_columns(run=pl.lit(name))
+        elif any(seen[one] > 1 for one in own.unique()):
+            frame = frame.with_columns(run=name + ":" + own)
+        renamed.append(replace(table, frame=frame))
+    return renamed
 
 
 def runs_from_frame(
-    frame: pl.DataFrame, name: str = "runs", *, stamps: MendStamps | None = None
+    frame: Any, name: str = "runs", *, stamps: MendStamps | None = None
 ) -> list[Run]:
-    """Take measured runs from a Polars frame with the columns of a file."""
+    """Take measured runs from a frame (`load_runs`) with the columns of a file."""
     table = read_table(frame, wanted_columns(), ("t", "drive", "x"), name=name)
     return _runs(table, {}, stamps)[0]
 

@@ -6,16 +6,16 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from locosweep.errors import DataFileError, InputError
 from locosweep.files import csv_text, stamps
-from locosweep.files.raw import contents
+from locosweep.files.raw import STANDARD_INPUT, contents
+from locosweep.files.sources import frame_of, is_frame
 from locosweep.files.units import is_unit
 from locosweep.registry import unknown
 
 if TYPE_CHECKING:
-    import os
     from collections.abc import Collection, Sequence
 
     import polars as pl
@@ -70,7 +70,7 @@ class Table:
 
 
 def read_table(
-    data: str | os.PathLike[str] | pl.DataFrame | Mapping[str, object],
+    data: Any,
     wanted: Wanted,
     needed: Collection[str],
     columns: Mapping[str, str] | None = None,
@@ -78,15 +78,13 @@ def read_table(
     *,
     name: str = "data",
 ) -> Table:
-    """Return the wanted columns of a file, a frame or arrays by our names.
+    """Return the wanted columns of a file, or of a frame of any maker, by our names.
 
     `needed` columns must be there; `columns` maps our names to those of the file, where a unit
     in brackets may follow; `name` is what messages call a frame. Refuses what cannot be read,
     is empty, or lacks a column or has it twice: a file with DataFileError, a frame with
     InputError.
     """
-    import polars as pl
-
     columns = dict(columns or {})
     for own in columns:
         if own not in wanted:
@@ -94,14 +92,14 @@ def read_table(
     theirs = {own: columns.get(own, own) for own in wanted}
     asked = {own: text for own, text in theirs.items() if own in (*needed, *columns)}
     form = form or CsvForm()
-    if isinstance(data, pl.DataFrame | Mapping):
-        frame = _frame(data)
+    if is_frame(data):
+        frame = frame_of(data, name)
         found = _found(name, InputError, frame.columns, theirs, asked)
         picked = frame.select(frame.columns[place] for place, _ in found.values())
     else:
         path = Path(data)
-        if not path.is_file():
-            raise DataFileError(f"{path}: no such file")
+        if path != STANDARD_INPUT and not path.is_file():
+            raise DataFileError(f"{path}: {'a folder' if path.is_dir() else 'no such file'}")
         if path.suffix == ".parquet":
             return _finished(*_parquet(path, theirs, asked), wanted, DataFileError, form)
         return _finished(*_csv(path, theirs, asked, form), wanted, DataFileError, form)
@@ -140,16 +138,6 @@ def _parquet(
         raise DataFileError(f"{path}: not a readable Parquet file: {first}") from None
     frame.columns = list(found)
     return str(path), frame, found, names
-
-
-def _frame(data: pl.DataFrame | Mapping[str, object]) -> pl.DataFrame:
-    import polars as pl
-
-    try:
-        return data if isinstance(data, pl.DataFrame) else pl.DataFrame(dict(data))
-    except (pl.exceptions.PolarsError, TypeError, ValueError) as error:
-        first = (str(error).splitlines() or [type(error).__name__])[0]
-        raise InputError(f"data: not columns of one length: {first}") from None
 
 
 def _found(

@@ -32,7 +32,7 @@ def parse(text: str, source: object) -> dict[str, Any]:
     """Return the content of a TOML text; `source` is what messages call it."""
     try:
         return tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:  # also a number of too many digits
         raise DataFileError(f"{source}: not TOML: {error}") from None
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep import _core
+from locosweep.engine import whole
 from locosweep.errors import InputError
 from locosweep.files.columns import checksum
 from locosweep.files.table import CsvForm
@@ -140,7 +141,7 @@ def fit_friction(
     )
     ready = prepare(measured, mass=mass, holdout=[str(label) for label in holdout])
     job = ready.core()
-    workers = _core.threads_to_use(threads)
+    workers = _core.threads_to_use(whole("threads", threads))
 
     def run(
         job: _core.FrictionData, candidates: list[_core.FrictionCandidate]

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import hashlib
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import polars as pl
 
 from locosweep.diagnosis.data.clocks import Finding, in_words, on_their_clocks, packets_spread
 from locosweep.errors import InputError
+from locosweep.files.raw import stored
 from locosweep.files.robot import Robot, is_rotary, load_robot
-from locosweep.files.runs import Run, load_runs, runs_from_frame
+from locosweep.files.runs import Run, load_runs
+from locosweep.files.sources import files_of, frame_of, is_frame
 
 if TYPE_CHECKING:
     import os
@@ -57,32 +57,32 @@ def _read(
     form: CsvForm | None,
     stamps: MendStamps,
 ) -> tuple[list[Run], list[str], str]:
+    if is_frame(runs):
+        # Taken once: a stream of Arrow, or a lazy frame, is used up or computed by reading.
+        runs = frame_of(runs, "runs")
+    records, notices = load_runs(
+        runs,
+        columns,
+        units,
+        stamps=stamps,
+        form=form,
+        rotary=None if robot is None else is_rotary(robot),
+    )
+    return records, notices, _digest(runs)
+
+
+def _digest(runs: Any) -> str:
+    """Return the digest of a frame as CSV, or of all files, those in the folder of a bag too."""
     if isinstance(runs, pl.DataFrame):
-        frame = runs
-    elif hasattr(runs, "items"):
-        try:
-            frame = pl.DataFrame({str(k): np.asarray(v) for k, v in runs.items()})
-        except (TypeError, ValueError, pl.exceptions.PolarsError) as error:
-            raise InputError(f"runs: not columns of one length: {error}") from None
-    else:
-        records, notices = load_runs(
-            runs,
-            columns,
-            units,
-            stamps=stamps,
-            form=form,
-            rotary=None if robot is None else is_rotary(robot),
-        )
-        return records, notices, _digest(Path(runs))
-    if columns or units:
-        raise InputError("columns and units: allowed only where runs is a file")
-    digest = hashlib.sha256(frame.write_csv().encode()).hexdigest()
-    return runs_from_frame(frame, stamps=stamps), [], digest
-
-
-def _digest(path: Path) -> str:
-    """Return the digest of a file, or of all files in the folder of a bag."""
+        plain = [name for name, kind in runs.schema.items() if not _is_nested(kind)]
+        return hashlib.sha256(runs.select(plain).write_csv().encode()).hexdigest()
     found = hashlib.sha256()
-    for part in sorted(path.iterdir()) if path.is_dir() else [path]:
-        found.update(part.read_bytes())
+    for path in files_of(runs):
+        for part in sorted(path.iterdir()) if path.is_dir() else [path]:
+            found.update(stored(part))
     return found.hexdigest()
+
+
+def _is_nested(kind: pl.DataType) -> bool:
+    """Return whether CSV has no form for a type."""
+    return kind.is_nested() or kind in (pl.Binary, pl.Object)
