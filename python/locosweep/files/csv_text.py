@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.errors import DataFileError
+from locosweep.files.raw import check_size
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,6 +26,10 @@ SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", "bar": "|"}
 """Characters between columns, by their names in options."""
 _COMMENTS = (b"#", b"%", b"//")
 _SKIPPED = re.compile(rb"^[ \t]*(?:$|#|%|//)", re.MULTILINE)
+_CHUNK = 1 << 24
+"""Bytes that are looked at together; numbers about them take as much memory again."""
+_LONGEST = 4 << 20
+"""Bytes of the line of names: 100 thousand names of 40 characters."""
 _SAMPLE = 50
 """Rows that a separator has to fit: more say nothing new, and all are counted later."""
 _NUMBER = re.compile(r"\s*[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?\s*")
@@ -69,6 +74,8 @@ def parsed(data: bytes, path: str, separator: str | None = None) -> Text:
     data = _as_utf8(data, path)
     given = SEPARATORS.get(separator or "", separator)
     header, body, said = _parts(data)
+    if len(header) > _LONGEST:
+        raise DataFileError(f"{path}: its line of names has more than {_LONGEST >> 20} MB")
     if not header.strip():
         raise DataFileError(f"{path}: empty, allowed is at least a line of names")
     rows = body[: body.find(b"\n", 1 << 20) + 1 or None].split(b"\n", _SAMPLE)[:_SAMPLE]
@@ -94,6 +101,7 @@ def frame_of(text: Text, path: str, keep: Sequence[int]) -> pl.DataFrame:
 
     if not text.body:
         return pl.DataFrame({str(place): pl.Series([], dtype=pl.String) for place in keep})
+    check_size(path, text.body.count(b"\n") + 1, len(keep))
     _check_lengths(text, path)
     try:
         frame = pl.read_csv(
@@ -121,10 +129,9 @@ def _as_utf8(data: bytes, path: str) -> bytes:
     if b"\0" in data:
         line = data.count(b"\n", 0, data.index(b"\0")) + 1
         raise DataFileError(f"{path}: line {line}: a NUL byte, so this is no text file")
-    try:
-        data.decode()
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
+    broken = _not_utf8(data)
+    if broken is not None:
+        line = data.count(b"\n", 0, broken) + 1
         try:
             text = data.decode("cp1252")
         except UnicodeDecodeError:
@@ -141,6 +148,18 @@ def _as_utf8(data: bytes, path: str) -> bytes:
     return data
 
 
+def _not_utf8(data: bytes) -> int | None:
+    """Return where a text stops being UTF-8; None if all of it is."""
+    decode = codecs.getincrementaldecoder("utf-8")()
+    for start in range(0, len(data), _CHUNK):
+        try:
+            # In parts: the text as a whole would take its size once more.
+            decode.decode(data[start : start + _CHUNK], final=start + _CHUNK >= len(data))
+        except UnicodeDecodeError as error:
+            return start + error.end - 1
+    return None
+
+
 def _parts(data: bytes) -> tuple[bytes, bytes, bytes]:
     """Return the line of names, the rows, and the last comment above the names."""
     at, said = 0, b""
@@ -153,7 +172,10 @@ def _parts(data: bytes) -> tuple[bytes, bytes, bytes]:
         if bare.startswith(_COMMENTS):
             said = bare.lstrip(b"#%/ ")
         elif bare and not re.fullmatch(rb'"?sep=."?', bare):
-            body = data[at:].rstrip(b"\n")
+            last = len(data)
+            while last > at and data[last - 1] == ord("\n"):
+                last -= 1
+            body = data[at:last]
             if _SKIPPED.search(body):
                 kept = (row for row in body.split(b"\n") if not _SKIPPED.match(row))
                 body = b"\n".join(kept)
@@ -216,11 +238,18 @@ def _check_lengths(text: Text, path: str) -> None:
 
 def _plain_lengths(text: Text) -> tuple[int | None, int]:
     """Return the first row of another length than the names', and its length."""
-    chars = np.frombuffer(text.body, np.uint8)
-    starts = np.concatenate([[0], np.flatnonzero(chars == ord("\n")) + 1])
-    counts = np.add.reduceat(chars == ord(text.separator), starts, dtype=np.int64) + 1
-    wrong = np.flatnonzero(counts != len(text.names))
-    return (int(wrong[0]), int(counts[wrong[0]])) if wrong.size else (None, 0)
+    wanted, start, row = len(text.names), 0, 0
+    while start < len(text.body):
+        end = text.body.find(b"\n", start + _CHUNK)
+        end = len(text.body) if end < 0 else end
+        chars = np.frombuffer(text.body, np.uint8, end - start, start)
+        starts = np.concatenate([[0], np.flatnonzero(chars == ord("\n")) + 1])
+        counts = np.add.reduceat(chars == ord(text.separator), starts, dtype=np.int64) + 1
+        wrong = np.flatnonzero(counts != wanted)
+        if wrong.size:
+            return row + int(wrong[0]), int(counts[wrong[0]])
+        start, row = end + 1, row + counts.size
+    return None, 0
 
 
 def _quoted_lengths(text: Text, path: str) -> tuple[int | None, int]:

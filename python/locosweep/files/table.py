@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from locosweep.errors import DataFileError, InputError
 from locosweep.files import csv_text, stamps
-from locosweep.files.raw import STANDARD_INPUT, contents
+from locosweep.files.raw import MOST_BYTES, STANDARD_INPUT, check_size, contents
 from locosweep.files.sources import frame_of, is_frame
 from locosweep.files.units import is_unit
 from locosweep.registry import unknown
@@ -114,8 +114,8 @@ Found = dict[str, tuple[int, str]]
 def _csv(
     path: Path, theirs: Mapping[str, str], asked: Mapping[str, str], form: CsvForm
 ) -> tuple[str, pl.DataFrame, Found, list[str]]:
-    data = contents(path)
-    text = csv_text.parsed(data, str(path), form.separator)
+    # Not by a name: the bytes are let go as soon as the rows are cut out of them.
+    text = csv_text.parsed(contents(path), str(path), form.separator)
     found = _found(str(path), DataFileError, text.names, theirs, asked)
     frame = csv_text.frame_of(text, str(path), [place for place, _ in found.values()])
     frame = frame.select(str(place) for place, _ in found.values())
@@ -132,10 +132,17 @@ def _parquet(
         names = list(pl.read_parquet_schema(path))
         found = _found(str(path), DataFileError, names, theirs, asked)
         own = [names[place] for place, _ in found.values()]
+        # Counted from the metadata.
+        check_size(path, pl.scan_parquet(path).select(pl.len()).collect().item(), len(own))
         frame = pl.read_parquet(path, columns=own).select(own)
     except (OSError, pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
         first = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise DataFileError(f"{path}: not a readable Parquet file: {first}") from None
+    for name, kind in frame.schema.items():
+        # A long text that is stored once may stand in every row.
+        long = int(frame[name].str.len_bytes().sum() or 0) if kind == pl.String else 0
+        if long > MOST_BYTES:
+            raise DataFileError(f"{path}: column {name}: more than {MOST_BYTES >> 20} MB of text")
     frame.columns = list(found)
     return str(path), frame, found, names
 

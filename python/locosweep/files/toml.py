@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from locosweep.errors import DataFileError, InputError
+from locosweep.files.raw import stored
 from locosweep.registry import unknown
 
 if TYPE_CHECKING:
@@ -16,13 +17,14 @@ if TYPE_CHECKING:
 
     from locosweep._core import Parameter
 
+_MOST_BYTES = 16 << 20
+"""A file of a robot has 1 kB, one of a sweep with a million values on an axis 10 MB."""
+
 
 def read(path: str | os.PathLike[str]) -> dict[str, Any]:
     """Return the content of a TOML file; DataFileError if it is not one."""
     try:
-        text = Path(path).read_bytes().decode("utf-8-sig")
-    except OSError as error:
-        raise DataFileError(f"{path}: {error.strerror or error}") from None
+        text = stored(Path(path), _MOST_BYTES).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise DataFileError(f"{path}: not TOML: {error}") from None
     return parse(text, path)
