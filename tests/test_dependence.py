@@ -51,7 +51,7 @@ PYTHON_ORDER = [
     {"diagnosis.report"},
     {"diagnosis.design"},
     {"diagnosis.pipeline", "diagnosis.screening"},
-    {"friction_fit", "validation"},
+    {"friction_fit", "intake", "validation"},
     {"paper"},
     {"cli"},
 ]

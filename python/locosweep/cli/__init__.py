@@ -21,6 +21,7 @@ from locosweep.cli.distinguish import distinguish
 from locosweep.cli.friction import friction
 from locosweep.cli.gait import gait
 from locosweep.cli.heatmap import heatmap
+from locosweep.cli.init import init
 from locosweep.cli.laws import laws
 from locosweep.cli.optimum import optimum
 from locosweep.cli.plot import plot
@@ -63,8 +64,8 @@ def group() -> None:
 
 
 for _command in (
-    heatmap, sweep, simulate, gait, screen, diagnose, distinguish, friction, blind_check, optimum,
-    plot, reproduce, quantities, parameters, laws, drives, methods, reductions, statuses,
+    heatmap, sweep, simulate, gait, init, screen, diagnose, distinguish, friction, blind_check,
+    optimum, plot, reproduce, quantities, parameters, laws, drives, methods, reductions, statuses,
 ):  # fmt: skip
     group.add_command(_command)
 

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     Wanted = Mapping[str, Sequence[str]]
     """Allowed SI units of a column by our name; none for labels."""
 
+MOST_COLUMNS = 1000
+"""Columns of a file of which all are looked at; logs have some dozens."""
 DECIMALS = {"point": ".", "comma": ","}
 """Decimal characters by their names in options."""
 _BRACKETS = re.compile(r"(.*?)\s*[\[(]\s*([^\[\]()]+?)\s*[\])]")
@@ -107,6 +109,37 @@ def read_table(
     return _finished(name, picked, found, frame.columns, wanted, InputError, form)
 
 
+def whole_table(path: Path, form: CsvForm) -> tuple[list[str], pl.DataFrame]:
+    """Return the names of all columns of a file, and the columns as they stand, by their places.
+
+    DataFileError as `read_table`, and for more than `MOST_COLUMNS` columns.
+    """
+    import polars as pl
+
+    if path.suffix != ".parquet":
+        text = csv_text.parsed(contents(path), str(path), form.separator)
+        _check_width(path, text.names)
+        return text.names, csv_text.frame_of(text, str(path), range(len(text.names)))
+    try:
+        names = list(pl.read_parquet_schema(path))
+    except (OSError, pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
+        raise _unreadable(path, error) from None
+    _check_width(path, names)
+    _, frame, _, _ = _parquet(path, {name: name for name in names}, {})
+    frame.columns = [str(place) for place in range(len(names))]
+    return names, frame
+
+
+def _check_width(path: Path, names: Sequence[str]) -> None:
+    if len(names) > MOST_COLUMNS:
+        raise DataFileError(f"{path}: {len(names)} columns, allowed are up to {MOST_COLUMNS}")
+
+
+def _unreadable(path: Path, error: BaseException) -> DataFileError:
+    first = str(error).splitlines()[0] if str(error) else type(error).__name__
+    return DataFileError(f"{path}: not a readable Parquet file: {first}")
+
+
 Found = dict[str, tuple[int, str]]
 """Place and stated unit of each column, by our name."""
 
@@ -136,8 +169,7 @@ def _parquet(
         check_size(path, pl.scan_parquet(path).select(pl.len()).collect().item(), len(own))
         frame = pl.read_parquet(path, columns=own).select(own)
     except (OSError, pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
-        first = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise DataFileError(f"{path}: not a readable Parquet file: {first}") from None
+        raise _unreadable(path, error) from None
     for name, kind in frame.schema.items():
         # A long text that is stored once may stand in every row.
         long = int(frame[name].str.len_bytes().sum() or 0) if kind == pl.String else 0

@@ -1,0 +1,116 @@
+"""Logs as rigs export them become runs in SI units."""
+
+import numpy as np
+import pytest
+
+from locosweep.errors import DataFileError, InputError
+from locosweep.files.runs import load_runs
+from locosweep.files.table import CsvForm
+from locosweep.intake.log import read_log
+
+COUNT = 40
+
+
+def written(tmp_path, head, row, name="log.csv", count=COUNT):
+    file = tmp_path / name
+    file.write_text("\n".join([head, *(row(k) for k in range(count))]) + "\n")
+    return file
+
+
+def again(log, tmp_path):
+    """The runs as a diagnosis reads them from what was written."""
+    log.frame.write_csv(tmp_path / "runs.csv")
+    return load_runs(tmp_path / "runs.csv")
+
+
+def test_everything_at_once(tmp_path):
+    def row(k):
+        stamp = f"1764075181{k * 10:03d}" if k < 20 else f"1764075281{k * 10:03d}"
+        return f"{stamp};{0.5 * (k % 3)};{k}.25;x".replace(".", ",")
+
+    file = written(tmp_path, "# rig\nStempel_ms;Sollkraft_N;Weg_mm;Notiz", row)
+    log = read_log(file, columns={"t": "Stempel_ms"})
+    assert log.columns == {"t": "Stempel_ms", "drive": "Sollkraft_N", "x": "Weg_mm"}
+    assert log.units == {"t": "ms", "drive": "N", "x": "mm"}
+    assert (log.runs, log.rotary, log.drive_in_force) == (2, False, True)
+    runs, notices = again(log, tmp_path)
+    assert notices == []
+    assert [run.label for run in runs] == ["0", "1"]
+    for run in runs:
+        np.testing.assert_allclose(run.t, np.arange(20) * 0.01, atol=1e-12)
+    assert runs[1].channels["x"][0] == pytest.approx(20.25e-3)
+    said = "; ".join(log.notes)
+    for words in (
+        "t is Stempel_ms (as you say), in ms (by its name)", "not used: Notiz", "decimal commas",
+        "is Unix time", "2 runs in", "x is Weg_mm (by its name), in mm (by its name)",
+    ):  # fmt: skip
+        assert words in said
+
+
+def test_runs_by_labels_jumps_and_pauses(tmp_path):
+    def labelled(k):
+        return f"{k % 20 * 0.01},0,{k},{'ab'[k // 20]}"
+
+    log = read_log(written(tmp_path, "t,drive,x_mm,trial", labelled), columns={"x": "x_mm"})
+    assert log.frame["run"].unique(maintain_order=True).to_list() == ["a", "b"]
+    back = written(tmp_path, "t,drive,x", lambda k: f"{k % 20 * 0.01},0,0")
+    assert read_log(back).runs == 2
+    pause = written(tmp_path, "t,drive,x", lambda k: f"{k * 0.01 + 0.5 * (k > 19)},0,0")
+    assert read_log(pause).runs == 1
+    assert read_log(pause, pause=0.2).runs == 2
+
+
+def test_parts_that_are_too_short_are_left_out_and_named(tmp_path):
+    file = written(tmp_path, "t,drive,x", lambda k: f"{k * 0.01 + 9 * (k > 24)},0,0")
+    log = read_log(file)
+    assert log.frame.height == 25
+    assert any("15 samples of 1 are too few for a run: left out" in note for note in log.notes)
+    with pytest.raises(DataFileError, match="no run of 20 samples"):
+        read_log(written(tmp_path, "t,drive,x", lambda k: f"{k * 9.5},0,0"), pause=1.0)
+
+
+def test_several_files(tmp_path):
+    for name in ("one", "two"):
+        written(tmp_path, "time_ms;cmd_mN;pos_mm", lambda k: f"{k * 10};500;{k}", f"{name}.csv")
+    log = read_log(tmp_path)
+    assert log.frame["run"].unique(maintain_order=True).to_list() == ["one", "two"]
+    assert log.frame["drive"][0] == 0.5
+
+
+def test_rows_of_units_angles_and_voltages(tmp_path):
+    file = written(tmp_path, "time,u,theta\n[ms],[V],[deg]", lambda k: f"{k * 10},2,{k}")
+    log = read_log(file)
+    assert log.units == {"t": "ms", "drive": "V", "x": "deg"}
+    assert (log.rotary, log.drive_in_force) == (True, False)
+    assert log.frame["x"][30] == pytest.approx(np.pi / 6.0)
+
+
+def test_noise_is_that_of_the_readings(tmp_path):
+    noise = np.random.default_rng(0).normal(0.0, 0.02, 400)
+    row = lambda k: f"{k * 0.01:.2f},0,{noise[k]:.6f}"  # noqa: E731
+    log = read_log(written(tmp_path, "t,drive,x [mm]", row, count=400))
+    assert log.noise["x"].gaussian == pytest.approx(2e-5, rel=0.15)
+
+
+def test_missing_values_stay_missing(tmp_path):
+    file = written(tmp_path, "t,drive,x,v", lambda k: f"{k * 0.01},0,{'' if k == 3 else k},1")
+    log = read_log(file)
+    assert log.frame["x"].null_count() == 1
+    gone = written(tmp_path, "t,drive,x", lambda k: f"{'' if k == 3 else k * 0.01},0,0")
+    assert any("1 rows of" in note and "no time" in note for note in read_log(gone).notes)
+
+
+def test_what_is_refused(tmp_path):
+    file = written(tmp_path, "t,drive,x", lambda k: f"{k * 0.01},0,1,234" if k else "0,0,1")
+    with pytest.raises(DataFileError, match="row 2 has 4 values"):
+        read_log(file)
+    file = written(tmp_path, "t;drive;x", lambda k: f"{k};0;1,234")
+    with pytest.raises(DataFileError, match="--decimal comma or --decimal point"):
+        read_log(file)
+    assert read_log(file, form=CsvForm(decimal="comma")).frame["x"][0] == 1.234
+    with pytest.raises(DataFileError, match=r"no column pos \(given for x\)"):
+        read_log(file, columns={"x": "pos"})
+    with pytest.raises(InputError, match="unknown column 'y'"):
+        read_log(file, columns={"y": "x"})
+    with pytest.raises(InputError, match="unit of x: kN measures something else"):
+        read_log(file, units={"x": "kN"}, form=CsvForm(decimal="comma"))

@@ -1,0 +1,59 @@
+"""What names of columns say."""
+
+import pytest
+
+from locosweep.files.runs import wanted_columns
+from locosweep.intake.names import ROLES, fits, points, unit_in, words_of
+
+ALLOWED = wanted_columns()
+
+
+def role_of(name):
+    """The role that a name speaks for most."""
+    scores = {role: points(name, role, ALLOWED[role]) for role in ROLES}
+    best = max(scores, key=lambda role: scores[role])
+    return best if scores[best] else None
+
+
+@pytest.mark.parametrize(
+    ("name", "role"),
+    [
+        ("t", "t"), ("Zeit [s]", "t"), ("time_ms", "t"), ("Timestamp", "t"), ("t_unix_ms", "t"),
+        ("x", "x"), ("Position_mm", "x"), ("Weg/mm", "x"), ("Istposition_mm", "x"),
+        ("headDisplacement (mm)", "x"), ("theta_deg", "x"), ("x_rear", "x_rear"),
+        ("pos_rear_mm", "x_rear"), ("body position", "x_rear"), ("drive", "drive"),
+        ("Soll_N", "drive"), ("Sollkraft_N", "drive"), ("motorCmd", "drive"), ("u", "drive"),
+        ("motor_current_A", "drive"), ("position_setpoint", "drive"), ("Kraft (N)", "force"),
+        ("loadcell", "force"), ("speed_mm_s", "v"), ("v [mm/s]", "v"), ("Leistung W", "power"),
+        ("Versuch", "run"), ("run", "run"), ("slope_deg", "slope_deg"), ("tilt [deg]", "slope_deg"),
+        ("Temperatur", None), ("index", None), ("Position_kN", None), ("time_mm", None),
+        ("speed_s", None), ("target", None),
+    ],
+)  # fmt: skip
+def test_roles(name, role):
+    assert role_of(name) == role
+
+
+def test_a_setpoint_in_length_is_no_drive_and_no_position():
+    assert role_of("Position_soll_mm") is None
+
+
+@pytest.mark.parametrize(
+    ("name", "parts"),
+    [
+        ("Position_mm", ("Position", "mm")), ("speed mm/s", ("speed", "mm/s")),
+        ("speed_mm_s", ("speed", "mm/s")), ("x [mm]", ("x", "mm")), ("x(mm)", ("x", "mm")),
+        ("mm", ("mm", "")), ("pos_left", ("pos_left", "")), ("x (left)", ("x (left)", "")),
+        ("", ("", "")),
+    ],
+)  # fmt: skip
+def test_units_at_the_end_of_names(name, parts):
+    assert unit_in(name) == parts
+
+
+def test_words_and_units():
+    assert words_of("IstPosition2_raw") == ["ist", "position", "raw"]
+    assert words_of("Sollkraft") == ["soll", "kraft"]
+    assert words_of("Solo") == ["solo"]
+    assert fits("x", "mm", ("m", "rad"))
+    assert not fits("x", "N", ("m", "rad"))
