@@ -1,8 +1,38 @@
 """Everything that locosweep raises."""
 
+import re
+
+_UNSEEN = re.compile(
+    "[\x00-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff\ud800-\udfff]"
+)
+"""Characters that move a cursor, turn a line round or do not show: names in files may hold them."""
+
+
+def printable(text: str) -> str:
+    r"""Return a text in one line, with control characters as escapes.
+
+    Examples
+    --------
+    >>> from locosweep.errors import printable
+    >>> print(printable("run \x1b[2J\n7"))
+    run \x1b[2J 7
+    """
+    return _UNSEEN.sub(_escaped, text)
+
+
+def _escaped(found: re.Match[str]) -> str:
+    char = found[0]
+    if char in "\t\n\r":
+        return " "
+    code = ord(char)
+    return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}"
+
 
 class LocosweepError(Exception):
-    """Base of all errors of this package."""
+    """Base of all errors of this package; what a file says cannot steer a terminal."""
+
+    def __str__(self) -> str:
+        return printable(super().__str__())
 
 
 class InputError(LocosweepError, ValueError):

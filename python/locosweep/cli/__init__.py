@@ -38,7 +38,7 @@ from locosweep.cli.screen import screen
 from locosweep.cli.signals import INTERRUPTED, end_at_once, listen, pressed
 from locosweep.cli.simulate import simulate
 from locosweep.cli.sweep import sweep
-from locosweep.errors import Cancelled, InputError, SolveError
+from locosweep.errors import Cancelled, InputError, SolveError, printable
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -134,7 +134,7 @@ def _fail(message: str, code: int) -> int:
     # On a terminal a half-written progress line may stand there.
     start = "\r\x1b[K" if sys.stderr.isatty() else ""
     try:
-        click.echo(f"{start}locosweep: {' '.join(message.split())}", err=True)
+        click.echo(f"{start}locosweep: {printable(' '.join(message.split()))}", err=True)
     except OSError:
         _silence()
     return code

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import meter, show
+from locosweep.cli.options import meter, note, show
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -88,7 +88,7 @@ def diagnose(
         bar.close()
     if not quiet:
         for warning in found.warnings:
-            click.echo(f"locosweep: note: {' '.join(warning.split())}", err=True)
+            note(warning)
     report = None if quiet else out / "report.html"
     show(json_, {"verdict": found.report["verdict"], "out": out}, *_verdict(found), report)
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import called, meter, show
+from locosweep.cli.options import called, meter, note, show
 from locosweep.errors import InputError
 
 if TYPE_CHECKING:
@@ -97,5 +97,5 @@ def friction(
     if quiet:
         return
     for notice in fit.notices:
-        click.echo(f"locosweep: note: {notice}", err=True)
+        note(notice)
     show(json_, {"files": files, **fit.to_dict()}, as_text(fit), "", *files)

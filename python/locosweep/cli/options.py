@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 import shlex
 import sys
 from pathlib import Path
@@ -12,7 +13,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from locosweep import registry
-from locosweep.errors import InputError
+from locosweep.errors import InputError, printable
 from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
@@ -301,8 +302,18 @@ def save_picture(ctx: click.Context, figure: Figure, out: Path, result: Result) 
 
 def show(json_: bool, record: object, *lines: object) -> None:
     """Print a record as JSON, or the lines that are not None."""
-    text = "\n".join(str(line) for line in lines if line is not None)
-    click.echo(as_json(record) if json_ else text)
+    if json_:
+        # JSON escapes control characters, but not those that only some terminals obey.
+        text = re.sub("[\x7f-\x9f]", lambda found: f"\\u{ord(found[0]):04x}", as_json(record))
+    else:
+        given = "\n".join(str(line) for line in lines if line is not None)
+        text = "\n".join(printable(line) for line in given.split("\n"))
+    click.echo(text)
+
+
+def note(text: str) -> None:
+    """Say on standard error, in one line, what a user should know."""
+    click.echo(f"locosweep: note: {printable(' '.join(text.split()))}", err=True)
 
 
 def called(ctx: click.Context) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import show
+from locosweep.cli.options import note, show
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -62,7 +62,7 @@ def screen(
         threads=threads,
     )
     for warning in found.warnings:
-        click.echo(f"locosweep: note: {' '.join(warning.split())}", err=True)
+        note(warning)
     show(json_, _record(found), *_lines(found))
 
 

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import click
-
-from locosweep.cli.options import meter, show
+from locosweep.cli.options import meter, note, show
 from locosweep.errors import SolveError
 
 if TYPE_CHECKING:
@@ -42,7 +40,7 @@ def replay(
         runs, columns, units, needs=("t", "drive"), form=form, rotary=is_rotary(robot)
     )
     for notice in notices:
-        click.echo(f"locosweep: note: {notice}", err=True)
+        note(notice)
     frame = replay_runs(robot, measured, threads=threads, progress=meter("simulate"))
     write_frame(out, frame)
     effects = list(robot.effects)

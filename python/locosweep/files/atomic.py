@@ -8,12 +8,15 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from locosweep.errors import InputError
+from locosweep.errors import InputError, printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     import polars as pl
+
+_FORMULA = ("=", "+", "-", "@", " ")
+"""Beginnings of formulas; a space may have been a tab or a line end before one."""
 
 
 def check_file_name(path: str | os.PathLike[str]) -> Path:
@@ -71,8 +74,30 @@ def write_frame(
     with replacing(path) as temporary:
         try:
             if csv and temporary.suffix.lower() == ".csv":
-                frame.write_csv(temporary)
+                _harmless(frame).write_csv(temporary)
             else:
                 frame.write_parquet(temporary, metadata=dict(metadata) if metadata else None)
         except (pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
             raise InputError(f"{path}: cannot write: {error}") from None
+
+
+def _harmless(frame: pl.DataFrame) -> pl.DataFrame:
+    """Return a table of which no text is a formula to a spreadsheet or steers a terminal."""
+    import polars as pl
+
+    for name, kind in frame.schema.items():
+        if kind == pl.String:
+            texts = frame[name].unique().drop_nulls().to_list()
+            changed = {text: new for text in texts if (new := _plain(text)) != text}
+            if changed:
+                frame = frame.with_columns(pl.col(name).replace(changed))
+    return frame
+
+
+def _plain(text: str) -> str:
+    """Return a text that a spreadsheet takes as one: behind an apostrophe where it begins so."""
+    shown = printable(text)
+    with contextlib.suppress(ValueError):
+        float(shown)
+        return shown
+    return f"'{shown}" if shown.startswith(_FORMULA) else shown
