@@ -15,6 +15,7 @@ from matplotlib.patches import PathPatch
 from PIL import Image
 
 import locosweep as ls
+import locosweep.plot
 from locosweep.plot import style
 from locosweep.plot.save import save_figure
 from locosweep.provenance import spec_hash
@@ -242,21 +243,59 @@ def test_all_symbols_can_be_drawn():
         parser.parse(f"${record.symbol}$")
 
 
-def test_rcparams_stay_and_pyplot_is_not_loaded(tmp_path):
-    code = f"""
+def test_pyplot_shows_what_is_drawn_without_axes(speed):
+    import matplotlib.pyplot as plt
+
+    ax = speed.plot.heatmap(anchor_weight=1)
+    assert plt.gcf() is ax.figure
+    other = speed.plot.curves("segments", slope_deg=0, anchor_weight=1)
+    assert other.figure is not ax.figure
+    assert plt.get_fignums() == [1, 2]
+
+
+def test_an_empty_figure_of_pyplot_is_used_and_a_full_one_is_left(speed):
+    import matplotlib.pyplot as plt
+
+    mine = plt.figure(figsize=(3, 2))
+    assert speed.plot.heatmap(anchor_weight=1).figure is mine
+    _, (left, right) = plt.subplots(1, 2)
+    assert speed.plot.curves("segments", slope_deg=0, anchor_weight=1) is right
+    plt.sca(left)
+    assert speed.plot.heatmap(anchor_weight=0) is left
+    assert speed.plot.heatmap(anchor_weight=0).figure is plt.figure(3)
+    shown = locosweep.plot.motion(ls.simulate(law="coulomb", mu_coulomb=0.3, drive_force=2))
+    assert shown[0].figure is plt.figure(4)
+
+
+CODE = """
 import sys, matplotlib
+from matplotlib.figure import Figure
 before = dict(matplotlib.rcParams)
 import locosweep as ls
+from locosweep.cli import main
 from locosweep.plot.save import save_figure
 r = ls.sweep("mean_velocity", mu_static=0.5, mu_coulomb=0.3, slope_deg=[0, 40], segments=[3, 4])
 for kind in ("png", "svg", "pdf"):
-    save_figure(r.plot.heatmap(), r"{tmp_path}/a." + kind)
+    save_figure(r.plot.heatmap(ax=Figure().subplots()), "a." + kind)
+r.save("r.parquet")
+mu = ["--set", "mu_coulomb=0.3"]
+assert main(["plot", "r.parquet"]) == 0
+assert main(["plot", "r.parquet", "--by", "slope_deg", "--out", "b.svg"]) == 0
+assert main(["simulate", *mu, "--set", "drive_force=2", "--plot", "m.png"]) == 0
+assert main(["heatmap", "mean_velocity", "--x", "segments=2:4", "--y", "slope_deg=0:9:3", *mu,
+             "--set", "mu_static=0.5"]) == 0
+assert main(["laws", "dahl", "--out", "laws"]) == 0
 assert dict(matplotlib.rcParams) == before
 assert "matplotlib.pyplot" not in sys.modules
 """
+
+
+@pytest.mark.whole
+def test_axes_of_ones_own_and_commands_load_no_pyplot_and_change_no_setting(tmp_path):
     # Without it, reading rcParams looks for a backend and loads pyplot.
     environment = {**os.environ, "MPLBACKEND": "agg"}
-    subprocess.run([sys.executable, "-W", "error", "-c", code], check=True, env=environment)
+    command = [sys.executable, "-W", "error", "-c", CODE]
+    subprocess.run(command, check=True, env=environment, cwd=tmp_path)
 
 
 def test_png_says_what_it_shows(speed, tmp_path):

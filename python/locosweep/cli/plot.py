@@ -51,6 +51,7 @@ def plot(
     A heat map where two axes are left, curves where it is one or --by is given.
     """
     from locosweep.files.results import load
+    from locosweep.plot import style
 
     if by is not None and y is not None:
         raise InputError("--by draws curves and --y a heat map: allowed is one of them")
@@ -58,6 +59,9 @@ def plot(
         out = Path(f"{file.stem}.png")
         options.PICTURE.convert(out, None, ctx)
     result = load(file)
+    # A figure of its own: pyplot would look for a display.
+    figure = style.figure(6.8, 5.0)
+    ax = figure.subplots()
     fixed_at: dict[str, Any] = dict(at)
     if len(fixed_at) < len(at):
         raise InputError("--at gives an axis twice: allowed is one value each")
@@ -66,11 +70,8 @@ def plot(
         rest = [name for name in free or result.axes if name != by]
         if x is None and not rest:
             raise InputError(f"{file} has no axis left to draw along")
-        ax = result.plot.curves(x or rest[-1], value=value, by=by, **fixed_at)
+        result.plot.curves(x or rest[-1], value=value, by=by, ax=ax, **fixed_at)
     else:
-        ax = result.plot.heatmap(x, y, value, **fixed_at)
-    figure = ax.get_figure(root=True)
-    if figure is None:
-        raise AssertionError("axes without a figure")
+        result.plot.heatmap(x, y, value, ax=ax, **fixed_at)
     save_picture(ctx, figure, out, result)
     show(json_, {"file": out}, out)

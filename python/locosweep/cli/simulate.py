@@ -139,10 +139,14 @@ def simulate(
         header = plain({key: value for key, value in about.items() if key != "curves"})
         write_frame(out, run.to_polars(), {"locosweep.motion": json.dumps(header)})
     if plot_file is not None:
+        from locosweep.plot import style
         from locosweep.plot.save import save_figure
         from locosweep.plot.trajectories import motion
 
-        save_figure(motion(run)[0], plot_file, command=called(ctx))
+        # A figure of its own: pyplot would look for a display.
+        figure = style.figure(8.0, 7.0)
+        motion(run, axes=figure.subplots(3, 1, sharex=True))
+        save_figure(figure, plot_file, command=called(ctx))
     files = [path for path in (out, plot_file) if path is not None]
     show(json_, {"files": files, **about, "energy_residual": open_share}, *files)
     if open_share > _OPEN:

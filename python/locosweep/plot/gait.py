@@ -10,6 +10,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from locosweep.plot import style
+from locosweep.plot.current import current_axes
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -38,24 +39,31 @@ _MANY = 12
 """Segments beyond which not each one is labelled."""
 
 
-def space_time(run: GaitRun, ax: Axes) -> Axes:
+def space_time(run: GaitRun, ax: Axes | None = None) -> Axes:
     """Draw each segment as a band over time: its position and direction of sliding.
 
     What it pushes along of a lubricant is a strip before the band, as wide as there is
     fresh ground swept.
 
+    Parameters
+    ----------
+    run : GaitRun
+        From ``locosweep.run_gait``.
+    ax : Axes, optional
+        Where to draw; default the current axes of pyplot while they are empty.
+
     Examples
     --------
     >>> import locosweep as ls
-    >>> from matplotlib.figure import Figure
     >>> from locosweep.plot.gait import space_time
     >>> run = ls.run_gait("single", segments=3, mu_static=0.5, mu_coulomb=0.3,
     ...                   drive_limit=0.85, break_away=0, cycles=1)
-    >>> space_time(run, Figure().subplots()).get_xlabel()
+    >>> space_time(run).get_xlabel()
     'time $t$ [s]'
     """
     x = _MM * run.x
     count = x.shape[1]
+    ax = current_axes(ax, _WIDTH, _height(count))
     # Segments have no length in the model: the picture gives them room to part in.
     nearest = min(0.0, float((x[:, :-1] - x[:, 1:]).min()))
     reach = float(np.ptp(x[:, :-1] - x[:, 1:])) or 1.0
@@ -150,9 +158,14 @@ def joint_forces(run: GaitRun, ax: Axes) -> Axes:
     return ax
 
 
+def _height(segments: int) -> float:
+    """Return the height in inches at which bands stay apart."""
+    return min(12.0, 4.0 + 0.45 * segments)
+
+
 def space_time_figure(run: GaitRun, title: str) -> Figure:
     """Return the space-time picture as a figure of its own."""
-    figure = style.figure(_WIDTH, min(12.0, 4.0 + 0.45 * run.x.shape[1]))
+    figure = style.figure(_WIDTH, _height(run.x.shape[1]))
     space_time(run, figure.subplots())
     figure.suptitle(title, fontsize=11)
     return figure

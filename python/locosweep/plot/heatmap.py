@@ -12,6 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from locosweep.errors import InputError
 from locosweep.plot import cells, style
+from locosweep.plot.current import current_axes
 from locosweep.registry import Status, parameter, unknown
 
 if TYPE_CHECKING:
@@ -37,9 +38,11 @@ _MOST_CELLS = 600
 class Plotter:
     r"""Pictures of one result; ``Result.plot`` makes it.
 
-    Every method draws into `ax`, or into a new figure without one, and returns
-    the axes; ``locosweep.plot.save_figure`` writes them. Nothing is shown, no
-    global setting of matplotlib is read into or changed.
+    Every method draws into `ax`, else into pyplot's current axes while they are empty, else
+    into a new figure of pyplot, and returns the axes: a notebook shows them below the cell, a
+    script at ``plt.show()``. ``ax.figure.savefig("map.png")`` saves them, and
+    ``locosweep.plot.save_figure`` does with their origin in the file. With `ax`, pyplot is
+    not loaded, which threads and programs without a display want.
 
     Examples
     --------
@@ -80,7 +83,7 @@ class Plotter:
         value : str, optional
             Output; default the first.
         ax : Axes, optional
-            Where to draw.
+            Where to draw; default the current axes of pyplot while they are empty.
         norm : {"linear", "log"} or Normalize, optional
             Default: classes for whole numbers, else linear, around zero where
             both signs occur.
@@ -126,7 +129,7 @@ class Plotter:
         (xs, columns), (ys, rows) = _drawn(xs, columns), _drawn(ys, rows)
         values, codes = values[np.ix_(rows, columns)], codes[np.ix_(rows, columns)]
 
-        ax = style.figure(6.8, 5.0).subplots() if ax is None else ax
+        ax = current_axes(ax, 6.8, 5.0)
         works = np.isfinite(values)
         finite = values[works]
         if finite.size:
@@ -180,7 +183,7 @@ class Plotter:
             Axis with one line for each value, at most eight; give some of its
             values as a sequence, by name, to draw only those.
         ax : Axes, optional
-            Where to draw.
+            Where to draw; default the current axes of pyplot while they are empty.
         mark_optimum : bool
             Mark the highest value of each line (not for whole numbers).
         **at
@@ -215,7 +218,7 @@ class Plotter:
                 ({by: wanted}, style.setting(by, wanted))
                 for wanted in self._lines(by, at.pop(by, None))
             ]
-        ax = style.figure(6.8, 5.0).subplots() if ax is None else ax
+        ax = current_axes(ax, 6.8, 5.0)
         xs, order = _centres(x, self.result.axes[x])
         whole_x = parameter(x).integer
         seen: set[int] = set()

@@ -8,6 +8,7 @@ import numpy as np
 
 from locosweep.errors import InputError
 from locosweep.plot import style
+from locosweep.plot.current import current_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,7 +42,7 @@ def characteristic(
     *laws : Characteristic
         One to eight, from ``locosweep.simulation.law_data.characteristic_of``.
     ax : Axes, optional
-        Where to draw.
+        Where to draw; default the current axes of pyplot while they are empty.
     frame : tuple of float, optional
         Lowest and highest ordinate, so that several pictures compare.
     legend : bool
@@ -66,7 +67,7 @@ def characteristic(
     """
     if not 1 <= len(laws) <= len(style.LINES):
         raise InputError(f"{len(laws)} laws: allowed are 1 to {len(style.LINES)}")
-    ax = style.figure(6.8, 4.6).subplots() if ax is None else ax
+    ax = current_axes(ax, 6.8, 4.6)
     single = len(laws) == 1
     style.zero_line(ax)
     ax.axvline(0.0, color="0.75", linewidth=0.8, zorder=0)
@@ -122,7 +123,7 @@ def behaviour(seen: Behaviour, *, ax: Axes | None = None) -> Axes:
     seen : Behaviour
         From ``locosweep.simulation.law_data.behaviour_of``.
     ax : Axes, optional
-        Where to draw.
+        Where to draw; default the current axes of pyplot while they are empty.
 
     Returns
     -------
@@ -135,7 +136,7 @@ def behaviour(seen: Behaviour, *, ax: Axes | None = None) -> Axes:
     >>> behaviour(behaviour_of("dahl", mu_coulomb=0.3)).get_xlabel()
     'displacement [µm]'
     """
-    ax = style.figure(6.8, 4.6).subplots() if ax is None else ax
+    ax = current_axes(ax, 6.8, 4.6)
     # The widest first, so that the narrower ones stay in sight.
     for rank, (label, x, y) in enumerate(seen.lines):
         colour, dash, _ = style.LINES[rank % len(style.LINES)]

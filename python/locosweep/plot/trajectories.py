@@ -10,6 +10,7 @@ from matplotlib.patches import Patch
 
 from locosweep.errors import InputError
 from locosweep.plot import style
+from locosweep.plot.current import current_figure
 from locosweep.registry import law
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ def motion(
     run : Trajectories
         From ``locosweep.simulate``, with one to eight trajectories.
     axes : sequence of Axes, optional
-        Three, for position, speed and force.
+        Three, for position, speed and force; default those of a figure of pyplot.
     title : str, optional
         Default: law, drive and method.
 
@@ -68,7 +69,7 @@ def motion(
     if not 1 <= count <= len(style.LINES):
         raise InputError(f"{count} trajectories: a picture has 1 to {len(style.LINES)}")
     if axes is None:
-        axes = style.figure(8.0, 7.0).subplots(3, 1, sharex=True)
+        axes = current_figure(8.0, 7.0).subplots(3, 1, sharex=True)
     if len(axes) != 3:
         raise InputError(f"axes has {len(axes)} entries: allowed are 3")
     top, middle, bottom = axes
