@@ -59,6 +59,7 @@ PYTHON_ORDER = [
 LAZY = {
     ("result", "plot"),
     ("result", "files"),
+    ("simulation", "plot"),
 }
 # Front doors, which only gather names: of the package, of a room, and old paths of users.
 DOOR = {"__init__", "__main__", "diagnosis", "measured", "replay"}

@@ -130,3 +130,25 @@ def real_array(name: str, value: Any) -> NDArray[np.float64]:
         fault = f"has type {array.dtype}" if array.ndim else f"is {value!r}"
         raise InputError(f"{name} {fault}: allowed is a number, or several")
     return array.astype(np.float64, order="C", copy=True)
+
+
+def index_of(name: str, axis: NDArray[np.float64], wanted: object, *, nearest: bool = False) -> int:
+    """Return where in an axis a value stands; with `nearest`, where the value next to it does."""
+    if isinstance(wanted, bool) or not isinstance(wanted, Real):
+        raise InputError(f"{name} is {wanted!r}: allowed is one number, {few(axis)}")
+    number = float(wanted)
+    if nearest and np.isfinite(number):
+        return int(np.argmin(np.abs(axis - number)))
+    span = np.ptp(axis[np.isfinite(axis)]) if np.isfinite(axis).any() else 0.0
+    near = np.isclose(axis, number, rtol=1e-9, atol=1e-12 * float(span))
+    if not near.any():
+        raise InputError(f"{name} is {number:g}: allowed are the values of that axis, {few(axis)}")
+    return int(np.argmax(near))
+
+
+def few(axis: NDArray[np.float64], most: int = 10) -> str:
+    """Write the values of an axis in one line, those in the middle left out where many."""
+    numbers = [f"{value:g}" for value in axis]
+    if len(numbers) > most:
+        numbers = [*numbers[: most - 2], "...", numbers[-1]]
+    return ", ".join(numbers) if most > 3 else "|".join(numbers)

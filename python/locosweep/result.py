@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from locosweep import _core, memory
 from locosweep.errors import InputError
+from locosweep.grid import index_of
 from locosweep.registry import Status, parameter, quantity, unknown
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Mapping, Sequence
 
+    import pandas as pd
     import polars as pl
     import xarray as xr
     from numpy.typing import NDArray
@@ -152,6 +154,82 @@ class Result:
         """Values of an output by name."""
         return self._values[self.output(name).name]
 
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        """Values of the only output, as ``np.asarray`` asks for them."""
+        if len(self.outputs) > 1:
+            names = ", ".join(f"result['{o.name}']" for o in self.outputs)
+            raise InputError(f"this result has {len(self.outputs)} outputs: take one, {names}")
+        return np.array(self.values, dtype=dtype, copy=copy)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what a copy or another process needs; statuses cannot be computed there."""
+        for output in self.outputs:
+            self.status_of(output.name)
+        return {**vars(self), "_job": None}
+
+    def sel(self, *, method: Literal["nearest"] | None = None, **at: Any) -> Result:
+        """Return the part of this result at some values of its axes.
+
+        Parameters
+        ----------
+        method : {None, "nearest"}
+            None takes values as they stand in the axis; "nearest" the next ones.
+        **at
+            By name of an axis: a number takes the axis away, and stands in ``fixed``
+            then; a sequence keeps these values, in its order.
+
+        Returns
+        -------
+        Result
+            Copies, with all outputs and their statuses.
+
+        Raises
+        ------
+        InputError
+            An unknown axis or method, or a value that does not stand in its axis.
+
+        Examples
+        --------
+        >>> import locosweep as ls
+        >>> r = ls.sweep("mean_velocity", mu_static=0.5, mu_coulomb=0.3,
+        ...              slope_deg=[0, 10, 20], segments=range(2, 9))
+        >>> some = r.sel(slope_deg=10, segments=[3, 4])
+        >>> some.values.round(4), some.fixed["slope_deg"]
+        (array([0.0465, 0.0547]), 10.0)
+        >>> r.sel(slope_deg=9.2, method="nearest").fixed["slope_deg"]
+        10.0
+        """
+        if method not in (None, "nearest"):
+            raise InputError(f"method is {method!r}: allowed are None and 'nearest'")
+        for name in at:
+            if name not in self.axes:
+                raise unknown("axis", name, self.axes)
+        near = method == "nearest"
+        index: list[int | NDArray[np.intp]] = []
+        axes, fixed = {}, dict(self.fixed)
+        for name, axis in self.axes.items():
+            wanted = at.get(name, axis)
+            if np.ndim(wanted) == 0:
+                index.append(index_of(name, axis, wanted, nearest=near))
+                fixed[name] = float(axis[index[-1]])
+                continue
+            some = np.arange(len(axis))
+            if name in at:
+                some = np.array([index_of(name, axis, one, nearest=near) for one in wanted], int)
+            index.append(some)
+            axes[name] = axis[some]
+
+        # One axis after the other, the last first, so that a dropped one shifts none before it.
+        def part(array: NDArray[Any]) -> NDArray[Any]:
+            for dimension in reversed(range(len(index))):
+                array = np.take(array, index[dimension], axis=dimension)
+            return np.ascontiguousarray(array)
+
+        statuses = {o.name: part(self.status_of(o.name)) for o in self.outputs}
+        values = [part(self[o.name]) for o in self.outputs]
+        return Result(self.outputs, axes, fixed, values, over=self.over, rivals=self.rivals,
+                      q=self.q, statuses=statuses, how=self.how)  # fmt: skip
+
     def status_of(self, name: str) -> NDArray[np.uint8]:
         """Status codes of an output by name."""
         name = self.output(name).name
@@ -191,6 +269,28 @@ class Result:
             label = "status" if len(self.outputs) == 1 else f"{output.name}_status"
             columns[label] = words.gather(codes)
         return pl.DataFrame(columns)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return the table of `to_polars` for pandas; needs the extra ``pandas``."""
+        try:
+            import pandas as pd
+        except ModuleNotFoundError:
+            raise InputError("to_pandas needs pandas: pip install locosweep[pandas]") from None
+        import polars as pl
+
+        columns: dict[str, Any] = {}
+        for series in self.to_polars():
+            if series.dtype == pl.Enum:
+                words = series.dtype.categories.to_list()  # type: ignore[attr-defined]
+                codes = series.to_physical().to_numpy()
+                columns[series.name] = pd.Categorical.from_codes(codes, categories=words)
+            else:
+                columns[series.name] = series.to_numpy()
+        return pd.DataFrame(columns)
+
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object:
+        """Hand the table of `to_polars` to any library that speaks Arrow."""
+        return self.to_polars().__arrow_c_stream__(requested_schema)
 
     def to_xarray(self) -> xr.Dataset:
         """Return an xarray Dataset with units; needs the extra ``xarray``."""
@@ -233,8 +333,17 @@ class Result:
                     np.min(values, where=works, initial=np.inf),
                     np.max(values, where=works, initial=-np.inf),
                 )
-                text = f"{low:.6g} .. {high:.6g} {output.unit}, {works.mean():.1%} of the cells"
+                span = f"{low:.6g}" if low == high else f"{low:.6g} .. {high:.6g}"
+                unit = "" if output.unit == "1" else f" {output.unit}"
+                text = span + unit
+                if self.axes:
+                    text += f", {works.mean():.1%} of the cells"
             else:
                 text = "no cell has a value"
             lines.append(f"  {output.label}: {text}")
         return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        from locosweep.plot.html import result_card
+
+        return result_card(self)

@@ -138,7 +138,7 @@ class FittedLaw:
         return [*given.items(), ("gravity", 0.0), ("wall_force", normal * shift)]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class FrictionFit:
     """Friction laws fitted to measured data, the best first.
 
@@ -216,3 +216,14 @@ class FrictionFit:
         from locosweep.friction_fit.report import save
 
         return [str(path) for path in save(self, folder)]
+
+    def __repr__(self) -> str:
+        from locosweep.friction_fit.report import as_text
+
+        return as_text(self)
+
+    def _repr_html_(self) -> str:
+        from locosweep.friction_fit.picture import characteristic_figure
+        from locosweep.plot.html import card
+
+        return card(repr(self), characteristic_figure(self))

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.collections import QuadMesh
     from matplotlib.colors import Normalize
     from matplotlib.contour import QuadContourSet
@@ -38,6 +39,15 @@ def edges(name: str, centres: Floats) -> Floats:
     middle = (centres[:-1] + centres[1:]) / 2
     first, last = 2 * centres[0] - middle[0], 2 * centres[-1] - middle[-1]
     return np.concatenate([[first], middle, [last]])
+
+
+def name_axis(axis: Axis, name: str, values: Floats) -> None:
+    """Label an axis with words and unit of a parameter, with whole ticks where it counts."""
+    axis.set_label_text(style.axis_label(name))
+    if len(values) == 1:
+        axis.set_ticks(values.tolist())
+    elif parameter(name).integer:
+        axis.set_major_locator(MaxNLocator(integer=True))
 
 
 def colour_bar(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from numbers import Real
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -11,6 +10,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from locosweep.errors import InputError
+from locosweep.grid import few, index_of
 from locosweep.plot import cells, style
 from locosweep.plot.current import current_axes
 from locosweep.registry import Status, parameter, unknown
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
-    from matplotlib.axis import Axis
     from matplotlib.colors import Colormap, Normalize
     from matplotlib.legend import Legend
     from numpy.typing import NDArray
@@ -157,8 +156,8 @@ class Plotter:
             handles.append(star)
         handles += cells.hatch_cells(ax, codes, x_edges, y_edges)
         _dress(ax, title, handles)
-        _axis(ax.xaxis, x, xs)
-        _axis(ax.yaxis, y, ys)
+        cells.name_axis(ax.xaxis, x, xs)
+        cells.name_axis(ax.yaxis, y, ys)
         return ax
 
     def curves(
@@ -256,7 +255,7 @@ class Plotter:
             for code in sorted(seen - {0})
         ]
         _dress(ax, title, gaps, handles)
-        _axis(ax.xaxis, x, xs)
+        cells.name_axis(ax.xaxis, x, xs)
         ax.set_ylabel(style.output_label(output))
         if output.integer:
             ax.yaxis.set_major_locator(MaxNLocator(integer=True))
@@ -285,7 +284,7 @@ class Plotter:
     def _lines(self, by: str, wanted: float | Sequence[float] | None) -> list[float]:
         axis = self.result.axes[by]
         some = axis if wanted is None else np.atleast_1d(np.asarray(wanted, dtype=object))
-        indices = [_index_of(by, axis, value) for value in some]
+        indices = [index_of(by, axis, value) for value in some]
         if not 1 <= len(indices) <= len(style.LINES):
             most = len(style.LINES)
             raise InputError(
@@ -305,7 +304,7 @@ class Plotter:
                 raise InputError(f"{name} is given, but it is an axis of the picture")
         missing = [n for n, a in axes.items() if n not in keep and n not in at and len(a) > 1]
         if missing:
-            text = ", ".join(f"{name}={_few(axes[name], 3)}" for name in missing)
+            text = ", ".join(f"{name}={few(axes[name], 3)}" for name in missing)
             raise InputError(f"these axes need one value each: {text}")
         index: list[int | slice] = []
         words = []
@@ -313,7 +312,7 @@ class Plotter:
             if name in keep:
                 index.append(slice(None))
                 continue
-            at_index = _index_of(name, axis, at[name]) if name in at else 0
+            at_index = index_of(name, axis, at[name]) if name in at else 0
             index.append(at_index)
             if name != hide:
                 words.append(style.setting(name, float(axis[at_index])))
@@ -326,25 +325,6 @@ class Plotter:
         if np.isfinite(values).all():
             return values, np.zeros(values.shape, np.uint8)
         return values, self.result.status_of(output.name)[index]
-
-
-def _index_of(name: str, axis: Floats, wanted: object) -> int:
-    """Index of an axis value that was given as a number."""
-    if isinstance(wanted, bool) or not isinstance(wanted, Real):
-        raise InputError(f"{name} is {wanted!r}: allowed is one number, {_few(axis)}")
-    number = float(wanted)
-    span = np.ptp(axis[np.isfinite(axis)]) if np.isfinite(axis).any() else 0.0
-    near = np.isclose(axis, number, rtol=1e-9, atol=1e-12 * float(span))
-    if not near.any():
-        raise InputError(f"{name} is {number:g}: allowed are the values of that axis, {_few(axis)}")
-    return int(np.argmax(near))
-
-
-def _few(axis: Floats, most: int = 10) -> str:
-    numbers = [f"{value:g}" for value in axis]
-    if len(numbers) > most:
-        numbers = [*numbers[: most - 2], "...", numbers[-1]]
-    return ", ".join(numbers) if most > 3 else "|".join(numbers)
 
 
 def _centres(name: str, axis: Floats) -> tuple[Floats, NDArray[np.intp]]:
@@ -371,14 +351,6 @@ def _highest(
         return None
     row = int(np.nanargmax(tops))
     return row, int(np.nanargmax(values[rows[row]][columns]))
-
-
-def _axis(axis: Axis, name: str, values: Floats) -> None:
-    axis.set_label_text(style.axis_label(name))
-    if len(values) == 1:
-        axis.set_ticks(values.tolist())
-    elif parameter(name).integer:
-        axis.set_major_locator(MaxNLocator(integer=True))
 
 
 def _dress(ax: Axes, title: str, below: Sequence[Artist], beside: Sequence[Artist] = ()) -> None:

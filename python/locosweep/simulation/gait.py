@@ -40,6 +40,9 @@ UNITS = {
 }
 """Units of the arrays of a run."""
 
+_SAID = ("velocity", "advance", "slip_max", "time", "actuator_peak", "power_mean")
+"""Numbers of a run that one looks at first."""
+
 _UNSOLVED = {Status.NOT_FINITE, Status.UNRESOLVED, Status.DIVERGED, Status.TOO_MANY_STEPS}
 """Statuses that speak of the solver, not of a robot that this gait does not move."""
 
@@ -77,7 +80,7 @@ def gait_parameters() -> dict[str, GaitParameter]:
     return {record.parameter.name: record for record in _core.gait_parameters()}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class GaitRun:
     """Motion of a robot of N segments. Segment 0 is the head; joint j joins j and j + 1.
 
@@ -164,6 +167,21 @@ class GaitRun:
         behind = pl.Series("joint_force", np.hstack([self.force, rear]).ravel()).fill_nan(None)
         shared = {name: np.repeat(getattr(self, name), count) for name in ("power", "propulsive")}
         return pl.DataFrame({**columns, "joint_force": behind, **shared})
+
+    def __repr__(self) -> str:
+        times, count = self.x.shape
+        lines = [f"GaitRun: {count} segments in gait '{self.gait}', {times} samples"]
+        units = {record.name: record.unit for record in _core.gait_outputs()}
+        for name in _SAID:
+            unit = "" if units[name] == "1" else f" {units[name]}"
+            lines.append(f"  {name}: {self.results[name]:.4g}{unit}")
+        lines.append(f"  {len(units) - len(_SAID)} more in .summary; motion in .t, .x, .v, .force")
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        from locosweep.plot.html import gait_card
+
+        return gait_card(self)
 
 
 def run_gait(

@@ -10,9 +10,9 @@ import numpy as np
 from locosweep import _core, memory
 from locosweep.engine import samples_of, whole
 from locosweep.errors import InputError
-from locosweep.grid import Grid
+from locosweep.grid import Grid, few
 from locosweep.progress import Meter
-from locosweep.registry import Status
+from locosweep.registry import Status, parameter
 
 if TYPE_CHECKING:
     import polars as pl
@@ -25,7 +25,7 @@ _FIELDS = 4
 _ADAPTIVE, _FIXED = "dormand_prince", "runge_kutta"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Trajectories:
     """Motion of one segment at every point of a grid.
 
@@ -101,6 +101,31 @@ class Trajectories:
         for name in ("x", "v", "force", "way"):
             columns[name] = getattr(self, name).ravel()
         return pl.DataFrame(columns)
+
+    def __repr__(self) -> str:
+        count = int(np.prod(self.x.shape[:-1], dtype=object))
+        end, many = float(np.max(self.t)), "y" if count == 1 else "ies"
+        lines = [
+            f"Trajectories: law {self.law}, drive {self.drive}, method {self.method}; "
+            f"{count} trajector{many} of {self.x.shape[-1]} samples up to {end:g} s"
+        ]
+        lines += [
+            f"  {name} [{parameter(name).unit}]: {few(values, 6)}"
+            for name, values in self.axes.items()
+        ]
+        for name, unit in (("x", "m"), ("v", "m/s"), ("force", "N")):
+            values = getattr(self, name)
+            if np.isfinite(values).any():
+                lines.append(f"  {name}: {np.nanmin(values):.4g} .. {np.nanmax(values):.4g} {unit}")
+        for code in np.unique(self.status[self.status > 0]).tolist():
+            failed = int(np.count_nonzero(self.status == code))
+            lines.append(f"  {failed} with status {Status(code).name.lower()}")
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        from locosweep.plot.html import trajectories_card
+
+        return trajectories_card(self)
 
 
 def simulate(

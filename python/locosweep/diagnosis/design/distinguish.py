@@ -101,7 +101,7 @@ class Distinction:
         return pl.DataFrame(rows, schema=schema)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the matrix of distances, on new axes if none are given."""
+        """Draw the matrix of distances, on axes of pyplot if none are given."""
         from locosweep.diagnosis.design.figures_matrix import matrix
 
         return matrix(self, ax=ax)
@@ -113,6 +113,14 @@ class Distinction:
             lines.append(f"  {name}: {'not told from ' + near if near else 'told from all others'}")
         lines += [f"  {name}: not seen, {why}" for name, why in self.unseen.items()]
         return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        from locosweep.plot.html import card
+        from locosweep.plot.style import figure as empty
+
+        figure = empty(8.0, 7.0)
+        self.plot(ax=figure.subplots())
+        return card(repr(self), figure)
 
 
 def _told(name: str, found: Sequence[Values]) -> str:

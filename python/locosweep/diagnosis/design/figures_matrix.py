@@ -8,7 +8,7 @@ import numpy as np
 
 from locosweep.diagnosis.design.distinguish import APART
 from locosweep.diagnosis.report import figures_style as style
-from locosweep.plot.style import figure
+from locosweep.plot.current import current_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,12 +17,11 @@ if TYPE_CHECKING:
 
 
 def matrix(distinction: Distinction, *, ax: Axes | None = None) -> Axes:
-    """Draw the distance of each effect from each rival, on new axes if none are given."""
+    """Draw the distance of each effect from each rival, on axes of pyplot if none are given."""
     names = [style.words(name) for name in distinction.names]
     count = len(names)
-    if ax is None:
-        side = 3.2 + 0.31 * count
-        ax = figure(side + 0.8, side).subplots()
+    side = 3.2 + 0.31 * count
+    ax = current_axes(ax, side + 0.8, side)
     shown = distinction.distances
     image = ax.imshow(shown, cmap="cividis", vmin=0.0, vmax=distinction.size)
     for row in range(count):
