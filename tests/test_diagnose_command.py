@@ -47,13 +47,15 @@ class TestCommand:
         assert out.splitlines() == [
             "explained: lubricant_buildup (probability 0.97)", found.summary, "d/report.html"
         ]  # fmt: skip
-        assert err == f"locosweep: note: {found.warnings[0]}\n"
+        assert err.splitlines() == [
+            "locosweep: diagnose: writing the report", f"locosweep: note: {found.warnings[0]}"
+        ]  # fmt: skip
         ((arguments, options),) = asked
+        assert callable(options.pop("progress"))
         assert arguments == (Path("r.csv"), Path("n.toml"))
         assert options == {"holdout": ["2", "3", "4"], "max_effects": 2, "seed": 5,
                            "columns": {"drive": "tau"}, "units": {"x": "mm"}, "threads": 1,
-                           "separator": None, "decimal": None,
-                           "progress": None}  # fmt: skip
+                           "separator": None, "decimal": None}  # fmt: skip
         assert (tmp_path / "d" / "report.html").is_file()
 
     def test_several_files(self, call):
@@ -64,8 +66,9 @@ class TestCommand:
         assert call(*given)[0] == 2
 
     def test_quiet_and_json(self, call, found):
-        code, out, err, _ = call("r", "--nominal", "n", "--out", "d", "--quiet")
+        code, out, err, asked = call("r", "--nominal", "n", "--out", "d", "--quiet")
         assert (code, err, len(out.splitlines())) == (0, "", 2)
+        assert asked[0][1]["progress"] is None
         code, out, _, _ = call("r", "--nominal", "n", "--out", "e", "--json")
         assert json.loads(out) == {"verdict": found.report["verdict"], "out": "e"}
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 @options.count_option("--max-effects", 3, "Most effects that act at once.", least=1)
 @options.count_option("--seed", 0, "Start of the random numbers.")
 @options.force_option
-@click.option("--quiet", is_flag=True, help="Print the verdict only.")
+@click.option("--quiet", is_flag=True, help="Print the verdict only, and no steps.")
 @options.map_option
 @options.unit_option
 @options.csv_options
@@ -67,7 +67,7 @@ def diagnose(
     check_folder(out, force=force)
     from locosweep.diagnosis.pipeline import diagnose as diagnose_runs
 
-    bar = meter("diagnose", quiet=quiet)
+    bar = meter("locosweep: diagnose", "steps", quiet=quiet, log=True)
     found = diagnose_runs(
         options.one_or_all(runs),
         nominal,
@@ -79,7 +79,7 @@ def diagnose(
         separator=separator,
         decimal=decimal,
         threads=threads,
-        progress=None if bar is None else bar.say,
+        progress=bar,
     )
     if bar is not None:
         bar.say("writing the report")

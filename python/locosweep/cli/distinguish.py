@@ -111,9 +111,10 @@ def distinguish(
         _save(found, out)
         files.append(out)
     if plot_file is not None:
+        from locosweep.diagnosis.design.figures_matrix import matrix_figure
         from locosweep.plot.save import save_figure
 
-        save_figure(found.plot(), plot_file, command=called(ctx))
+        save_figure(matrix_figure(found), plot_file, command=called(ctx))
         files.append(plot_file)
     show(json_, _report(found, files), *_lines(found), *files)
 

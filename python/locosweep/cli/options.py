@@ -343,11 +343,16 @@ def fixed(
     return tuple((values | dict(spec) | given).items())
 
 
-def meter(label: str, unit: str = "evaluations", *, quiet: bool = False) -> Meter | None:
-    """Return a bar for a terminal, None where nobody looks at one."""
+def meter(
+    label: str, unit: str = "evaluations", *, quiet: bool = False, log: bool = False
+) -> Meter | None:
+    """Return a bar for a terminal, None where nobody looks at one.
+
+    With `log`, lines stand in for it elsewhere: for commands that take minutes.
+    """
     from locosweep.progress import Meter
 
-    return Meter(label, unit) if on_terminal() and not quiet else None
+    return Meter(label, unit) if (log or on_terminal()) and not quiet else None
 
 
 def on_terminal() -> bool:

@@ -48,6 +48,7 @@ from locosweep.diagnosis.select.whiteness import stray_readings
 from locosweep.engine import whole
 from locosweep.errors import InputError
 from locosweep.files.table import CsvForm
+from locosweep.progress import Steps, progress_of
 from locosweep.simulation.replay import nominal_of, sensor_of
 
 if TYPE_CHECKING:
@@ -58,6 +59,7 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.report.result import Diagnosis
     from locosweep.files.robot import Robot
     from locosweep.files.runs import Run
+    from locosweep.progress import Progress
 
 _SURE = (0.5, 0.95)
 """Least and largest probability of `unexplained` where the kept runs refute a cause."""
@@ -75,7 +77,7 @@ def diagnose(
     separator: str | None = None,
     decimal: str | None = None,
     threads: int | None = None,
-    progress: Callable[[str], None] | None = None,
+    progress: bool | Progress | None = None,
 ) -> Diagnosis:
     """Say where measured runs leave their nominal model, and which effect makes them.
 
@@ -99,8 +101,9 @@ def diagnose(
         Of a CSV file, where its text leaves them open: ``"semicolon"``, ``"comma"``.
     threads : int, optional
         As in `sweep`. The report does not depend on it.
-    progress : callable, optional
-        Called with the step that begins.
+    progress : bool or callable, optional
+        As in `sweep`; it counts steps, and its method ``say``, if it has one, receives the name
+        of the step that begins.
 
     Returns
     -------
@@ -126,7 +129,7 @@ def diagnose(
     """
     if not 1 <= max_effects <= 3:
         raise InputError(f"max_effects is {max_effects}: allowed is 1 to 3")
-    say = progress or (lambda _: None)
+    say = Steps(progress_of(progress, "diagnose", "steps"), _steps(max_effects))
     workers = _core.threads_to_use(whole("threads", threads))
     robot = nominal_model(nominal)
     say("reading")
@@ -159,7 +162,16 @@ def diagnose(
         readings=checked.findings,
         warnings=(*notices, *data.warnings, *selected.warnings),
     )
-    return assemble(found, Source(robot, nominal, digest, seed))
+    report = assemble(found, Source(robot, nominal, digest, seed))
+    say.end()
+    return report
+
+
+def _steps(most: int) -> list[str]:
+    """Name the steps of a diagnosis in their order; a search may leave some out."""
+    several = [f"{count} effects at once" for count in range(2, most + 1)]
+    searched = ["single effects", *several, "rivals", "causes beside what nobody explains"]
+    return ["reading", *searched, "where the gap lies", "next experiment"]
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from locosweep.friction_fit.verdict import (
     schwarz,
     summary_of,
 )
+from locosweep.progress import progress_of
 from locosweep.registry import laws as all_laws
 from locosweep.registry import unknown
 
@@ -63,7 +64,7 @@ def fit_friction(
     decimal: str | None = None,
     seed: int = 0,
     threads: int | None = None,
-    progress: Progress | None = None,
+    progress: bool | Progress | None = None,
     token: CancelToken | None = None,
 ) -> FrictionFit:
     """Fit friction laws to measured motion and friction force, and choose one.
@@ -92,8 +93,8 @@ def fit_friction(
         Of the samples that pictures show; no fit depends on it.
     threads : int, optional
         All processors by default. The result does not depend on it.
-    progress : callable, optional
-        Called with finished and total fits and fits per second.
+    progress : bool or callable, optional
+        As in `sweep`; it counts fits, of simple laws first and then of all.
     token : CancelToken, optional
         Stops the fits from another thread.
 
@@ -142,11 +143,12 @@ def fit_friction(
     ready = prepare(measured, mass=mass, holdout=[str(label) for label in holdout])
     job = ready.core()
     workers = _core.threads_to_use(whole("threads", threads))
+    meter = progress_of(progress, "friction", "fits")
 
     def run(
         job: _core.FrictionData, candidates: list[_core.FrictionCandidate]
     ) -> list[FrictionOutcome]:
-        return job.fit(candidates, workers, progress, token)
+        return job.fit(candidates, workers, meter, token)
 
     terms = _terms(ready, run)
     skipped: dict[str, str] = {}

@@ -23,6 +23,7 @@ from locosweep.paper.heap import HEAP_FIGURES
 from locosweep.paper.limits import LIMIT_CLAIMS
 from locosweep.paper.surfaces import SURFACE_CLAIMS, SURFACE_FIGURES
 from locosweep.plot.save import save_figure
+from locosweep.progress import progress_of
 from locosweep.provenance import spec_hash
 
 if TYPE_CHECKING:
@@ -123,7 +124,7 @@ def reproduce(
     out_dir: str | os.PathLike[str],
     *,
     robot: Robot | None = None,
-    progress: Progress | None = None,
+    progress: bool | Progress | None = None,
 ) -> Report:
     """Draw the paper's figures and compare the numbers of its text.
 
@@ -137,8 +138,8 @@ def reproduce(
         ``reproduction.png``; made if missing.
     robot : Robot, optional
         A robot file to compare with the paper's statements on its robot.
-    progress : callable, optional
-        Receives finished and total files and files per second.
+    progress : bool or callable, optional
+        As in `sweep`; it counts files.
 
     Examples
     --------
@@ -163,12 +164,13 @@ def reproduce(
         rows += tuple(robot_rows(robot))
     files: list[Path] = []
     start = time.perf_counter()
+    meter = progress_of(progress, "reproduce", "files")
 
     def done(file: Path) -> None:
         files.append(file)
-        if progress is not None:
+        if meter is not None:
             rate = len(files) / max(time.perf_counter() - start, 1e-9)
-            progress(len(files), len(chosen) + 2, rate)
+            meter(len(files), len(chosen) + 2, rate)
 
     command = f"locosweep.reproduce({list(chosen)})"
     for number in chosen:

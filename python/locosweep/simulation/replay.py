@@ -12,6 +12,7 @@ from locosweep.engine import whole
 from locosweep.errors import InputError
 from locosweep.files.channels import REPLAYED
 from locosweep.files.robot import is_rotary
+from locosweep.progress import progress_of
 from locosweep.registry import unknown
 
 if TYPE_CHECKING:
@@ -123,7 +124,7 @@ def replay_runs(
     *,
     sensitivities: Sequence[str] = (),
     threads: int | None = None,
-    progress: Progress | None = None,
+    progress: bool | Progress | None = None,
 ) -> pl.DataFrame:
     """Replay runs through a model: what its sensors would read, without noise.
 
@@ -140,7 +141,7 @@ def replay_runs(
         ``x_start`` [m] and ``v_start`` [m/s].
     threads : int, optional
         As in `sweep`.
-    progress : callable, optional
+    progress : bool or callable, optional
         As in `sweep`.
 
     Returns
@@ -199,6 +200,7 @@ def replay_runs(
     starts = np.array([run.start for run in runs])
     workers = _core.threads_to_use(whole("threads", threads))
     job = _core.Replay({**nominal}, data)
+    meter = progress_of(progress, "replay")
     found: dict[str, np.ndarray]
     if sensitivities:
         known = _directions(robot.effects)
@@ -207,11 +209,11 @@ def replay_runs(
                 raise unknown("sensitivity", name, known)
         by = [[known[name] for name in sensitivities]] * count
         read, slopes = job.run_with_sensitivities(
-            columns, values, shares, starts, by, workers, progress
+            columns, values, shares, starts, by, workers, meter
         )
         found = dict(zip(REPLAYED, read, strict=True)) | _by_name(slopes, sensitivities, runs)
     else:
-        read = job.run(columns, values, shares, starts, workers, progress)
+        read = job.run(columns, values, shares, starts, workers, meter)
         found = dict(zip(REPLAYED, read, strict=True))
     return pl.DataFrame(
         {

@@ -11,7 +11,7 @@ from locosweep import _core, memory
 from locosweep.engine import samples_of, whole
 from locosweep.errors import InputError
 from locosweep.grid import Grid, few
-from locosweep.progress import Meter
+from locosweep.progress import progress_of
 from locosweep.registry import Status, parameter
 
 if TYPE_CHECKING:
@@ -138,7 +138,7 @@ def simulate(
     samples: int = 501,
     threads: int | None = None,
     memory_limit: int | None = None,
-    progress: bool | Progress = False,
+    progress: bool | Progress | None = None,
     token: CancelToken | None = None,
     **fixed: Any,
 ) -> Trajectories:
@@ -202,7 +202,7 @@ def simulate(
     needed = 8 * _FIELDS * job.cells * count + job.working_bytes(workers)
     memory.check(needed, memory_limit, "the trajectories")
     shares = np.linspace(0.0, 1.0, count)
-    meter = Meter("simulate") if progress is True else progress or None
+    meter = progress_of(progress, "simulate")
     fields, codes = job.trace(shares, workers, meter, token)
     chosen = job.choice
     adaptive = method is None and chosen is not None and chosen[2] == _ADAPTIVE

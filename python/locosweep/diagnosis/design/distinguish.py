@@ -16,6 +16,7 @@ from locosweep.errors import InputError
 from locosweep.files.channels import CHANNELS, REPLAYED
 from locosweep.files.robot import Robot, load_robot
 from locosweep.files.runs import Run, load_runs
+from locosweep.progress import progress_of
 from locosweep.registry import unknown
 from locosweep.simulation.replay import effect
 
@@ -115,12 +116,10 @@ class Distinction:
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
+        from locosweep.diagnosis.design.figures_matrix import matrix_figure
         from locosweep.plot.html import card
-        from locosweep.plot.style import figure as empty
 
-        figure = empty(8.0, 7.0)
-        self.plot(ax=figure.subplots())
-        return card(repr(self), figure)
+        return card(repr(self), matrix_figure(self))
 
 
 def _told(name: str, found: Sequence[Values]) -> str:
@@ -148,7 +147,7 @@ def distinguish(
     noise: Mapping[str, float] | None = None,
     size: float = 10.0,
     threads: int | None = None,
-    progress: Progress | None = None,
+    progress: bool | Progress | None = None,
 ) -> Distinction:
     """Say, before anything is measured, which effects an experiment could tell apart.
 
@@ -171,8 +170,8 @@ def distinguish(
         Length of the signals in sigmas.
     threads : int, optional
         As in `sweep`.
-    progress : callable, optional
-        As in `sweep`.
+    progress : bool or callable, optional
+        As in `sweep`; it counts effects.
 
     Returns
     -------
@@ -200,6 +199,7 @@ def distinguish(
     if not np.isfinite(size) or size <= 0.0:
         raise InputError(f"size is {size!r}: allowed is a number above 0")
     workers = _core.threads_to_use(whole("threads", threads))
+    meter = progress_of(progress, "distinguish", "effects")
     plan = PlannedRuns(robot, given, spread, workers)
     motions = np.split(plan.readings["x"][0], np.cumsum(plan.lengths)[:-1])
     if not any(np.ptp(x) > 0.0 for x in motions):
@@ -221,7 +221,7 @@ def distinguish(
             unseen[name] = f"no strength that the rig allows gives a signal of {size:g} sigmas"
     truths = [(family.name, theta) for (family, _), theta in zip(signed, strong, strict=True)
               if theta is not None and family.name in seen_from]  # fmt: skip
-    distances = _distances(plan, families, names, truths, size, progress)
+    distances = _distances(plan, families, names, truths, size, meter)
     return Distinction(tuple(names), distances, float(size), seen_from, unseen, plan.noise)
 
 

@@ -9,19 +9,33 @@ import numpy as np
 from locosweep.diagnosis.design.distinguish import APART
 from locosweep.diagnosis.report import figures_style as style
 from locosweep.plot.current import current_axes
+from locosweep.plot.style import figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from locosweep.diagnosis.design.distinguish import Distinction
+
+
+def matrix_figure(distinction: Distinction) -> Figure:
+    """Draw the same as a figure of its own, which needs no pyplot."""
+    made = figure(*_size(distinction))
+    matrix(distinction, ax=made.subplots())
+    return made
+
+
+def _size(distinction: Distinction) -> tuple[float, float]:
+    """Return width and height in inches at which all names can be read."""
+    side = 3.2 + 0.31 * len(distinction.names)
+    return side + 0.8, side
 
 
 def matrix(distinction: Distinction, *, ax: Axes | None = None) -> Axes:
     """Draw the distance of each effect from each rival, on axes of pyplot if none are given."""
     names = [style.words(name) for name in distinction.names]
     count = len(names)
-    side = 3.2 + 0.31 * count
-    ax = current_axes(ax, side + 0.8, side)
+    ax = current_axes(ax, *_size(distinction))
     shown = distinction.distances
     image = ax.imshow(shown, cmap="cividis", vmin=0.0, vmax=distinction.size)
     for row in range(count):
