@@ -17,6 +17,7 @@ from PIL import Image
 import locosweep as ls
 import locosweep.plot
 from locosweep.plot import style
+from locosweep.plot.numbers import PlainNumbers
 from locosweep.plot.save import save_figure
 from locosweep.provenance import spec_hash
 
@@ -392,3 +393,33 @@ def test_long_axes_are_thinned_but_optimum_and_colours_are_of_all_cells():
     star = next(line for line in ax.lines if line.get_marker() == "*")
     assert star.get_xdata()[0] == x[700]
     assert star.get_ydata()[0] == y[1]
+
+
+def offsets(figure):
+    figure.canvas.draw()
+    return [axis.get_offset_text().get_text()
+            for ax in figure.axes for axis in (ax.xaxis, ax.yaxis)]  # fmt: skip
+
+
+def test_axes_have_no_factor_or_offset_in_a_corner():
+    near = 0.85 + 1e-6 * np.arange(5)
+    r = ls.sweep("mean_velocity", **MU, drive_limit=near, segments=[3, 4])
+    line = ls.sweep("mean_velocity", **MU, drive_limit=near, segments=4)
+    run = ls.simulate(law="coulomb", mu_coulomb=0.3, drive_force=2, duration=1e-7)
+    for ax in (r.plot.heatmap(), line.plot.curves("drive_limit"), locosweep.plot.motion(run)[0]):
+        assert set(offsets(ax.figure)) == {""}
+    ticks = [text.get_text() for text in line.plot.curves("drive_limit").get_xticklabels()]
+    assert len(set(ticks)) == len(ticks) > 2
+    assert all(abs(float(text) - 0.85) < 1e-5 for text in ticks)
+
+
+@pytest.mark.parametrize("start", [0.0, 1.0, -2.5, 123.0, 1e7])
+@pytest.mark.parametrize("step", [1e-9, 1e-6, 0.002, 0.25, 1.0, 5e3, 2e8])
+def test_numbers_at_ticks_are_whole_and_differ(start, step):
+    if step < 1e-13 * abs(start):
+        return
+    ticks = start + step * np.arange(-2, 3)
+    texts = PlainNumbers().format_ticks(ticks)
+    read = [float(text.replace("−", "-")) for text in texts]
+    np.testing.assert_allclose(read, ticks, atol=1e-2 * step)
+    assert max(map(len, texts)) <= 18

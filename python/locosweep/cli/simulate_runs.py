@@ -54,9 +54,12 @@ def _lost(frame: pl.DataFrame) -> str:
     """Return which runs have no values, and from when on; nothing if all have."""
     import polars as pl
 
-    gone = frame.filter(pl.col("x").is_nan()).group_by("run", maintain_order=True).first()
+    since = pl.col("t") - pl.col("t").min().over("run")
+    gone = frame.with_columns(since).filter(pl.col("x").is_nan())
+    gone = gone.group_by("run", maintain_order=True).first()
     if gone.is_empty():
         return ""
     run, t = gone["run"][0], gone["t"][0]
     others = f", and {gone.height - 1} other runs" if gone.height > 1 else ""
-    return f"run {run} leaves all bounds or cannot be resolved from {t:g} s on (NaN){others}"
+    lost = f"from {t:g} s after its start on"
+    return f"run {run} leaves all bounds or cannot be resolved {lost} (NaN){others}"

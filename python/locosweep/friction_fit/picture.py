@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from locosweep.plot import style
+from locosweep.plot.numbers import plain_axis
 from locosweep.plot.style import LINES
 
 if TYPE_CHECKING:
@@ -142,6 +143,7 @@ def law_figure(fit: FrictionFit) -> Figure:
     ax.set_xlim(0, 1.5 * widest)
     ax.set_xlabel("root mean square left on samples held out [N]")
     ax.legend(fontsize=8, loc="lower right")
+    plain_axis(ax.xaxis)
     ax.spines[["top", "right"]].set_visible(False)
     return figure
 
@@ -159,13 +161,14 @@ def force_figure(fit: FrictionFit) -> Figure:
     for ax, run in zip(grid, runs, strict=True):
         own = slice(starts[run.label], starts[run.label] + run.rows.size)
         # As much as the eye can resolve.
-        part = run.t <= run.t[0] + min(np.ptp(run.t), _stretch(run.t, run.v))
-        ax.plot(run.t[part], run.force[part], color=_CLOUD, linewidth=1.0, label="measured")
+        t = run.t - run.t[0]
+        part = t <= min(t[-1], _stretch(t, run.v))
+        ax.plot(t[part], run.force[part], color=_CLOUD, linewidth=1.0, label="measured")
         rows = run.rows[part[run.rows]]
         law_force = law.held_out[own][part[run.rows]]
         # A line would bridge what does not count.
-        ax.plot(run.t[rows], law_force, ".", color="#d55e00", markersize=2.5, label=law.name)
-        _finish(ax, "time [s]", "force [N]", legend=ax is grid[0])
+        ax.plot(t[rows], law_force, ".", color="#d55e00", markersize=2.5, label=law.name)
+        _finish(ax, "time since the run's start [s]", "force [N]", legend=ax is grid[0])
         role = "held out" if run.label in data.held_out else data.by.replace(" in", " held out in")
         ax.set_title(f"run {run.label} ({role})", fontsize=9)
     return figure

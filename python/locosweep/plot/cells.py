@@ -12,6 +12,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from locosweep.plot import style
+from locosweep.plot.numbers import PlainNumbers, plain_axis
 from locosweep.registry import Status, parameter
 
 if TYPE_CHECKING:
@@ -48,6 +49,7 @@ def name_axis(axis: Axis, name: str, values: Floats) -> None:
         axis.set_ticks(values.tolist())
     elif parameter(name).integer:
         axis.set_major_locator(MaxNLocator(integer=True))
+    plain_axis(axis)
 
 
 def colour_bar(
@@ -64,7 +66,7 @@ def colour_bar(
         label=style.output_label(output),
         extend=extend.get((below, above), "neither"),
         ticks=LogLocator(subs=(1, 2, 5)) if isinstance(norm, LogNorm) else None,
-        format="{x:g}" if isinstance(norm, LogNorm) else None,
+        format="{x:g}" if isinstance(norm, LogNorm) else PlainNumbers(),
     )
     if isinstance(norm, LogNorm):
         bar.ax.minorticks_off()

@@ -11,6 +11,7 @@ from matplotlib.ticker import MaxNLocator
 
 from locosweep.plot import style
 from locosweep.plot.current import current_axes
+from locosweep.plot.numbers import PlainNumbers, plain_numbers
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -94,6 +95,7 @@ def space_time(run: GaitRun, ax: Axes | None = None) -> Axes:
     _cycles(run, ax)
     ax.set(xlabel="time $t$ [s]", ylabel=f"position [mm], segments drawn {room:.3g} mm apart")
     ax.margins(x=0)
+    plain_numbers(ax)
     seen = [entry for entry in _STATES if (run.sliding == entry[0]).any()]
     handles = [
         Patch(facecolor=colour, hatch=hatch, edgecolor="white" if hatch else "0.5", linewidth=0.4,
@@ -149,9 +151,10 @@ def joint_forces(run: GaitRun, ax: Axes) -> Axes:
     )  # fmt: skip
     ax.set(ylabel="joint, from the head", ylim=(joints + 0.5, 0.5), xlim=(run.t[0], run.t[-1]))
     ax.yaxis.set_major_locator(MaxNLocator(8, integer=True))
+    plain_numbers(ax)
     figure = ax.get_figure(root=True)
     if figure is not None:
-        bar = figure.colorbar(mesh, ax=ax, pad=0.01)
+        bar = figure.colorbar(mesh, ax=ax, pad=0.01, format=PlainNumbers())
         bar.set_label(
             "joint force $F_\\mathrm{j}$ [N]\n− pulls together, + pushes apart", fontsize=9
         )

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from locosweep.errors import InputError
+from locosweep.plot.numbers import plain_numbers
 from locosweep.registry import parameter
 
 if TYPE_CHECKING:
@@ -59,7 +60,8 @@ def figure(width: float, height: float) -> Figure:
 
 
 def grid(ax: Axes) -> None:
-    """Draw faint grid lines."""
+    """Draw faint grid lines, and write the numbers of axes in full."""
+    plain_numbers(ax)
     ax.grid(visible=True, linewidth=0.4, alpha=0.5)
 
 

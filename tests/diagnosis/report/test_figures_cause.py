@@ -68,9 +68,10 @@ class TestParameters:
         figure = parameters(own)
         assert figure is not None
         (ax,) = figure.axes
-        assert " − 0.6 [N/m]" in ax.get_xlabel()
+        assert ax.get_xlabel().endswith(" less 0.6 N/m [µN/m]")
         (ends,) = ax.collections[0].get_segments()
-        np.testing.assert_allclose(ends[:, 0], [-1.96e-6, 1.96e-6])
+        np.testing.assert_allclose(ends[:, 0], [-1.96, 1.96])
+        assert ax.get_title(loc="right") == "0.6 ± 2e-06 N/m"
         figure.canvas.draw()
         assert not ax.xaxis.get_offset_text().get_text()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import polars as pl
@@ -41,11 +42,14 @@ def read_runs(
     """Return runs from a file or columns, notices about them, and the digest of the data.
 
     Units have to be those of the robot, if one is given: a rotary bench or another rig. Runs are
-    at the ticks of their clocks (`data/clocks.py`); notices say what that took.
+    at the ticks of their clocks (`data/clocks.py`), counted from the start of each run; notices
+    say what that took.
     """
     packets: list[Finding] = []
     records, notices, digest = _read(runs, columns, units, robot, form, packets_spread(packets))
     mended, findings = on_their_clocks(records)
+    # Stamps of a clock on the wall are long numbers, in which the times of a run cannot be read.
+    mended = [replace(run, t=run.since_start) for run in mended]
     return mended, [*notices, *in_words([*packets, *findings])], digest
 
 

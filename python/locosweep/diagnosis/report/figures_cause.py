@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from locosweep.diagnosis.report import figures_style as style
 from locosweep.diagnosis.report.figures_motion import gap_channel
+from locosweep.plot.numbers import plain_axis
 from locosweep.plot.style import figure
 from locosweep.simulation.replay import effect
 
@@ -124,20 +125,24 @@ def parameters(diagnosis: Diagnosis) -> Figure | None:
         half = _WIDE * std if std else 0.0
         symbol = {p.name: p.symbol for p in effect(name).parameters}.get(key, key)
         room = 2.5 * half or 0.1 * abs(value) or 1.0
-        label, at = f"${symbol}$", value
+        unit = style.unit_text(entry["unit"])
+        label, at, factor = f"${symbol}$ [{unit}]", value, 1.0
         if room < _NARROW * abs(value):
-            label, at = f"${symbol}$ − {value:.5g}", value - float(f"{value:.5g}")
+            near = float(f"{value:.5g}")
+            factor, small = style.scale(room, unit)
+            label = f"${symbol}$ less {near:.5g} {unit} [{small}]".replace(" 1 [", " [")
+            at = factor * (value - near)
+            room, half = factor * room, factor * half
         ax.errorbar(at, 0.0, xerr=half or None, fmt="o", color=style.AUGMENTED["color"],
                     markersize=6, linewidth=1.8, capsize=4)  # fmt: skip
         ax.set_xlim(at - room, at + room)
-        ax.xaxis.set_major_formatter(lambda tick, _: f"{tick:.4g}")
+        plain_axis(ax.xaxis)
         ax.set_yticks([])
-        ax.set_xlabel(f"{label} [{style.unit_text(entry['unit'])}]", fontsize=9,
-                      labelpad=1)  # fmt: skip
+        ax.set_xlabel(label, fontsize=9, labelpad=1)
         ax.set_ylabel(style.words(name).replace(" ", "\n"), rotation=0, ha="right", va="center",
                       fontsize=8)  # fmt: skip
-        spread = f" ± {half:.2g}" if half else ", interval unknown"
-        text = f"{value:.5g}{spread} {style.unit_text(entry['unit'])}".removesuffix(" 1")
+        spread = f" ± {half / factor:.2g}" if half else ", interval unknown"
+        text = f"{value:.5g}{spread} {unit}".removesuffix(" 1")
         ax.set_title(text, fontsize=8, loc="right", pad=2)
         ax.tick_params(labelsize=8)
         for side in ("left", "right", "top"):

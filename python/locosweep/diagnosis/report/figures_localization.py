@@ -12,6 +12,7 @@ from matplotlib.patheffects import withStroke
 from locosweep.diagnosis.data.regimes import REGIMES
 from locosweep.diagnosis.report import figures_style as style
 from locosweep.diagnosis.report.figures_motion import gap_channel, residual
+from locosweep.plot.numbers import PlainNumbers, plain_numbers
 from locosweep.plot.style import figure
 
 if TYPE_CHECKING:
@@ -49,7 +50,9 @@ def window_strips(diagnosis: Diagnosis, ax: Axes) -> Axes:
     for y, (edges, sizes) in enumerate(rows):
         image = ax.pcolormesh(edges, [y - 0.4, y + 0.4], factor * sizes[None], norm=norm,
                               cmap=_STRIPS)  # fmt: skip
-    bar = ax.get_figure(root=True).colorbar(image, ax=ax, pad=0.01, aspect=10)  # type: ignore[union-attr]
+    bar = ax.get_figure(root=True).colorbar(  # type: ignore[union-attr]
+        image, ax=ax, pad=0.01, aspect=10, format=PlainNumbers()
+    )
     bar.set_label(f"$|\\Delta {info.symbol}|$ [{unit}]")
     _boxes(ax, traces, diagnosis.where["windows"])
     return _runs_axis(ax, traces, "where it shows: residual of the whole free run")
@@ -130,8 +133,9 @@ def _runs_axis(ax: Axes, traces: Sequence[Trace], title: str) -> Axes:
     names = [style.run_label(t.label, kept=t.held_out) for t in traces]
     ax.set_yticks(range(len(traces)), names, fontsize=8)
     ax.set_ylim(len(traces) - 0.5, -0.5)
-    ax.set(xlabel="time $t$ [s]", ylabel="run")
+    ax.set(xlabel="time since the run's start $t$ [s]", ylabel="run")
     ax.set_title(f"{title}; boxes: shares of its square", fontsize=9, loc="left")
+    plain_numbers(ax)
     return ax
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +28,7 @@ AUGMENTED: dict[str, Any] = {"color": plot_style.LINES[0][0], "linestyle": "-", 
 """Colours differ in lightness and lines in dash and width: legible in grey too."""
 
 _PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+_WHOLE = ("kg", "deg")
 _LONGEST = 24
 
 
@@ -41,17 +43,26 @@ class Channel:
 
     def scale(self, largest: float) -> tuple[float, str]:
         """Return factor and unit in which values up to `largest` read well."""
-        if not np.isfinite(largest) or largest == 0.0:
-            return 1.0, self.unit
-        # 0.3 m stays 0.3 m; 0.03 m becomes 30 mm.
-        for size, prefix in _PREFIXES:
-            if largest >= 0.1 * size:
-                return 1.0 / size, prefix + self.unit
-        return 1.0 / _PREFIXES[-1][0], _PREFIXES[-1][1] + self.unit
+        return scale(largest, self.unit)
 
     def axis(self, unit: str, what: str = "") -> str:
         """Label of an axis."""
         return f"{what or self.words} ${self.symbol}$ [{unit}]"
+
+
+def scale(largest: float, unit: str) -> tuple[float, str]:
+    """Return factor and unit in which values up to `largest` of a unit read well.
+
+    Units that begin with a power or a prefix, before which another would be read otherwise, stay.
+    """
+    first = re.split("[ /]", unit)[0]
+    if not np.isfinite(largest) or largest == 0.0 or first in _WHOLE or not first.isalpha():
+        return 1.0, unit
+    # 0.3 m stays 0.3 m; 0.03 m becomes 30 mm.
+    for size, prefix in _PREFIXES:
+        if largest >= 0.1 * size:
+            return 1.0 / size, prefix + unit
+    return 1.0 / _PREFIXES[-1][0], _PREFIXES[-1][1] + unit
 
 
 def channel(name: str, robot: Robot) -> Channel:

@@ -27,7 +27,7 @@ class Trace:
     label : str
         Name of the run in its file.
     t, drive : ndarray
-        Times in s and commands, one a sample.
+        Times in s since the run's start, and commands, one a sample.
     slope_deg : float
         Slope of the ground.
     measured : dict of str to ndarray
