@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from locosweep.friction_fit.levels import load_levels
 from locosweep.plot import style
 from locosweep.plot.numbers import plain_axis
 from locosweep.plot.style import LINES
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
@@ -21,8 +23,8 @@ if TYPE_CHECKING:
 _SHOWN = 4000
 """Samples of a cloud."""
 _BINS = 12
-_LEVELS = 3
-"""Loads at which a law is drawn."""
+_LEVELS = 4
+"""Loads at which a law is drawn, at most."""
 _LAWS = 12
 _CLOUD = "0.62"
 _MM = 1e3
@@ -42,7 +44,7 @@ def characteristic_figure(fit: FrictionFit) -> Figure:
     """Draw friction force over velocity: samples, medians with intervals, laws.
 
     What the sensor adds is taken off. Where levels follow a load, the samples
-    near three loads are apart, each with the chosen law; else the chosen law stands
+    at up to four levels of the load are apart, each with the chosen law; else the chosen law stands
     beside those that tie with it.
     """
     figure = style.figure(7.2, 4.8)
@@ -55,9 +57,8 @@ def characteristic_figure(fit: FrictionFit) -> Figure:
     ax.plot(_MM * v[shown], force[shown], ".", color=_CLOUD, markersize=2, label="samples",
             zorder=1, rasterized=True)  # fmt: skip
     follows = law.load != "constant"
-    for (low, high), (colour, dash, marker) in zip(
-        _groups(load, apart=follows), LINES, strict=False
-    ):
+    levels = load_levels(load[moving], _LEVELS) if follows else [(-np.inf, np.inf)]
+    for (low, high), (colour, dash, marker) in zip(levels, LINES, strict=False):
         part = moving & (load >= low) & (load <= high)
         if not part.any():
             continue
@@ -66,10 +67,13 @@ def characteristic_figure(fit: FrictionFit) -> Figure:
         _medians(ax, _MM * v[part], force[part], law.memory, colour if follows else "black",
                  marker, label)  # fmt: skip
         if follows:
-            _line(ax, law, v, at, colour, dash, f"{law.law} at {at:.3g} N")
+            # To and fro the load may differ a little, and with it the force.
+            ways = [part & (v > 0), part & (v < 0)]
+            loads = [float(np.median(load[way])) if way.any() else at for way in ways]
+            _line(ax, law, v, loads, colour, dash, f"{law.law} at {at:.3g} N")
     if not follows:
         for one, (colour, dash, _) in zip([law, *fit.equal][:4], LINES, strict=False):
-            _line(ax, one, v, None, colour, dash, one.name)
+            _line(ax, one, v, [None, None], colour, dash, one.name)
     style.zero_line(ax)
     ax.axvline(0, color="0.75", linewidth=0.8, zorder=0)
     # Lone fast samples must not press the rest together.
@@ -204,20 +208,12 @@ def _some(count: int, seed: int) -> NDArray[np.int64]:
     return np.sort(np.random.default_rng(seed).choice(every, _SHOWN, replace=False))
 
 
-def _groups(load: NDArray[np.float64], *, apart: bool) -> list[tuple[float, float]]:
-    """Ranges of the load that are drawn apart."""
-    if not apart:
-        return [(-np.inf, np.inf)]
-    low, high = float(load.min()), float(load.max())
-    edges = np.linspace(low, high, _LEVELS + 1)
-    return [(a, b) for a, b in pairwise(edges) if ((load >= a) & (load <= b)).any()]
-
-
 def _line(
-    ax: Axes, law: FittedLaw, v: NDArray[np.float64], load: float | None, colour: str,
-    dash: Any, label: str,
+    ax: Axes, law: FittedLaw, v: NDArray[np.float64], loads: Sequence[float | None],
+    colour: str, dash: Any, label: str,
 ) -> None:  # fmt: skip
-    for sign, name in ((1.0, label), (-1.0, None)):
+    """Draw a law forward and backward, under the load of each."""
+    for sign, name, load in zip((1.0, -1.0), (label, None), loads, strict=True):
         reach = float(np.quantile(sign * v, 0.999))
         if reach <= 0:
             continue
