@@ -16,10 +16,11 @@ from PIL import Image
 
 import locosweep as ls
 import locosweep.plot
-from locosweep.plot import style
+from locosweep.plot import caption, style
 from locosweep.plot.numbers import PlainNumbers
 from locosweep.plot.save import save_figure
 from locosweep.provenance import spec_hash
+from locosweep.registry import parameter
 
 MU = {"mu_static": 0.5, "mu_coulomb": 0.3}
 
@@ -49,7 +50,7 @@ def test_axes_and_colour_bar_carry_name_symbol_and_unit(speed):
     assert ax.get_xlabel() == "number of segments of the robot $N$"
     assert ax.get_ylabel() == r"slope of the ground $\alpha$ [deg]"
     assert colour_bar(ax).ax.get_ylabel() == r"mean velocity $\bar v$ [m/s]"
-    assert ax.get_title() == "$w$ = 1"
+    assert ax.get_title().splitlines()[0] == "$w$ = 1"
 
 
 def test_defaults_are_the_last_free_axes(speed):
@@ -423,3 +424,101 @@ def test_numbers_at_ticks_are_whole_and_differ(start, step):
     read = [float(text.replace("−", "-")) for text in texts]
     np.testing.assert_allclose(read, ticks, atol=1e-2 * step)
     assert max(map(len, texts)) <= 18
+
+
+def test_title_says_what_is_fixed_but_not_what_is_left_out():
+    r = ls.sweep("mean_velocity", **MU, slope_deg=[0, 10], segments=[3, 4], drive_limit=0.85)
+    ax = r.plot.heatmap(note="robot: mine.toml")
+    fixed, note = ax.get_title().splitlines()[:-1], ax.get_title().splitlines()[-1]
+    text = " ".join(fixed)
+    assert text.startswith("fixed: ")
+    for word in (r"$\mu_S$ = 0.5", r"$\mu_C$ = 0.3", r"$\delta$ = 0.02 m", "0.85 N"):
+        assert word in text
+    assert note == "robot: mine.toml"
+    # No viscous friction and no slope of its own: these stand in no caption.
+    assert parameter("viscous").symbol not in text
+    assert parameter("slope_deg").symbol not in text
+    best = ls.sweep("mean_velocity", **MU, slope_deg=[0, 10], stroke=[0.01, 0.02],
+                    segments=range(2, 9), over="segments", reduce="max")  # fmt: skip
+    assert "$N$ from 2 to 8" in best.plot.heatmap().get_title()
+
+
+def test_long_captions_are_broken_into_lines():
+    lines = caption.title(["a = 1"], [f"$x_{{{i}}}$ = {i} m" for i in range(30)]).splitlines()
+    assert lines[0] == "a = 1"
+    assert lines[1].startswith("fixed: ")
+    assert 3 <= len(lines) <= 7
+    assert all(len(caption._plain(line)) <= caption._WIDTH + 2 for line in lines)
+    assert caption.title([], []) == ""
+
+
+def test_only_what_is_better_when_larger_is_marked():
+    assert {q.name for q in ls.quantities()} >= caption.BETTER_WHEN_LARGER
+    given = {"law": "coulomb", "mu_coulomb": [0.1, 0.2], "drive_force": [2, 3], "stroke": 0.01}
+    slow = ls.sweep("stroke_time", **given)
+    assert not slow.plot.heatmap().lines
+    assert slow.plot.heatmap(mark_optimum=True).lines
+    assert ls.sweep("final_position", **given).plot.heatmap().lines
+    line = ls.sweep("stroke_time", **{**given, "mu_coulomb": 0.1}).plot.curves("drive_force")
+    assert [one.get_marker() for one in line.lines] == [""]
+
+
+@pytest.mark.parametrize("size", [2, 3, 40])
+@pytest.mark.parametrize("slopes", [(0, 10), (-10, 0)])
+def test_the_star_stands_off_the_tick_labels(size, slopes):
+    r = ls.sweep("mean_velocity", mu_static=np.linspace(0.5, 0.9, size), mu_coulomb=0.3,
+                 segments=3, slope_deg=np.linspace(*slopes, size))  # fmt: skip
+    ax = r.plot.heatmap()
+    ax.figure.canvas.draw()
+    star = next(line for line in ax.lines if line.get_marker() == "*")
+    # Half of a star's size is 7 points.
+    frame = ax.get_window_extent()
+    x, y = star.get_transform().transform(np.column_stack(star.get_data()))[0]
+    room = 0.9 * 7 / 72 * ax.figure.dpi
+    assert frame.x0 + room < x < frame.x1 - room
+    assert frame.y0 + room < y < frame.y1 - room
+
+
+def contour_texts(values, output_of="final_position"):
+    """Labels of the contours of a map with given values."""
+    given = {"law": "coulomb", "mu_coulomb": np.linspace(0.1, 0.5, values.shape[0])}
+    r = ls.sweep(output_of, **given, drive_force=np.linspace(0.1, 1, values.shape[1]))
+    r.values[:] = values
+    return [text.get_text() for text in r.plot.heatmap().texts]
+
+
+def test_rounding_errors_have_no_contours():
+    random = np.random.default_rng(0)
+    noise = 1e-17 * random.standard_normal((20, 20))
+    ramp = np.maximum(0.0, np.linspace(-1.0, 1.0, 20))[:, None] * np.ones(20)
+    assert contour_texts(0.3 + noise) == []
+    # Robots that stay where they are, but for rounding, and others that move.
+    found = contour_texts(ramp + noise)
+    assert found
+    assert "0 m" not in found
+    assert "0 m" in contour_texts(np.linspace(-1.0, 1.0, 20)[:, None] + noise)
+
+
+def test_the_highest_of_whole_numbers_is_one_and_has_no_contours():
+    r = ls.sweep("best_segments", **MU, slope_deg=np.linspace(0, 20, 12), stroke=[0.01, 0.02, 0.03],
+                 anchor_weight=[0, 1], over="anchor_weight", reduce=["max", "mean"])  # fmt: skip
+    assert [output.integer for output in r.outputs] == [True, False]
+    ax = r.plot.heatmap(value="best_segments_max")
+    assert not ax.texts
+    assert isinstance(ax.collections[0].norm, BoundaryNorm)
+    assert not r.plot.heatmap(value="best_segments_max", levels=5).texts
+
+
+def test_a_reduced_axis_is_named_where_none_of_it_works():
+    r = ls.sweep("mean_velocity", **MU, slope_deg=[0, 40], stroke=[0.01, 0.02],
+                 segments=range(2, 9), over="segments", reduce="argmax")  # fmt: skip
+    words = " ".join(legend_texts(r.plot.heatmap()))
+    assert "no value of segments from 2 to 8 works" in words
+    assert "reduced axis" not in words
+
+
+def test_cells_overlap_so_that_vector_pictures_have_no_seams(speed):
+    mesh = speed.plot.heatmap(anchor_weight=1).collections[0]
+    assert mesh.get_linewidth()[0] > 0
+    mesh.figure.canvas.draw()
+    np.testing.assert_array_equal(mesh.get_edgecolor(), mesh.get_facecolor())

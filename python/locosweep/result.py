@@ -53,7 +53,9 @@ class Output:
         if reduce == "count":
             return cls(full, name, reduce, "1", "n", f"feasible {over.replace('_', ' ')}", True)
         label = f"{reduce} {words} over {over.replace('_', ' ')}"
-        return cls(full, name, reduce, info.unit, info.symbol, label, False)
+        # The highest of whole numbers is one; their mean is none.
+        whole = info.integer and reduce in ("max", "min")
+        return cls(full, name, reduce, info.unit, info.symbol, label, whole)
 
 
 class Result:

@@ -86,19 +86,22 @@ def heatmap(
     values = fixed(robot, settings, dict(axes))
     spec = Spec((quantity,), axes, values, over, reduce, simulation=simulation)
     result = spec.run(threads=threads, progress=on_terminal())
-    figure = _heatmap(result, x[0], y[0], star=best == "max")
+    figure = _heatmap(result, x[0], y[0], robot, best)
     if data is not None:
         result.save(data)
     save_picture(ctx, figure, out, result)
     show(json_, {"file": out, "data": data, **summary(result)}, out, data)
 
 
-def _heatmap(result: Result, x: str, y: str, *, star: bool) -> Figure:
+def _heatmap(result: Result, x: str, y: str, robot: Path | None, best: str) -> Figure:
     from locosweep.plot import style
 
+    # Where the lowest is looked for, the highest is no optimum.
+    mark = None if best == "max" else False
+    note = "" if robot is None else f"robot: {style.escaped(robot.name)}"
     panels = len(result.outputs)
     figure = style.figure(6.8 * panels, 5.0)
     for i, output in enumerate(result.outputs):
         ax = figure.add_subplot(1, panels, i + 1)
-        result.plot.heatmap(x, y, output.name, ax=ax, mark_optimum=star)
+        result.plot.heatmap(x, y, output.name, ax=ax, mark_optimum=mark, note=note)
     return figure

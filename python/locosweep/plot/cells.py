@@ -10,19 +10,21 @@ from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, MaxNLocator
+from matplotlib.transforms import offset_copy
 
 from locosweep.plot import style
 from locosweep.plot.numbers import PlainNumbers, plain_axis
 from locosweep.registry import Status, parameter
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.collections import QuadMesh
     from matplotlib.colors import Normalize
     from matplotlib.contour import QuadContourSet
+    from matplotlib.lines import Line2D
     from numpy.typing import NDArray
 
     from locosweep.result import Output
@@ -30,6 +32,13 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _INK = "0.35"
+_ROUNDING = 1e-9
+"""Share of the largest value below which differences are rounding errors, with room above those of
+thousands of operations on 64 bits."""
+_PLAIN = 0.02
+"""Share of the cells from which equal values are a plain: a line crosses fewer."""
+_RIM = 0.03
+"""Share of an axis at whose ends half a mark would stand outside."""
 
 
 def edges(name: str, centres: Floats) -> Floats:
@@ -75,6 +84,20 @@ def colour_bar(
         bar.ax.minorticks_off()
 
 
+def keep_inside(mark: Line2D, x: tuple[float, float], y: tuple[float, float]) -> None:
+    """Draw a mark at the edge of the axes half of its size further in, off the tick labels.
+
+    Its place in the data stays; `x` and `y` are the ends of the axes.
+    """
+    place = zip((x, y), (mark.get_xdata(), mark.get_ydata()), strict=True)
+    shares = [(float(np.ravel(at)[0]) - low) / (high - low) for (low, high), at in place]
+    half = 0.5 * float(mark.get_markersize())
+    right, up = (half * ((share < _RIM) * 1 - (share > 1.0 - _RIM) * 1) for share in shares)
+    ax, figure = mark.axes, mark.get_figure(root=True)
+    if ax is not None and figure is not None and (right or up):
+        mark.set_transform(offset_copy(ax.transData, figure, x=right, y=up, units="points"))
+
+
 def contours(
     ax: Axes,
     xs: Floats,
@@ -84,10 +107,15 @@ def contours(
     norm: Normalize,
     output: Output,
 ) -> None:
-    """Draw labelled contours inside the range of the values."""
-    if min(values.shape) < 2 or (levels is None and output.integer):
+    """Draw labelled contours inside the range of the values, none of rounding errors."""
+    counted = levels is None or isinstance(levels, int | np.integer)
+    if min(values.shape) < 2 or (counted and output.integer):
         return
+    largest = float(np.nanmax(np.abs(values)))
+    values = np.where(np.abs(values) < _ROUNDING * largest, 0.0, values)
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    if high - low <= _ROUNDING * largest:
+        return
     if isinstance(levels, int | np.integer) or levels is None:
         count = 7 if levels is None else int(levels)
         if count == 0:
@@ -96,6 +124,9 @@ def contours(
         locator = LogLocator(subs=(1, 2, 5)) if logarithmic else MaxNLocator(count)
         levels = list(locator.tick_values(low, high))
     inner = sorted({float(level) for level in levels if low < level < high})
+    if counted:
+        # A plain at a level has no line of that level, only the edge of its rounding errors.
+        inner = [level for level in inner if not _is_plain(values, level, largest)]
     if not inner:
         return
     masked = np.ma.masked_invalid(values)
@@ -112,6 +143,12 @@ def contours(
         text.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
 
 
+def _is_plain(values: Floats, level: float, largest: float) -> bool:
+    """Return whether many cells have the value of a level."""
+    near = np.abs(values - level) <= _ROUNDING * largest
+    return bool(near.sum() > _PLAIN * np.isfinite(values).sum())
+
+
 def _label_places(lines: QuadContourSet) -> list[tuple[float, float]]:
     """Middle of each contour: away from the edges, which would cut the label."""
     paths = [np.asarray(path.vertices, np.float64) for path in lines.get_paths()]
@@ -120,13 +157,17 @@ def _label_places(lines: QuadContourSet) -> list[tuple[float, float]]:
 
 
 def hatch_cells(
-    ax: Axes, codes: NDArray[np.uint8], x_edges: Floats, y_edges: Floats
+    ax: Axes,
+    codes: NDArray[np.uint8],
+    x_edges: Floats,
+    y_edges: Floats,
+    reason: Callable[[Status], str],
 ) -> list[Patch]:
-    """Hatch the cells of each status, and return the entries for the legend."""
+    """Hatch the cells of each status, and return the entries for the legend, with the reason."""
     entries: list[Patch] = []
     for code in np.unique(codes[codes > 0]).tolist():
         area = PathPatch(_runs(codes == code, x_edges, y_edges), facecolor="none")
-        entry = Patch(facecolor=style.NO_VALUE, label=style.wrapped(Status(code).sentence))
+        entry = Patch(facecolor=style.NO_VALUE, label=style.wrapped(reason(Status(code))))
         for patch in (area, entry):
             patch.set(hatch=style.hatch(code), edgecolor=_INK, linewidth=0.0)
         ax.add_patch(area)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.lines import Line2D
@@ -12,16 +12,16 @@ from matplotlib.ticker import MaxNLocator
 from locosweep.errors import InputError
 from locosweep.grid import few, index_of
 from locosweep.plot import cells, style
+from locosweep.plot.caption import better_when_larger, fixed_settings, title
 from locosweep.plot.current import current_axes
+from locosweep.plot.legends import dress
 from locosweep.registry import Status, parameter, unknown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.colors import Colormap, Normalize
-    from matplotlib.legend import Legend
     from numpy.typing import NDArray
 
     from locosweep.result import Output, Result
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 _RASTER_FROM = 10_000
 """Cells from which a heat map is stored as an image inside SVG and PDF."""
+_SEAM = 0.3
+"""Points that a cell reaches over its neighbours: less than a dot of a screen."""
 _MOST_CELLS = 600
 """Cells along an axis that a heat map draws: a picture has no more dots, and each takes memory."""
 
@@ -66,7 +68,8 @@ class Plotter:
         norm: Normalize | str | None = None,
         cmap: Colormap | str | None = None,
         levels: int | Sequence[float] | None = None,
-        mark_optimum: bool = True,
+        mark_optimum: bool | None = None,
+        note: str = "",
         **at: float,
     ) -> Axes:
         r"""Draw an output over two axes; cells without a value are hatched and named.
@@ -89,10 +92,13 @@ class Plotter:
         cmap : str or Colormap, optional
             Default viridis, or RdBu_r where both signs occur.
         levels : int or sequence of float, optional
-            How many contours, or which; 0 for none. Default about seven, none
-            for whole numbers.
-        mark_optimum : bool
-            Mark the highest value (not for whole numbers).
+            How many contours, or which; 0 for none. Default about seven. Whole numbers
+            have none unless told which.
+        mark_optimum : bool, optional
+            Mark the highest value, never of whole numbers. Default: where more is better, so
+            not of times, losses and costs.
+        note : str
+            A line below what is fixed, for instance the name of a robot.
         **at
             Value of every other axis, as it stands in the axis.
 
@@ -111,12 +117,13 @@ class Plotter:
         >>> r = ls.sweep("best_segments", mu_static=[0.3, 0.4, 0.5], mu_coulomb=[0.2, 0.3],
         ...              slope_deg=[0, 10, 20])
         >>> ax = r.plot.heatmap("slope_deg", "mu_static", mu_coulomb=0.3)
-        >>> ax.get_title()
-        '$\\mu_C$ = 0.3'
+        >>> print(ax.get_title())
+        $\mu_C$ = 0.3
+        fixed: $m$ = 0.271 kg, $g$ = 9.81 m/s², $\delta$ = 0.02 m
         """
         output = self.result.output(value)
         x, y = self._two(x, y, at)
-        index, title = self._cut((y, x), at)
+        index, cut = self._cut((y, x), at)
         flip = list(self.result.axes).index(x) < list(self.result.axes).index(y)
         values, codes = self._slice(output, index)
         if flip:
@@ -143,19 +150,28 @@ class Plotter:
             norm=shown.norm,
             cmap=shown.cmap,
             rasterized=values.size >= _RASTER_FROM,
+            # Without an edge of its colour, each cell has a seam in SVG and PDF.
+            edgecolors="face",
+            linewidth=_SEAM,
         )
         handles: list[Line2D | Patch] = []
         if finite.size:
             cells.colour_bar(ax, mesh, finite, shown, output)
             cells.contours(ax, xs, ys, values, levels, shown.norm, output)
+        if mark_optimum is None:
+            mark_optimum = better_when_larger(output)
         if mark_optimum and peak is not None and not output.integer:
             where = ", ".join(style.setting(name, at_) for name, at_ in peak)
             label = f"highest: {style.with_unit(extremes[1], output.unit)} at {where}"
             star = ax.plot(peak[0][1], peak[1][1], "*", ls="none", label=label)[0]
             star.set(markersize=14, markerfacecolor="white", markeredgecolor="black", clip_on=False)
+            # Above the labels of contours.
+            star.set_zorder(6)
+            cells.keep_inside(star, (x_edges[0], x_edges[-1]), (y_edges[0], y_edges[-1]))
             handles.append(star)
-        handles += cells.hatch_cells(ax, codes, x_edges, y_edges)
-        _dress(ax, title, handles)
+        handles += cells.hatch_cells(ax, codes, x_edges, y_edges, self._reason)
+        fixed = fixed_settings(self.result, output, self.result.axes)
+        dress(ax, title(cut, fixed, note), handles)
         cells.name_axis(ax.xaxis, x, xs)
         cells.name_axis(ax.yaxis, y, ys)
         return ax
@@ -167,7 +183,8 @@ class Plotter:
         value: str | None = None,
         by: str | None = None,
         ax: Axes | None = None,
-        mark_optimum: bool = True,
+        mark_optimum: bool | None = None,
+        note: str = "",
         **at: float | Sequence[float],
     ) -> Axes:
         r"""Draw an output over one axis, one line for each value of another.
@@ -183,8 +200,10 @@ class Plotter:
             values as a sequence, by name, to draw only those.
         ax : Axes, optional
             Where to draw; default the current axes of pyplot while they are empty.
-        mark_optimum : bool
-            Mark the highest value of each line (not for whole numbers).
+        mark_optimum : bool, optional
+            Mark the highest value of each line; default as for `heatmap`.
+        note : str
+            As for `heatmap`.
         **at
             Value of every other axis, as it stands in the axis.
 
@@ -222,9 +241,11 @@ class Plotter:
         whole_x = parameter(x).integer
         seen: set[int] = set()
         handles: list[Line2D | Patch] = []
-        title = ""
+        cut: list[str] = []
+        if mark_optimum is None:
+            mark_optimum = better_when_larger(output)
         for (extra, label), (colour, dash, marker) in zip(lines, style.LINES, strict=False):
-            index, title = self._cut((x,), {**at, **extra}, hide=by)
+            index, cut = self._cut((x,), {**at, **extra}, hide=by)
             values, codes = self._slice(output, index)
             values, codes = values[order], codes[order]
             seen |= set(np.unique(codes).tolist())
@@ -251,10 +272,11 @@ class Plotter:
             star.set(markersize=13, markerfacecolor="white", markeredgecolor="black")
             handles.append(star)
         gaps = [
-            Line2D([], [], ls="none", label=style.wrapped(f"gap: {Status(code).sentence}"))
+            Line2D([], [], ls="none", label=style.wrapped(f"gap: {self._reason(Status(code))}"))
             for code in sorted(seen - {0})
         ]
-        _dress(ax, title, gaps, handles)
+        fixed = fixed_settings(self.result, output, self.result.axes)
+        dress(ax, title(cut, fixed, note), gaps, handles)
         cells.name_axis(ax.xaxis, x, xs)
         ax.set_ylabel(style.output_label(output))
         if output.integer:
@@ -295,8 +317,8 @@ class Plotter:
 
     def _cut(
         self, keep: tuple[str, ...], at: Mapping[str, object], hide: str | None = None
-    ) -> tuple[tuple[int | slice, ...], str]:
-        """Index of a slice along `keep`, and what it is fixed at, for the title."""
+    ) -> tuple[tuple[int | slice, ...], list[str]]:
+        """Index of a slice along `keep`, and what it is cut at, for the title."""
         axes = self.result.axes
         for name in at:
             self._check_axis(name)
@@ -316,7 +338,16 @@ class Plotter:
             index.append(at_index)
             if name != hide:
                 words.append(style.setting(name, float(axis[at_index])))
-        return tuple(index), ", ".join(filter(None, [style.simulated(self.result), *words]))
+        return tuple(index), [*filter(None, [style.simulated(self.result)]), *words]
+
+    def _reason(self, status: Status) -> str:
+        """Say why there is no value; of a reduction, with the name and range of its axis."""
+        over, rivals = self.result.over, self.result.rivals
+        if status is not Status.NONE_FEASIBLE or over is None or rivals is None or not rivals.size:
+            return status.sentence
+        words = over.removesuffix("_deg").replace("_", " ")
+        low, high = float(rivals.min()), style.with_unit(float(rivals.max()), parameter(over).unit)
+        return f"no value of {words} from {low:g} to {high} works"
 
     def _slice(
         self, output: Output, index: tuple[int | slice, ...]
@@ -351,36 +382,3 @@ def _highest(
         return None
     row = int(np.nanargmax(tops))
     return row, int(np.nanargmax(values[rows[row]][columns]))
-
-
-def _dress(ax: Axes, title: str, below: Sequence[Artist], beside: Sequence[Artist] = ()) -> None:
-    """Title, and legends below and beside the axes, where they cover no data."""
-    if title:
-        ax.set_title(title, fontsize=10)
-    # Below: the distance is in units of the font, room for ticks and label.
-    if below:
-        first = _legend(ax, below, "upper center", (0.5, 0.0), 4.6)
-    if beside:
-        if below:
-            ax.add_artist(first)
-            # Clipped to the axes it would get no room from the layout.
-            first.set_clip_on(False)
-        _legend(ax, beside, "upper left", (1.0, 1.0), 0.5)
-
-
-def _legend(
-    ax: Axes,
-    handles: Sequence[Artist],
-    corner: Literal["upper left", "upper center"],
-    anchor: tuple[float, float],
-    distance: float,
-) -> Legend:
-    return ax.legend(
-        handles=handles,
-        loc=corner,
-        bbox_to_anchor=anchor,
-        borderaxespad=distance,
-        fontsize=8,
-        handlelength=2.6,
-        frameon=False,
-    )

@@ -75,6 +75,11 @@ def hatch(code: int) -> str:
     return HATCHES[(code - 1) % len(HATCHES)]
 
 
+def escaped(text: str) -> str:
+    """Make text from outside fit to be drawn: printable, never taken for a formula."""
+    return "".join(c if c.isprintable() else "□" for c in text).replace("$", r"\$")
+
+
 def wrapped(text: str) -> str:
     """Break a long entry of a legend into lines."""
     return textwrap.fill(text, 76)

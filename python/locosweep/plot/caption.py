@@ -1,0 +1,89 @@
+"""What a picture of a result holds fixed, and whether its highest value is its best one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from locosweep.plot import style
+from locosweep.registry import drive, law, parameter, quantity
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterable
+
+    from locosweep.result import Output, Result
+
+_BOUNDS = ("time_step", "tolerance", "segments_min", "segments_max")
+"""Parameters of how something is found: their defaults tell nothing of a robot."""
+_WIDTH = 74
+"""Letters of a line that is as wide as a heat map, formulas counted as they are drawn."""
+
+BETTER_WHEN_LARGER = frozenset({
+    "anchor_capacity", "propulsive_force", "net_force", "acceleration", "mean_velocity",
+    "peak_speed", "velocity", "velocity_limit", "best_velocity", "slope_limit_deg",
+    "anchor_reserve", "anchor_safety", "net_advance", "final_position", "final_speed",
+    "peak_position", "peak_motion", "average_velocity", "gait_advance", "gait_last_advance",
+    "gait_velocity", "gait_anchor_safety", "gait_propulsive_mean",
+})  # fmt: skip
+"""Quantities of which more is better. Of times, losses and costs less is."""
+
+
+def better_when_larger(output: Output) -> bool:
+    """Return whether the highest value of an output is worth a mark.
+
+    Examples
+    --------
+    >>> import locosweep as ls
+    >>> from locosweep.plot.caption import better_when_larger
+    >>> r = ls.sweep(["mean_velocity", "cycle_time"], mu_static=0.5, mu_coulomb=0.3, segments=[3])
+    >>> [better_when_larger(output) for output in r.outputs]
+    [True, False]
+    """
+    return not output.integer and output.quantity in BETTER_WHEN_LARGER
+
+
+def fixed_settings(result: Result, output: Output, shown: Collection[str]) -> list[str]:
+    """Return symbol, value and unit of what a result holds fixed and an output hangs on.
+
+    Parameters at a default that leaves something out (0, infinity, a factor of 1) are not
+    named, nor those in `shown`.
+    """
+    records = list(quantity(output.quantity).parameters)
+    if "law" in result.how:
+        records += law(result.how["law"]).parameters
+    if "drive" in result.how:
+        records += drive(result.how["drive"]).parameters
+    words = []
+    for name in dict.fromkeys(record.name for record in records):
+        value = result.fixed.get(name)
+        if value is None or name in shown:
+            continue
+        default, unit = parameter(name).default, parameter(name).unit
+        idle = default in (0.0, float("inf")) or (default == 1.0 and unit == "1")
+        idle = idle or name in _BOUNDS
+        if value != default or not idle:
+            words.append(style.setting(name, value))
+    if result.over is not None and result.rivals is not None and result.rivals.size:
+        record = parameter(result.over)
+        low, high = float(result.rivals.min()), float(result.rivals.max())
+        words.append(f"${record.symbol}$ from {low:g} to {style.with_unit(high, record.unit)}")
+    return words
+
+
+def title(cut: Iterable[str], fixed: Iterable[str], note: str = "") -> str:
+    """Return what is drawn at, what is fixed and a note, in lines of a picture's width."""
+    lines = []
+    for head, words in (("", cut), ("fixed: ", fixed), ("", [note])):
+        line = head
+        for word in filter(None, words):
+            if len(_plain(line)) + len(_plain(word)) > _WIDTH and line != head:
+                lines.append(line.rstrip())
+                line = ""
+            line += f"{word}, "
+        if line != head:
+            lines.append(line.removesuffix(", "))
+    return "\n".join(lines)
+
+
+def _plain(text: str) -> str:
+    """Return about as many letters as a text with formulas takes."""
+    return "".join(c for c in text if c not in "$\\{}_^").replace("alpha", "a").replace("mu", "m")
