@@ -40,9 +40,11 @@ PYTHON_ORDER = [
     {"result"},
     {"provenance"},
     {"files"},
+    {"request"},
     {"engine"},
     {"simulation"},
     {"specs"},
+    {"run_folder"},
     {"plot"},
     {"diagnosis.data"},
     {"diagnosis.effects"},
@@ -60,6 +62,9 @@ LAZY = {
     ("result", "plot"),
     ("result", "files"),
     ("simulation", "plot"),
+    # A sweep into a folder is asked for like one into memory.
+    ("engine", "run_folder"),
+    ("specs", "run_folder"),
 }
 # Front doors, which only gather names: of the package, of a room, and old paths of users.
 DOOR = {"__init__", "__main__", "diagnosis", "measured", "replay"}

@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from locosweep.registry import quantities as quantities
     from locosweep.registry import reductions as reductions
     from locosweep.result import Result as Result
+    from locosweep.run_folder.run import Run as Run
+    from locosweep.run_folder.run import open_run as open_run
     from locosweep.simulation.gait import GaitRun as GaitRun
     from locosweep.simulation.gait import gaits as gaits
     from locosweep.simulation.gait import run_gait as run_gait
@@ -65,6 +67,7 @@ _HOMES = {
     "Quantity": "registry",
     "Result": "result",
     "Robot": "files.robot",
+    "Run": "run_folder.run",
     "SolveError": "errors",
     "Spec": "specs.sweep",
     "Status": "registry",
@@ -79,6 +82,7 @@ _HOMES = {
     "load": "files.results",
     "load_robot": "files.robot",
     "methods": "registry",
+    "open_run": "run_folder.run",
     "parameters": "registry",
     "quantities": "registry",
     "reductions": "registry",

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
-from typing import TYPE_CHECKING, Any
+import os
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -11,7 +11,8 @@ from locosweep import _core, memory
 from locosweep._core import CancelToken
 from locosweep.errors import InputError
 from locosweep.grid import Grid
-from locosweep.progress import Meter
+from locosweep.progress import progress_of
+from locosweep.request import Request, how
 from locosweep.result import Output, Result
 
 if TYPE_CHECKING:
@@ -20,12 +21,24 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from locosweep.progress import Progress
+    from locosweep.run_folder.run import Run
 
 _LARGEST = 2**63 - 1
 """Largest whole number that the core takes."""
 _FLOATS = {"float64": np.float64, "float32": np.float32}
 
 
+@overload
+def sweep(
+    quantity: str | Sequence[str],
+    grid: Grid | None = None,
+    *,
+    out: str | os.PathLike[str],
+    **options: Any,
+) -> Run: ...
+
+
+@overload
 def sweep(
     quantity: str | Sequence[str],
     grid: Grid | None = None,
@@ -46,7 +59,32 @@ def sweep(
     progress: bool | Progress = False,
     token: CancelToken | None = None,
     **fixed: Any,
-) -> Result:
+) -> Result: ...
+
+
+def sweep(
+    quantity: str | Sequence[str],
+    grid: Grid | None = None,
+    *,
+    over: str | None = None,
+    reduce: str | Sequence[str] | None = None,
+    q: float | None = None,
+    out: NDArray[Any] | Sequence[NDArray[Any]] | str | os.PathLike[str] | None = None,
+    dtype: str | np.dtype[Any] | type = "float64",
+    law: str | None = None,
+    drive: str | None = None,
+    gait: str | None = None,
+    method: str | None = None,
+    table: tuple[ArrayLike, ArrayLike] | None = None,
+    threads: int | None = None,
+    chunk: int | None = None,
+    memory_limit: int | None = None,
+    progress: bool | Progress = False,
+    token: CancelToken | None = None,
+    shard: tuple[int, int] | None = None,
+    allow_drift: bool = False,
+    **fixed: Any,
+) -> Result | Run:
     """Evaluate quantities at every point of a grid, or fold one axis away.
 
     Parameters
@@ -61,9 +99,11 @@ def sweep(
         How (``locosweep.reductions()``), together with `over`.
     q : float, optional
         Which quantile, from 0 to 1, for ``reduce="quantile"``.
-    out : ndarray or sequence of ndarray, optional
+    out : ndarray, sequence of ndarray, or path of a folder, optional
         Where to put the result: C-contiguous float64 or float32 of the result's
-        shape, one per output. Filled in place, not copied.
+        shape, one per output. Filled in place, not copied. Or a folder, which gets
+        the result chunk by chunk, whatever its size, needs the extra ``runs``, and is
+        resumed by the same call; then a `Run` is returned.
     dtype : {"float64", "float32"}
         Type of a fresh result; it is always computed in float64.
     law : str, optional
@@ -84,7 +124,8 @@ def sweep(
         Threads; default ``LOCOSWEEP_NUM_THREADS``, else what a batch system
         granted, else all processors. The result does not depend on it.
     chunk : int, optional
-        Cells per unit of work. The result does not depend on it.
+        Cells per unit of work; with a folder, cells of a stored chunk. The result does
+        not depend on it.
     memory_limit : int, optional
         Bytes; what would need more is refused before it starts. Default 80 % of
         the free memory.
@@ -93,6 +134,11 @@ def sweep(
         total evaluations and the rate in 1/s, at most ten times a second.
     token : CancelToken, optional
         Lets another thread stop the sweep, which then raises ``Cancelled``.
+    shard : (int, int), optional
+        With a folder: (i, n) computes every n-th chunk from the i-th on, from 0, then
+        what is missing of the others.
+    allow_drift : bool
+        With a folder: resume it although this version computes other bits, and note so.
     **fixed
         Further parameters, as in `Grid`; sequences become axes at the end.
 
@@ -100,6 +146,7 @@ def sweep(
     -------
     Result
         ``values`` and ``status`` have one axis per swept parameter, in order.
+        A `Run` (``locosweep.open_run``) where `out` is a folder.
 
     Raises
     ------
@@ -119,37 +166,35 @@ def sweep(
     >>> float(best.values)
     3.0
     """
-    names = [quantity] if isinstance(quantity, str) else list(quantity)
-    how = [reduce] if reduce is None or isinstance(reduce, str) else list(reduce)
-    if not names or not how:
-        raise InputError(f"{'quantity' if not names else 'reduce'} is empty: name at least one")
-    grid = (Grid() if grid is None else grid).with_fixed(fixed)
-    if q is not None and "quantile" not in how:
-        raise InputError(f"q is {q!r}: allowed only together with reduce 'quantile'")
-    requests = [(name, r, q if r == "quantile" else None) for name in names for r in how]
-    if len(set(requests)) < len(requests):
-        raise InputError("quantity or reduce names the same thing twice")
-    job = _core.Sweep(
-        list(grid.axes.items()),
-        list(grid.fixed.items()),
-        requests,
-        over,
-        law=law,
-        drive=drive,
-        gait=gait,
+    request = Request.of(
+        quantity, reduce, q=q, table=table, over=over, law=law, drive=drive, gait=gait,
         method=method,
-        table=samples_of(table),
-    )
+    )  # fmt: skip
+    grid = (Grid() if grid is None else grid).with_fixed(fixed)
+    if isinstance(out, str | os.PathLike):
+        from locosweep.run_folder.fill import Options, sweep_into
+
+        options = Options(
+            threads=whole("threads", threads), chunk=whole("chunk", chunk), shard=shard,
+            memory_limit=memory_limit, progress=progress, token=token, allow_drift=allow_drift,
+        )  # fmt: skip
+        return sweep_into(out, request, grid, _float_name(dtype), options)
+    if shard is not None or allow_drift:
+        raise InputError(
+            f"{'allow_drift' if shard is None else 'shard'} is given without a folder: "
+            "allowed only together with out='FOLDER/'"
+        )
+    job = request.job(grid.axes, grid.fixed)
     count = _core.threads_to_use(whole("threads", threads))
     shape = tuple(job.shape)
-    arrays = _arrays(out, dtype, shape, len(requests), job.working_bytes(count), memory_limit)
-    meter = Meter(", ".join(names)) if progress is True else progress or None
+    outputs = len(request.outputs)
+    arrays = _arrays(out, dtype, shape, outputs, job.working_bytes(count), memory_limit)
+    meter = progress_of(progress, ", ".join(request.quantities))
     job.run(list(enumerate(arrays)), count, whole("chunk", chunk), meter, token, None, out is None)
-    outputs = [Output.of(name, r, over) for name, r, _ in requests]
     axes = {name: grid.axes[name] for name in job.axes}
     rivals = None if over is None else grid.axes[over]
     return Result(
-        outputs,
+        [Output.of(name, r, over) for name, r, _ in request.outputs],
         axes,
         dict(job.fixed),
         arrays,
@@ -157,39 +202,8 @@ def sweep(
         rivals=rivals,
         q=q,
         job=job,
-        how=_how(job, table),
+        how=how(job, request.table),
     )
-
-
-def _how(job: _core.Sweep, table: tuple[ArrayLike, ArrayLike] | None) -> dict[str, str]:
-    """Tell how simulated quantities were found; empty for closed forms."""
-    how = {}
-    if job.choice is not None:
-        how = dict(zip(("law", "drive", "method"), job.choice, strict=True))
-    if job.gait is not None:
-        how["gait"] = job.gait
-    samples = samples_of(table)
-    if samples is not None:
-        digest = hashlib.sha256(b"".join(part.tobytes() for part in samples))
-        how["table_sha256"] = digest.hexdigest()
-    return how
-
-
-def samples_of(
-    table: tuple[ArrayLike, ArrayLike] | None,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
-    """Turn the samples of a drive into two arrays of numbers."""
-    if table is None:
-        return None
-    try:
-        times, values = (np.asarray(part, dtype=np.float64) for part in table)
-    except (TypeError, ValueError):
-        raise InputError("table is not two arrays of numbers: times and values") from None
-    if times.ndim != 1 or values.ndim != 1:
-        raise InputError(
-            f"table has {times.ndim} and {values.ndim} dimensions: allowed is one each"
-        )
-    return times, values
 
 
 def whole(name: str, value: int | None) -> int | None:
@@ -226,17 +240,22 @@ def _arrays(
             _check_out(array, shape)
         memory.check(working, limit, "the sweep")
         return given
+    kind = _float_name(dtype)
+    cells = int(np.prod(shape, dtype=object))
+    memory.check(count * cells * np.dtype(kind).itemsize + working, limit, "the result")
+    # NumPy asks for huge pages: filling a fresh result then costs little more
+    # than filling a used one.
+    return [np.empty(shape, _FLOATS[kind]) for _ in range(count)]
+
+
+def _float_name(dtype: str | np.dtype[Any] | type) -> str:
     try:
         kind = np.dtype(dtype).name
     except TypeError:
         kind = str(dtype)
     if kind not in _FLOATS:
         raise InputError(f"dtype is {kind}: allowed are {', '.join(_FLOATS)}")
-    cells = int(np.prod(shape, dtype=object))
-    memory.check(count * cells * np.dtype(kind).itemsize + working, limit, "the result")
-    # NumPy asks for huge pages: filling a fresh result then costs little more
-    # than filling a used one.
-    return [np.empty(shape, _FLOATS[kind]) for _ in range(count)]
+    return kind
 
 
 def _check_out(array: object, shape: tuple[int, ...]) -> None:

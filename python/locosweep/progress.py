@@ -144,6 +144,11 @@ class Meter:
         else:
             self._line(text)
 
+    def note(self, text: str) -> None:
+        """Show a text behind the numbers of the bar, from its next drawing on."""
+        if self._bar is not None:
+            self._bar.set_postfix_str(text, refresh=False)
+
     def close(self) -> None:
         """Erase what is not finished."""
         if self._bar is not None:

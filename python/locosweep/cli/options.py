@@ -173,7 +173,7 @@ class SweepCommand(click.Command):
             if kind in kinds:
                 with formatter.section(head):
                     formatter.write_dl(list(kind.known().items()))
-        if QUANTITY in kinds:
+        if QUANTITY in kinds or any(kind.name == QUANTITY.name for kind in kinds):
             with formatter.section("Quantities"):
                 formatter.write_dl(
                     [(q.name, f"{q.meaning} [{q.unit}]") for q in registry.quantities()]

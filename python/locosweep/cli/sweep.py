@@ -1,26 +1,26 @@
-"""The command that sweeps into a file."""
+"""The command that sweeps into a file or a run folder."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from locosweep.cli import options
 from locosweep.cli.options import fixed, on_terminal, show, summary
+from locosweep.cli.run_options import QUANTITY_OR_SPEC, SHARD, TABLE_OR_RUN
 from locosweep.cli.simulation_options import refuse_beside, refuse_idle, simulation_options
 from locosweep.errors import InputError
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from locosweep.specs.simulation import Simulation
     from locosweep.specs.span import Span
 
 
 @click.command(cls=options.SweepCommand)
-@click.argument("quantities", nargs=-1, type=options.QUANTITY, metavar="QUANTITY...")
+@click.argument("quantities", nargs=-1, type=QUANTITY_OR_SPEC, metavar="QUANTITY...|SPEC.toml")
 @click.option(
     "axes",
     "--axis",
@@ -45,7 +45,20 @@ if TYPE_CHECKING:
     "--save-spec", metavar="FILE.toml", type=options.FILE,
     help="Write the sweep file; without --out nothing is computed.",
 )  # fmt: skip
-@click.option("--out", type=options.TABLE, help="Where the numbers go.")
+@click.option(
+    "--out", type=TABLE_OR_RUN,
+    help="Where the numbers go: a file, or a folder that is filled chunk by chunk, and resumed "
+    "by the same command.",
+)  # fmt: skip
+@click.option(
+    "--shard", type=SHARD,
+    help="Of a folder, compute every N-th chunk from the I-th on, then what others miss.",
+)  # fmt: skip
+@click.option("--chunk", type=click.IntRange(min=1), metavar="CELLS", help="Cells of a chunk.")
+@click.option(
+    "--allow-drift", is_flag=True,
+    help="Resume a folder although this version computes other bits.",
+)  # fmt: skip
 @options.threads_option
 @options.json_option
 def sweep(
@@ -60,14 +73,22 @@ def sweep(
     dtype: str | None,
     spec_file: Path | None,
     save_spec: Path | None,
-    out: Path | None,
+    out: Path | str | None,
+    shard: tuple[int, int] | None,
+    chunk: int | None,
+    allow_drift: bool,
     threads: int | None,
     json_: bool,
 ) -> None:
-    """Evaluate quantities on a grid and write a Parquet file."""
+    """Evaluate quantities on a grid and write a Parquet file or a run folder."""
     from locosweep.files.atomic import check_file_name
     from locosweep.specs.sweep import Spec
 
+    files = [name for name in quantities if name.endswith(".toml")]
+    if files:
+        if len(quantities) > 1 or spec_file is not None:
+            raise InputError(f"{files[0]} is given beside QUANTITY or --spec: allowed is either")
+        quantities, spec_file = (), Path(files[0])
     if spec_file is not None:
         given: dict[str, object] = {"QUANTITY": quantities, "--axis": axes, "--over": over}
         given |= {"--reduce": reduce, "--q": q, "--dtype": dtype}
@@ -81,13 +102,22 @@ def sweep(
         values = fixed(robot, settings, dict(axes))
         spec = Spec(quantities, axes, values, over, reduce, q, dtype or "float64", simulation)
     if out is None and save_spec is None:
-        raise InputError("--out is missing: allowed is a file that ends in .parquet")
+        raise InputError("--out is missing: allowed is a file that ends in .parquet, or a folder")
+    stored = {"shard": shard, "chunk": chunk, "allow_drift": allow_drift or None}
+    if not isinstance(out, str) and any(value is not None for value in stored.values()):
+        raise InputError("--shard, --chunk and --allow-drift are allowed with --out FOLDER/ only")
     report: dict[str, object] = {"file": None, "spec": None}
     if save_spec is not None:
         check_file_name(save_spec)
         # Refused now rather than when the file is run.
         spec.grid()
-    if out is not None:
+    if isinstance(out, str):
+        run = spec.run(
+            out=out, threads=threads, progress=on_terminal(), shard=shard, chunk=chunk,
+            allow_drift=allow_drift,
+        )  # fmt: skip
+        report |= {"file": run.folder, **run.summary()}
+    elif out is not None:
         result = spec.run(threads=threads, progress=on_terminal())
         result.save(out)
         report |= {"file": out, **summary(result)}

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from locosweep import _core, memory
-from locosweep.engine import samples_of, whole
+from locosweep.engine import whole
 from locosweep.errors import InputError
 from locosweep.grid import Grid, few
 from locosweep.progress import progress_of
 from locosweep.registry import Status, parameter
+from locosweep.request import samples_of
 
 if TYPE_CHECKING:
     import polars as pl

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Self, overload
 
 from locosweep.errors import InputError
 from locosweep.files import toml
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
     from locosweep.grid import Grid
     from locosweep.result import Result
+    from locosweep.run_folder.run import Run
 
 _FORMAT = "locosweep.sweep/1"
 
@@ -123,21 +125,21 @@ class Spec(SpecFile):
         }
         return Grid(**axes, **dict(self.fixed))
 
-    def run(self, **options: Any) -> Result:
-        """Sweep; takes the options of `sweep` (threads, progress, token, ...)."""
+    @overload
+    def run(self, *, out: str | os.PathLike[str], **options: Any) -> Run: ...
+
+    @overload
+    def run(self, **options: Any) -> Result: ...
+
+    def run(self, **options: Any) -> Result | Run:
+        """Sweep; takes the options of `sweep` (out, threads, progress, token, ...)."""
         from locosweep import memory
         from locosweep.engine import sweep
 
-        counts = {
-            name: len(values) if isinstance(values, tuple) else values.check(name)
-            for name, values in self.axes
-        }
-        cells = math.prod(count for name, count in counts.items() if name != self.over)
-        outputs = len(self.quantities) * max(1, len(self.reduce))
-        size = 4 if self.dtype == "float32" else 8
-        # Before the axes themselves take time and memory.
-        memory.check(cells * outputs * size, options.get("memory_limit"), "the result")
-        return sweep(
+        if not isinstance(options.get("out"), str | os.PathLike):
+            # Before the axes themselves take time and memory.
+            memory.check(self._bytes(), options.get("memory_limit"), "the result")
+        found: Result | Run = sweep(
             self.quantities,
             self.grid(),
             over=self.over,
@@ -147,6 +149,17 @@ class Spec(SpecFile):
             **self.simulation.options(),
             **options,
         )
+        return found
+
+    def _bytes(self) -> int:
+        """Bytes of the values in memory."""
+        counts = {
+            name: len(values) if isinstance(values, tuple) else values.check(name)
+            for name, values in self.axes
+        }
+        cells = math.prod(count for name, count in counts.items() if name != self.over)
+        outputs = len(self.quantities) * max(1, len(self.reduce))
+        return cells * outputs * (4 if self.dtype == "float32" else 8)
 
     def to_toml(self) -> str:
         """Return the text of a sweep file."""

@@ -1,0 +1,118 @@
+"""What a sweep computes at every point: quantities, reductions and how they are simulated."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+
+from locosweep import _core
+from locosweep.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import ArrayLike, NDArray
+
+    Samples = tuple[NDArray[np.float64], NDArray[np.float64]]
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """What a sweep computes at every point, whatever its axes: made by `Request.of`.
+
+    Attributes
+    ----------
+    quantities, reduce : tuple of str
+        What, and how `over` is folded away; `reduce` is empty without `over`.
+    outputs : tuple of (str, str or None, float or None)
+        Quantity, reduction and quantile of each output.
+    """
+
+    quantities: tuple[str, ...]
+    reduce: tuple[str, ...]
+    outputs: tuple[tuple[str, str | None, float | None], ...]
+    over: str | None = None
+    q: float | None = None
+    law: str | None = None
+    drive: str | None = None
+    gait: str | None = None
+    method: str | None = None
+    table: Samples | None = None
+
+    @classmethod
+    def of(
+        cls,
+        quantity: str | Sequence[str],
+        reduce: str | Sequence[str] | None = None,
+        *,
+        q: float | None = None,
+        table: tuple[ArrayLike, ArrayLike] | None = None,
+        **choice: str | None,
+    ) -> Self:
+        """Check names and pairs; `choice` has over, law, drive, gait and method."""
+        names = [quantity] if isinstance(quantity, str) else list(quantity)
+        how = [reduce] if reduce is None or isinstance(reduce, str) else list(reduce)
+        if not names or not how:
+            raise InputError(f"{'quantity' if not names else 'reduce'} is empty: name at least one")
+        if q is not None and "quantile" not in how:
+            raise InputError(f"q is {q!r}: allowed only together with reduce 'quantile'")
+        outputs = [(name, r, q if r == "quantile" else None) for name in names for r in how]
+        if len(set(outputs)) < len(outputs):
+            raise InputError("quantity or reduce names the same thing twice")
+        folds = tuple(r for r in how if r is not None)
+        return cls(
+            tuple(names), folds, tuple(outputs), q=q, table=samples_of(table), **choice
+        )  # fmt: skip
+
+    def job(
+        self,
+        axes: Mapping[str, NDArray[np.float64]],
+        fixed: Mapping[str, float],
+        outputs: Sequence[int] | None = None,
+    ) -> _core.Sweep:
+        """Return the checked job on these axes, for some outputs by number or for all."""
+        wanted = self.outputs if outputs is None else [self.outputs[i] for i in outputs]
+        return _core.Sweep(
+            list(axes.items()),
+            list(fixed.items()),
+            list(wanted),
+            self.over,
+            law=self.law,
+            drive=self.drive,
+            gait=self.gait,
+            method=self.method,
+            table=self.table,
+        )
+
+
+def how(job: _core.Sweep, table: Samples | None) -> dict[str, str]:
+    """Tell how simulated quantities were found; empty for closed forms."""
+    found = {}
+    if job.choice is not None:
+        found = dict(zip(("law", "drive", "method"), job.choice, strict=True))
+    if job.gait is not None:
+        found["gait"] = job.gait
+    if table is not None:
+        digest = hashlib.sha256(b"".join(part.tobytes() for part in table))
+        found["table_sha256"] = digest.hexdigest()
+    return found
+
+
+def samples_of(
+    table: tuple[ArrayLike, ArrayLike] | None,
+) -> Samples | None:
+    """Turn the samples of a drive into two arrays of numbers."""
+    if table is None:
+        return None
+    try:
+        times, values = (np.asarray(part, dtype=np.float64) for part in table)
+    except (TypeError, ValueError):
+        raise InputError("table is not two arrays of numbers: times and values") from None
+    if times.ndim != 1 or values.ndim != 1:
+        raise InputError(
+            f"table has {times.ndim} and {values.ndim} dimensions: allowed is one each"
+        )
+    return times, values

@@ -1,0 +1,1 @@
+"""Run folders: sweeps that are stored chunk by chunk, of any size, and resumed."""

@@ -1,0 +1,224 @@
+"""A run folder, opened: axes, statuses, parts as results, xarray and Polars."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from locosweep import memory
+from locosweep.errors import InputError
+from locosweep.registry import Status, parameter, unknown
+from locosweep.result import Output, Result
+from locosweep.run_folder import arrays, manifest
+from locosweep.run_folder.state import State
+
+if TYPE_CHECKING:
+    import polars as pl
+    import xarray as xr
+
+
+class Run:
+    """A sweep in a folder. Nothing but the manifest and the logs is read until it is asked for.
+
+    Attributes
+    ----------
+    folder : Path
+        The folder; it may be moved.
+    axes : dict of str to ndarray
+        The axes in order.
+    fixed : dict of str to float
+        Value of every other parameter that has one, defaults included.
+    outputs : tuple of Output
+        Name, quantity, reduction, unit and label of each output.
+    state : State
+        Which chunks are done, by whom, and which are damaged.
+    """
+
+    def __init__(self, folder: str | os.PathLike[str], *, allow_missing: bool = False) -> None:
+        self.folder = Path(folder)
+        self.allow_missing = allow_missing
+        self.manifest = manifest.read(self.folder)
+        self.cells = self.manifest.cells
+        self.state = State(self.folder, self.manifest)
+        self.axes = self.cells.axes
+        self.fixed = self.cells.fixed
+        self.outputs = tuple(self.cells.outputs)
+        self._store: Any = None
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Length of each axis."""
+        return self.manifest.plan.shape
+
+    @property
+    def complete(self) -> bool:
+        """Whether all chunks are done."""
+        return self.state.done_count == self.manifest.plan.count
+
+    @property
+    def missing(self) -> list[int]:
+        """Numbers of the chunks that are not computed, or damaged."""
+        return self.state.missing
+
+    def output(self, name: str | None = None) -> Output:
+        """Return one output's record, by name; the first one without."""
+        for output in self.outputs:
+            if name in (None, output.name):
+                return output
+        raise unknown("output", str(name), [o.name for o in self.outputs])
+
+    def status_counts(self, name: str | None = None) -> dict[Status, int]:
+        """Count the cells of each status that occurs in the finished chunks; reads logs only."""
+        name = self.output(name).name
+        total: dict[Status, int] = {}
+        for known in self.state.done.values():
+            for code, count in known[0].counts[name].items():
+                status = Status(int(code))
+                total[status] = total.get(status, 0) + count
+        return dict(sorted(total.items()))
+
+    def summary(self) -> dict[str, Any]:
+        """Describe outputs, axes and what is done, from manifest and logs, for JSON."""
+        counts = {o.name: self.status_counts(o.name) for o in self.outputs}
+        return {
+            "outputs": [
+                {"name": o.name, "label": o.label, "unit": o.unit,
+                 "statuses": {s.name.lower(): n for s, n in counts[o.name].items()}}
+                for o in self.outputs
+            ],
+            "axes": {
+                name: {"count": len(axis), "first": float(axis[0]), "last": float(axis[-1])}
+                for name, axis in self.axes.items()
+            },
+            "over": self.cells.request.over,
+            "fixed": self.fixed,
+            "chunks": {"all": self.manifest.plan.count, "done": self.state.done_count,
+                       "damaged": len(self.state.damaged)},
+        }  # fmt: skip
+
+    def _check_whole(self) -> None:
+        if self.state.damaged:
+            chunk, what = next(iter(self.state.damaged.items()))
+            raise InputError(
+                f"{self.folder}: chunk {chunk} is damaged ({what}): "
+                "locosweep verify FOLDER --repair computes it again"
+            )
+        if not (self.allow_missing or self.complete):
+            count = self.manifest.plan.count
+            raise InputError(
+                f"{self.folder}: {len(self.missing)} of {count} chunks are not computed: the same "
+                "sweep once more computes them, allow_missing=True opens the others"
+            )
+
+    @property
+    def store(self) -> Any:
+        """The Zarr store, which checks each chunk against its hash before it is used."""
+        if self._store is None:
+            self._check_whole()
+            arrays.need("zarr")
+            from locosweep.run_folder.verified_store import VerifiedStore
+
+            self._store = VerifiedStore(str(self.folder), self.state)
+        return self._store
+
+    def array(self, name: str) -> Any:
+        """Return a Zarr array: an output, or its statuses by the name NAME_status."""
+        return arrays.need("zarr").open_array(self.store, path=name, mode="r")
+
+    def to_xarray(self, chunks: Any = None) -> xr.Dataset:
+        """Return an xarray Dataset that reads what is asked of it; `chunks` as in ``open_zarr``.
+
+        Outputs have units; statuses are arrays ``NAME_status``, 255 where nothing was computed.
+        """
+        arrays.need("zarr")
+        xr = arrays.need("xarray")
+        return xr.open_zarr(self.store, chunks=chunks, consolidated=True)  # type: ignore[no-any-return]
+
+    def to_result(self, **at: slice) -> Result:
+        """Read the run, or the part of it between indices of its axes, as a `Result`.
+
+        Parameters
+        ----------
+        **at
+            By name of an axis, a slice of its indices.
+        """
+        for name in at:
+            if name not in self.axes:
+                raise unknown("axis", name, self.axes)
+        key = tuple(at.get(name, slice(None)) for name in self.axes)
+        axes = {n: a[part] for (n, a), part in zip(self.axes.items(), key, strict=True)}
+        cells = int(np.prod([len(axis) for axis in axes.values()], dtype=object))
+        memory.check(
+            cells * self.cells.bytes_per_cell, None, "this part of the run", "read a smaller part"
+        )
+        values = [np.asarray(self.array(o.name)[key]) for o in self.outputs]
+        codes = {o.name: np.asarray(self.array(f"{o.name}_status")[key]) for o in self.outputs}
+        if any((code == arrays.NOT_COMPUTED).any() for code in codes.values()):
+            raise InputError(f"{self.folder}: this part is not computed as a whole: read another")
+        return Result(
+            self.outputs, axes, self.fixed, values, over=self.cells.request.over,
+            rivals=self.cells.rivals, q=self.cells.request.q, statuses=codes, how=self.cells.how,
+        )  # fmt: skip
+
+    def scan(self) -> pl.LazyFrame:
+        """Return a Polars LazyFrame of the long table: axis columns, outputs, statuses.
+
+        Only the columns that a query asks for are read, chunk by chunk, in the order of the
+        chunks. Cells that are not computed have no row.
+        """
+        from locosweep.run_folder.table import scan
+
+        return scan(self)
+
+    def to_polars(self) -> pl.DataFrame:
+        """Return the long table, as `Result.to_polars` does, without cells not computed."""
+        return self.to_result().to_polars() if self.complete else self.scan().collect()
+
+    def __repr__(self) -> str:
+        plan = self.manifest.plan
+        lines = [f"Run of {', '.join(o.name for o in self.outputs)} in {self.folder}"]
+        for name, axis in self.axes.items():
+            span = f"{axis[0]:g} .. {axis[-1]:g}" if len(axis) > 1 else f"{axis[0]:g}"
+            lines.append(f"  {name} [{parameter(name).unit}]: {len(axis)} values, {span}")
+        lines.append(f"  {self.state.done_count} of {plan.count} chunks done")
+        return "\n".join(lines)
+
+
+def open_run(folder: str | os.PathLike[str], *, allow_missing: bool = False) -> Run:
+    """Open a run folder that ``sweep(..., out=FOLDER)`` fills or has filled.
+
+    Parameters
+    ----------
+    folder : path-like
+        The folder; it may have been moved.
+    allow_missing : bool
+        Also read a run that is not complete: NaN, and status 255, where nothing was computed.
+
+    Returns
+    -------
+    Run
+
+    Raises
+    ------
+    DataFileError
+        No run folder, a manifest of another format, or altered; on reading, a chunk that was
+        altered or is damaged.
+    InputError
+        On reading, chunks that are not computed without `allow_missing`.
+
+    Examples
+    --------
+    >>> import locosweep as ls, tempfile, pathlib
+    >>> folder = pathlib.Path(tempfile.mkdtemp()) / "run"
+    >>> _ = ls.sweep("mean_velocity", mu_static=[0.4, 0.5], mu_coulomb=0.3,
+    ...              segments=range(2, 9), out=folder)
+    >>> run = ls.open_run(folder)
+    >>> run.to_xarray()["mean_velocity"].sel(mu_static=0.5, segments=4).item() > 0
+    True
+    >>> {status.name: count for status, count in run.status_counts().items()}
+    {'OK': 14}
+    """
+    return Run(folder, allow_missing=allow_missing)

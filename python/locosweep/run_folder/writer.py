@@ -1,0 +1,165 @@
+"""One process that fills a run folder: it computes while its threads write."""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from typing import TYPE_CHECKING, Any
+
+from locosweep import _core
+from locosweep.errors import Cancelled, InputError
+from locosweep.run_folder import arrays
+from locosweep.run_folder.cells import NUMERICS_VERSION
+from locosweep.run_folder.chunk_files import commit_chunk, count_statuses
+from locosweep.run_folder.commit import sync_folders
+from locosweep.run_folder.log import Done, Log
+from locosweep.run_folder.manifest import LOGS
+from locosweep.run_folder.plan import HELD
+from locosweep.run_folder.state import State
+from locosweep.run_folder.work_done import WorkDone
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+    from pathlib import Path
+
+    from locosweep._core import CancelToken
+    from locosweep.progress import Progress
+    from locosweep.run_folder.cells import Block
+    from locosweep.run_folder.manifest import Manifest
+
+_WRITERS = 2
+"""Threads that hash and write: one hashes while the other one waits for the disk."""
+_PATIENCE = 0.15
+"""Seconds that an end waits for files in the middle of being written."""
+
+
+def about(threads: int, **more: object) -> dict[str, Any]:
+    """Return what a log says of its writer."""
+    return {
+        "locosweep": _core.version(), "numerics_version": NUMERICS_VERSION, "threads": threads,
+        **more,
+    }  # fmt: skip
+
+
+class Filler:
+    """One process that fills a run: this thread computes, others write.
+
+    Parameters
+    ----------
+    folder : Path
+        The run, begun.
+    found : Manifest
+        Its manifest.
+    threads : int
+        Threads that compute a chunk.
+    about : dict
+        What the log says of this writer.
+    token : CancelToken, optional
+        Stops it from another thread.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        found: Manifest,
+        threads: int,
+        about: dict[str, Any],
+        token: CancelToken | None = None,
+    ) -> None:
+        self._folder = folder
+        self._manifest = found
+        self._cells = found.cells
+        self._threads = threads
+        self._token = token
+        self._roots = [folder / arrays.STORE / name for name in arrays.array_names(found.cells)]
+        self._log = Log(folder / LOGS, about)
+        self._lock = threading.Lock()
+        self._waiting: queue.SimpleQueue[tuple[int, list[Block], float] | None] = (
+            queue.SimpleQueue()
+        )
+        self._room = threading.Semaphore(HELD - 1)
+        self._renamed: list[Done] = []
+        self._stopped = False
+        self._fault: BaseException | None = None
+
+    def fill(
+        self, chunks: Iterable[int], expected: Sequence[int], progress: bool | Progress = False
+    ) -> None:
+        """Compute and commit chunks; raise what stopped it, with those that are done kept.
+
+        `expected` is what `chunks` will give, as far as it is known, for the progress.
+        """
+        work = WorkDone(self._cells, self._manifest.plan, expected, progress)
+        writers = [threading.Thread(target=self._write_all, daemon=True) for _ in range(_WRITERS)]
+        for writer in writers:
+            writer.start()
+        try:
+            for chunk in chunks:
+                self._compute(chunk, work)
+            for _ in writers:
+                self._waiting.put(None)
+            for writer in writers:
+                writer.join()
+            self._raise_fault()
+        except BaseException as error:
+            self._end(writers)
+            if isinstance(error, InputError):
+                done = State(self._folder, self._manifest).done_count
+                raise InputError(
+                    f"{error}; {done} of {self._manifest.plan.count} chunks are kept in "
+                    f"{self._folder}, the same sweep goes on from there"
+                ) from None
+            raise
+        finally:
+            work.close()
+        self._log.close()
+
+    def _compute(self, chunk: int, work: WorkDone) -> None:
+        self._room.acquire()
+        self._raise_fault()
+        begin = time.perf_counter()
+        blocks = self._cells.block(
+            self._manifest.plan.slices(chunk), self._threads, work.within, self._token
+        )
+        self._waiting.put((chunk, blocks, time.perf_counter() - begin))
+        work.finish(chunk, blocks[0][1])
+
+    def _raise_fault(self) -> None:
+        if self._fault is not None:
+            raise self._fault
+
+    def _end(self, writers: list[threading.Thread]) -> None:
+        """Stop the writers; one that waits for the disk is left to end with the process."""
+        self._stopped = True
+        for _ in writers:
+            self._waiting.put(None)
+        until = time.monotonic() + _PATIENCE
+        for writer in writers:
+            writer.join(max(0.0, until - time.monotonic()))
+
+    def _write_all(self) -> None:
+        while (item := self._waiting.get()) is not None:
+            try:
+                if not self._stopped:
+                    self._commit(*item)
+            except BaseException as error:
+                # Raised again by the thread that computes.
+                if not isinstance(error, Cancelled):
+                    self._fault = self._fault or error
+                self._stopped = True
+            finally:
+                del item
+                self._room.release()
+
+    def _commit(self, chunk: int, blocks: list[Block], seconds: float) -> None:
+        counts = count_statuses(self._cells, blocks)
+        plan = self._manifest.plan
+        files = commit_chunk(self._folder, plan, self._cells, chunk, blocks, lambda: self._stopped)
+        self._renamed.append(Done(chunk, files, counts, seconds))
+        with self._lock:
+            # What other threads renamed meanwhile goes along.
+            batch, self._renamed = self._renamed, []
+            if batch:
+                sync_folders(self._roots)
+                self._log.append(batch)
