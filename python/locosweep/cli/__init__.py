@@ -18,6 +18,7 @@ import click
 from locosweep.cli.blind_check import blind_check
 from locosweep.cli.diagnose import diagnose
 from locosweep.cli.distinguish import distinguish
+from locosweep.cli.export import export
 from locosweep.cli.friction import friction
 from locosweep.cli.gait import gait
 from locosweep.cli.heatmap import heatmap
@@ -37,7 +38,9 @@ from locosweep.cli.reproduce import reproduce
 from locosweep.cli.screen import screen
 from locosweep.cli.signals import INTERRUPTED, end_at_once, listen, pressed
 from locosweep.cli.simulate import simulate
+from locosweep.cli.status import status
 from locosweep.cli.sweep import sweep
+from locosweep.cli.verify import verify
 from locosweep.errors import Cancelled, InputError, SolveError, printable
 
 if TYPE_CHECKING:
@@ -64,8 +67,9 @@ def group() -> None:
 
 
 for _command in (
-    heatmap, sweep, simulate, gait, init, screen, diagnose, distinguish, friction, blind_check,
-    optimum, plot, reproduce, quantities, parameters, laws, drives, methods, reductions, statuses,
+    heatmap, sweep, status, verify, export, simulate, gait, init, screen, diagnose, distinguish,
+    friction, blind_check, optimum, plot, reproduce, quantities, parameters, laws, drives,
+    methods, reductions, statuses,
 ):  # fmt: skip
     group.add_command(_command)
 

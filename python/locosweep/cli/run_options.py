@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -11,6 +10,8 @@ from locosweep.cli import options
 from locosweep.run_folder.name import is_file_name
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from click.shell_completion import CompletionItem
 
 
@@ -67,4 +68,4 @@ _DIGITS = 18
 QUANTITY_OR_SPEC = _QuantityOrSpec()
 TABLE_OR_RUN = _FolderOrTable()
 SHARD = _Shard()
-RUN: click.ParamType[Path] = click.Path(file_okay=False, path_type=Path)
+run_argument = click.argument("run", metavar="RUN/", type=options.FILE)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from locosweep.errors import InputError, LocosweepError
 from locosweep.files.atomic import replacing, write_frame
 from locosweep.files.folder import filling
 from locosweep.registry import Status
@@ -96,8 +97,11 @@ def _split(cells: tuple[slice, ...]) -> Iterator[tuple[slice, ...]]:
         yield from _split((*cells[:axis], part, *cells[axis + 1 :]))
 
 
-def scan(run: Run) -> pl.LazyFrame:
-    """Return a LazyFrame that reads the chunks of a run as a query takes them."""
+def scan(run: Run, faults: list[LocosweepError] | None = None) -> pl.LazyFrame:
+    """Return a LazyFrame that reads the chunks of a run as a query takes them.
+
+    `faults` gets what goes wrong on reading, which Polars wraps into an error of its own.
+    """
     from polars.io.plugins import register_io_source
 
     # Refused now rather than in the middle of a query.
@@ -111,13 +115,18 @@ def scan(run: Run) -> pl.LazyFrame:
     ) -> Iterator[pl.DataFrame]:
         del batch_size
         left = n_rows
-        for rows in frames(run, with_columns):
-            if left is not None and left <= 0:
-                return
-            found = rows if left is None else rows.head(left)
-            if left is not None:
-                left -= found.height
-            yield found if predicate is None else found.filter(predicate)
+        try:
+            for rows in frames(run, with_columns):
+                if left is not None and left <= 0:
+                    return
+                found = rows if left is None else rows.head(left)
+                if left is not None:
+                    left -= found.height
+                yield found if predicate is None else found.filter(predicate)
+        except LocosweepError as error:
+            if faults is not None:
+                faults.append(error)
+            raise
 
     return register_io_source(read, schema=columns(run))
 
@@ -130,10 +139,23 @@ def export(run: Run, out: Path) -> int:
     _ = run.store
     if out.suffix.lower() == ".parquet":
         with replacing(out) as temporary:
-            scan(run).sink_parquet(temporary)
+            _sink(run, temporary, out)
         return 1
+    if out.suffix:
+        raise InputError(f"{out} ends in {out.suffix}: allowed are .parquet, and a folder")
     count = 0
     with filling(out, []) as folder:
         for count, rows in enumerate(frames(run), 1):
             write_frame(folder / f"part-{count - 1:06d}.parquet", rows, csv=False)
     return count
+
+
+def _sink(run: Run, path: Path, name: Path) -> None:
+    """Write all rows as they are read."""
+    import polars as pl
+
+    faults: list[LocosweepError] = []
+    try:
+        scan(run, faults).sink_parquet(path)
+    except (pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
+        raise (faults or [InputError(f"{name}: cannot write: {error}")])[0] from None
