@@ -45,6 +45,7 @@ PYTHON_ORDER = [
     {"simulation"},
     {"specs"},
     {"run_folder"},
+    {"virtual_grid"},
     {"plot"},
     {"diagnosis.data"},
     {"diagnosis.effects"},

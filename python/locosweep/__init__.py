@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from locosweep.simulation.trajectories import simulate as simulate
     from locosweep.specs.gait import GaitSpec as GaitSpec
     from locosweep.specs.sweep import Spec as Spec
+    from locosweep.virtual_grid.open_grid import open_grid as open_grid
 
     __version__: str
 
@@ -82,6 +83,7 @@ _HOMES = {
     "load": "files.results",
     "load_robot": "files.robot",
     "methods": "registry",
+    "open_grid": "virtual_grid.open_grid",
     "open_run": "run_folder.run",
     "parameters": "registry",
     "quantities": "registry",

@@ -96,10 +96,10 @@ class Cells:
         self, key: Sequence[slice | NDArray[Any]], output: int, *, status: bool
     ) -> NDArray[Any]:
         """Return one output, or its statuses, where the indices of the axes cross."""
-        job = self._job(key, [output])
-        array = np.empty(tuple(job.shape), np.uint8 if status else self.dtype)
+        shape = self._shape_of(key)
+        array = np.empty(shape, np.uint8 if status else self.dtype)
         if array.size:
-            job.run([(0, array)], _core.threads_to_use(), fresh=True)
+            self._run(key, [output], [(0, array)], _core.threads_to_use(), fresh=True)
         return array
 
     def block(
@@ -113,17 +113,17 @@ class Cells:
         kinds = [self._is_plain(i) for i in range(len(self.request.outputs))]
         plain = [i for i, is_plain in enumerate(kinds) if is_plain]
         other = [i for i, is_plain in enumerate(kinds) if not is_plain]
-        shape = tuple(len(axis[part]) for axis, part in zip(self.axes.values(), key, strict=True))
+        shape = self._shape_of(key)
         blocks = [(np.empty(shape, self.dtype), np.empty(shape, np.uint8)) for _ in kinds]
         options: Any = {"progress": progress, "token": token}
         if plain:
             arrays = [(k, blocks[i][0]) for k, i in enumerate(plain)]
-            self._job(key, plain).run(arrays, threads, fresh=True, **options)
+            self._run(key, plain, arrays, threads, fresh=True, **options)
         for i in plain:
             self._codes(key, i, *blocks[i], threads, token)
         if other:
             both = [(k, array) for k, i in enumerate(other) for array in blocks[i]]
-            self._job(key, other).run(both, threads, **options)
+            self._run(key, other, both, threads, **options)
         return blocks
 
     def _is_plain(self, output: int) -> bool:
@@ -142,19 +142,33 @@ class Cells:
         """Fill in the statuses of a closed form."""
         # A value is NaN exactly where its status is not ok; where none is, all is said.
         if np.isnan(np.min(values)):
-            self._job(key, [output]).run([(0, codes)], threads, token=token)
+            self._run(key, [output], [(0, codes)], threads, token=token)
         else:
             codes.fill(0)
 
-    def _job(
-        self, key: Sequence[slice | NDArray[Any]], outputs: Sequence[int] | None = None
-    ) -> _core.Sweep:
+    def _shape_of(self, key: Sequence[slice | NDArray[Any]]) -> tuple[int, ...]:
+        return tuple(len(axis[part]) for axis, part in zip(self.axes.values(), key, strict=True))
+
+    def _run(
+        self,
+        key: Sequence[slice | NDArray[Any]],
+        outputs: Sequence[int],
+        arrays: Sequence[tuple[int, NDArray[Any]]],
+        threads: int,
+        **options: Any,
+    ) -> None:
+        """Fill arrays of some outputs on a part of the grid."""
         chosen = dict(zip(self.axes, key, strict=True))
-        axes = {
-            name: np.ascontiguousarray(axis[chosen[name]]) if name in chosen else axis
-            for name, axis in self.grid.axes.items()
-        }
-        return self.request.job(axes, self.grid.fixed, outputs)
+        axes, fixed = {}, dict(self.grid.fixed)
+        for name, axis in self.grid.axes.items():
+            part = np.ascontiguousarray(axis[chosen[name]]) if name in chosen else axis
+            # Kernels run along the last axis: one of a single value would leave their lanes idle.
+            if len(part) == 1 and name in chosen:
+                fixed[name] = float(part[0])
+            else:
+                axes[name] = part
+        job = self.request.job(axes, fixed, outputs)
+        job.run([(i, array.reshape(job.shape)) for i, array in arrays], threads, **options)
 
     def probe(self) -> str:
         """Hash the bits at some cells: another version that computes others is told by it."""

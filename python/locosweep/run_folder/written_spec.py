@@ -62,13 +62,16 @@ def cells_of(text: str, drive: str | None, source: str) -> Cells:
     if drive is not None:
         rows = [line.split(",") for line in drive.splitlines()[1:]]
         table = ([float(row[0]) for row in rows], [float(row[1]) for row in rows])
-    return Cells(request_of(spec, table), spec.grid(), spec.dtype)
+    return cells_of_spec(spec, table)
 
 
-def request_of(spec: Spec, table: Any) -> Request:
-    """Return the request of a sweep file, with the samples of its drive."""
+def cells_of_spec(spec: Spec, table: Any = None) -> Cells:
+    """Return what a sweep file describes; without a table the drive file that it names is read."""
     chosen = spec.simulation
-    return Request.of(
+    if table is None:
+        table = chosen.options()["table"]
+    request = Request.of(
         spec.quantities, spec.reduce or None, q=spec.q, table=table, over=spec.over,
         law=chosen.law, drive=chosen.drive, gait=chosen.gait, method=chosen.method,
     )  # fmt: skip
+    return Cells(request, spec.grid(), spec.dtype)
