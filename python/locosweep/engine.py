@@ -82,6 +82,7 @@ def sweep(
     progress: bool | Progress = False,
     token: CancelToken | None = None,
     shard: tuple[int, int] | None = None,
+    client: Any = None,
     allow_drift: bool = False,
     **fixed: Any,
 ) -> Result | Run:
@@ -137,6 +138,9 @@ def sweep(
     shard : (int, int), optional
         With a folder: (i, n) computes every n-th chunk from the i-th on, from 0, then
         what is missing of the others.
+    client : dask.distributed.Client, optional
+        With a folder that all its workers see: they compute the chunks, each with
+        `threads` (default 1). Needs the extra ``dask``.
     allow_drift : bool
         With a folder: resume it although this version computes other bits, and note so.
     **fixed
@@ -176,14 +180,14 @@ def sweep(
 
         options = Options(
             threads=whole("threads", threads), chunk=whole("chunk", chunk), shard=shard,
-            memory_limit=memory_limit, progress=progress, token=token, allow_drift=allow_drift,
+            memory_limit=memory_limit, progress=progress, token=token, client=client,
+            allow_drift=allow_drift,
         )  # fmt: skip
         return sweep_into(out, request, grid, _float_name(dtype), options)
-    if shard is not None or allow_drift:
-        raise InputError(
-            f"{'allow_drift' if shard is None else 'shard'} is given without a folder: "
-            "allowed only together with out='FOLDER/'"
-        )
+    stored = {"shard": shard, "client": client, "allow_drift": allow_drift or None}
+    if any(value is not None for value in stored.values()):
+        idle = next(name for name, value in stored.items() if value is not None)
+        raise InputError(f"{idle} is given: allowed only together with out='FOLDER/'")
     job = request.job(grid.axes, grid.fixed)
     count = _core.threads_to_use(whole("threads", threads))
     shape = tuple(job.shape)

@@ -54,6 +54,10 @@ if TYPE_CHECKING:
     "--shard", type=SHARD,
     help="Of a folder, compute every N-th chunk from the I-th on, then what others miss.",
 )  # fmt: skip
+@click.option(
+    "--dask", metavar="SCHEDULER",
+    help="Of a folder, let workers of a Dask cluster compute: address of its scheduler.",
+)  # fmt: skip
 @click.option("--chunk", type=click.IntRange(min=1), metavar="CELLS", help="Cells of a chunk.")
 @click.option(
     "--allow-drift", is_flag=True,
@@ -75,12 +79,14 @@ def sweep(
     save_spec: Path | None,
     out: Path | str | None,
     shard: tuple[int, int] | None,
+    dask: str | None,
     chunk: int | None,
     allow_drift: bool,
     threads: int | None,
     json_: bool,
 ) -> None:
     """Evaluate quantities on a grid and write a Parquet file or a run folder."""
+    from locosweep.cli.dask_cluster import cluster
     from locosweep.files.atomic import check_file_name
     from locosweep.specs.sweep import Spec
 
@@ -103,19 +109,22 @@ def sweep(
         spec = Spec(quantities, axes, values, over, reduce, q, dtype or "float64", simulation)
     if out is None and save_spec is None:
         raise InputError("--out is missing: allowed is a file that ends in .parquet, or a folder")
-    stored = {"shard": shard, "chunk": chunk, "allow_drift": allow_drift or None}
+    stored = {"shard": shard, "dask": dask, "chunk": chunk, "allow": allow_drift or None}
     if not isinstance(out, str) and any(value is not None for value in stored.values()):
-        raise InputError("--shard, --chunk and --allow-drift are allowed with --out FOLDER/ only")
+        raise InputError(
+            "--shard, --dask, --chunk and --allow-drift are allowed with --out FOLDER/ only"
+        )
     report: dict[str, object] = {"file": None, "spec": None}
     if save_spec is not None:
         check_file_name(save_spec)
         # Refused now rather than when the file is run.
         spec.grid()
     if isinstance(out, str):
-        run = spec.run(
-            out=out, threads=threads, progress=on_terminal(), shard=shard, chunk=chunk,
-            allow_drift=allow_drift,
-        )  # fmt: skip
+        with cluster(dask) as client:
+            run = spec.run(
+                out=out, threads=threads, progress=on_terminal(), shard=shard, chunk=chunk,
+                allow_drift=allow_drift, client=client,
+            )  # fmt: skip
         report |= {"file": run.folder, **run.summary()}
     elif out is not None:
         result = spec.run(threads=threads, progress=on_terminal())

@@ -31,14 +31,13 @@ STORE = "data.zarr"
 """Folder of the arrays within a run."""
 
 
-def need(module: str) -> Any:
-    """Import an optional package of the extra ``runs``."""
+def need(module: str, extra: str = "runs") -> Any:
+    """Import a package of an extra."""
     try:
         return importlib.import_module(module)
     except ModuleNotFoundError:
-        raise InputError(
-            f"run folders need {module.partition('.')[0]}: pip install locosweep[runs]"
-        ) from None
+        name = module.partition(".")[0]
+        raise InputError(f"run folders need {name}: pip install locosweep[{extra}]") from None
 
 
 def array_names(cells: Cells) -> list[str]:

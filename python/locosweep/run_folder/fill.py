@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from locosweep import _core
+from locosweep.errors import InputError
 from locosweep.run_folder import arrays
 from locosweep.run_folder.begin import begin, prepare
 from locosweep.run_folder.cells import Cells
@@ -35,6 +36,7 @@ class Options:
     memory_limit: int | None = None
     progress: bool | Progress = False
     token: CancelToken | None = None
+    client: Any = None
     allow_drift: bool = False
 
 
@@ -44,6 +46,9 @@ def sweep_into(
     """Compute what a run folder still misses, and return it opened."""
     folder = check_run_name(out)
     check_shard(options.shard)
+    if options.client is not None and (options.shard is not None or options.token is not None):
+        other = "token" if options.shard is None else "shard"
+        raise InputError(f"client and {other} are both given: allowed is one of them")
     cells = Cells(request, grid, dtype)
     threads = _core.threads_to_use(options.threads)
     found, drifted = begin(
@@ -53,6 +58,14 @@ def sweep_into(
     prepare(folder, found)
     names = [*arrays.array_names(cells), *cells.axes]
     sweep_stale([folder, folder / arrays.STORE, *(folder / arrays.STORE / name for name in names)])
+    if options.client is not None:
+        from locosweep.run_folder.over_dask import fill_over_dask
+
+        fill_over_dask(
+            folder, found, options.client, options.threads, allow_drift=options.allow_drift,
+            progress=options.progress,
+        )  # fmt: skip
+        return Run(folder)
     order = Order(State(folder, found), options.shard)
     told = about(threads, shard=options.shard, drifted=drifted)
     filler = Filler(folder, found, threads, told, options.token)

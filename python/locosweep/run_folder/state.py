@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,7 @@ from locosweep.run_folder.log import Done, Writer, read_logs
 from locosweep.run_folder.manifest import LOGS
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
     from locosweep.run_folder.manifest import Manifest
@@ -104,3 +106,16 @@ class State:
         """Whether the files of a chunk are there now, logged or about to be."""
         root, key = self.folder / arrays.STORE, self.manifest.plan.key(chunk)
         return all((root / name / key).exists() for name in self.array_names)
+
+
+@contextlib.contextmanager
+def keeping(folder: Path, manifest: Manifest) -> Iterator[None]:
+    """Say, where what fills a run fails, how much of it is kept."""
+    try:
+        yield
+    except InputError as error:
+        done = State(folder, manifest).done_count
+        raise InputError(
+            f"{error}; {done} of {manifest.plan.count} chunks are kept in {folder}, the same sweep "
+            "goes on from there"
+        ) from None

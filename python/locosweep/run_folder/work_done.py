@@ -5,14 +5,10 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from locosweep.progress import Meter
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
-
-    from numpy.typing import NDArray
 
     from locosweep.progress import Progress
     from locosweep.run_folder.cells import Cells
@@ -48,12 +44,13 @@ class WorkDone:
     def _within(self, done: int, _total: int, _rate: float) -> None:
         self._show(min(done, max(self._total - self._done - 1, 0)))
 
-    def finish(self, chunk: int, codes: NDArray[np.uint8]) -> None:
-        """Count a chunk that was computed, with the statuses of its first output."""
-        self._done = min(self._done + self._plan.cells(chunk) * self._per_cell, self._total)
+    def finish(self, chunk: int, without: int) -> None:
+        """Count a chunk that was computed, with the cells of its first output without a value."""
+        cells = self._plan.cells(chunk)
+        self._done = min(self._done + cells * self._per_cell, self._total)
         if self._meter is not None:
-            self._seen += codes.size
-            self._without += int(np.count_nonzero(codes))
+            self._seen += cells
+            self._without += without
             self._meter.note(f"{self._without / self._seen:.1%} without a value")
         self._show(0)
 

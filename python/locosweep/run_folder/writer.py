@@ -7,8 +7,10 @@ import threading
 import time
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from locosweep import _core
-from locosweep.errors import Cancelled, InputError
+from locosweep.errors import Cancelled
 from locosweep.run_folder import arrays
 from locosweep.run_folder.cells import NUMERICS_VERSION
 from locosweep.run_folder.chunk_files import commit_chunk, count_statuses
@@ -16,7 +18,7 @@ from locosweep.run_folder.commit import sync_folders
 from locosweep.run_folder.log import Done, Log
 from locosweep.run_folder.manifest import LOGS
 from locosweep.run_folder.plan import HELD
-from locosweep.run_folder.state import State
+from locosweep.run_folder.state import keeping
 from locosweep.run_folder.work_done import WorkDone
 
 if TYPE_CHECKING:
@@ -95,6 +97,14 @@ class Filler:
         for writer in writers:
             writer.start()
         try:
+            with keeping(self._folder, self._manifest):
+                self._fill(chunks, writers, work)
+        finally:
+            work.close()
+        self._log.close()
+
+    def _fill(self, chunks: Iterable[int], writers: list[threading.Thread], work: WorkDone) -> None:
+        try:
             for chunk in chunks:
                 self._compute(chunk, work)
             for _ in writers:
@@ -102,18 +112,9 @@ class Filler:
             for writer in writers:
                 writer.join()
             self._raise_fault()
-        except BaseException as error:
+        except BaseException:
             self._end(writers)
-            if isinstance(error, InputError):
-                done = State(self._folder, self._manifest).done_count
-                raise InputError(
-                    f"{error}; {done} of {self._manifest.plan.count} chunks are kept in "
-                    f"{self._folder}, the same sweep goes on from there"
-                ) from None
             raise
-        finally:
-            work.close()
-        self._log.close()
 
     def _compute(self, chunk: int, work: WorkDone) -> None:
         self._room.acquire()
@@ -123,7 +124,7 @@ class Filler:
             self._manifest.plan.slices(chunk), self._threads, work.within, self._token
         )
         self._waiting.put((chunk, blocks, time.perf_counter() - begin))
-        work.finish(chunk, blocks[0][1])
+        work.finish(chunk, int(np.count_nonzero(blocks[0][1])))
 
     def _raise_fault(self) -> None:
         if self._fault is not None:
