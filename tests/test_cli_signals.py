@@ -7,14 +7,11 @@ import signal
 import subprocess
 import sys
 import time
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from locosweep.cli import signals
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="no SIGHUP here")
 LONG = [
@@ -25,12 +22,23 @@ LONG = [
 ]  # fmt: skip
 
 
+def _until_listening(process: subprocess.Popen[bytes]) -> None:
+    """Wait until a process catches SIGHUP, as the kernel tells, and a moment for it to begin."""
+    for _ in range(600):
+        assert process.poll() is None
+        status = Path(f"/proc/{process.pid}/status").read_text()
+        caught = next(line for line in status.splitlines() if line.startswith("SigCgt:"))
+        if int(caught.split()[1], 16) >> (signal.SIGHUP - 1) & 1:
+            break
+        time.sleep(0.05)
+    time.sleep(0.5)
+
+
 def test_a_hung_up_sweep_leaves_nothing(tmp_path: Path) -> None:
     process = subprocess.Popen(
         [sys.executable, "-m", "locosweep", *LONG], cwd=tmp_path, stderr=subprocess.PIPE
     )
-    time.sleep(1.5)
-    assert process.poll() is None
+    _until_listening(process)
     process.send_signal(signal.SIGHUP)
     _, err = process.communicate(timeout=20)
     assert process.returncode == 129

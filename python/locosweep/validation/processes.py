@@ -7,7 +7,7 @@ import multiprocessing
 import os
 import signal
 import threading
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 _Found = TypeVar("_Found")
 
 _PACKAGE = Path(__file__).parents[1]
+_PAUSE = 0.1
+"""Seconds until the process that waits for others looks for Ctrl-C: less than the 0.25 s within
+which it has to end."""
 
 
 def code_digest(*parts: str, engine: bool) -> str:
@@ -80,10 +83,14 @@ def over_processes(
     )  # fmt: skip
     try:
         waiting = [pool.submit(function, *arguments) for arguments in calls]
-        for done, future in enumerate(as_completed(waiting), 1):
-            future.result()
-            if progress is not None:
-                progress(done, len(waiting))
+        left = set(waiting)
+        while left:
+            # A signal that another thread receives does not wake this one, which handles it.
+            ended, left = wait(left, timeout=_PAUSE, return_when=FIRST_COMPLETED)
+            for future in ended:
+                future.result()
+            if ended and progress is not None:
+                progress(len(waiting) - len(left), len(waiting))
         pool.shutdown()
     except BaseException:
         # Their work is written whole or not at all, so it may be cut.
