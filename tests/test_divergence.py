@@ -173,7 +173,7 @@ class TestReplays:
         assert err.startswith("locosweep: p.csv: run b leaves all bounds")
         frame = pl.read_csv("p.csv")
         first = frame.filter(pl.col("x").is_nan())["t"][0]
-        assert f"from {first:g} s on" in err
+        assert f"from {first:g} s after its start on" in err
         assert not frame["x"].is_infinite().any()
 
     def test_derivatives_end_with_the_readings(self):

@@ -44,7 +44,7 @@ def test_commands_print_nothing_that_steers(tmp_path, capsys, monkeypatch):
     evil_runs().write_parquet("r.parquet")
     assert main(["simulate", "--model", "m\x1b.toml", "--runs", "r", "--out", "o.csv"]) == 2
     (tmp_path / "n.toml").write_text("[robot]\nmass=0.2\n[surface]\nmu_coulomb=0.3\n")
-    assert main(["diagnose", "r.parquet", "--nominal", "n.toml", "--out", "d"]) == 2
+    assert main(["diagnose", "r.parquet", "--nominal", "n.toml", "--out", "d", "--quiet"]) == 2
     assert main(["quantities", EVIL]) == 2
     note(EVIL)
     done = capsys.readouterr()
