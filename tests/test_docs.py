@@ -249,7 +249,8 @@ def test_the_readme_is_short_and_starts_with_the_two_commands() -> None:
 
 
 @pytest.mark.parametrize(
-    "page", ["README.md", "docs/sweeps.md", "docs/simulation.md", "docs/friction.md"]
+    "page",
+    ["README.md", "docs/sweeps.md", "docs/simulation.md", "docs/friction.md", "docs/your-data.md"],
 )
 def test_python_blocks_run(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

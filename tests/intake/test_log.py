@@ -110,6 +110,10 @@ def test_what_is_refused(tmp_path):
     assert read_log(file, form=CsvForm(decimal="comma")).frame["x"][0] == 1.234
     with pytest.raises(DataFileError, match=r"no column pos \(given for x\)"):
         read_log(file, columns={"x": "pos"})
+    huge = written(tmp_path, "t,drive,x", lambda k: f"{k * 0.01},0,1e300")
+    with pytest.raises(DataFileError, match=r"column x has 1e\+300, allowed is up to 1e\+15"):
+        read_log(huge)
+    file = written(tmp_path, "t;drive;x", lambda k: f"{k};0;1,234")
     with pytest.raises(InputError, match="unknown column 'y'"):
         read_log(file, columns={"y": "x"})
     with pytest.raises(InputError, match="unit of x: kN measures something else"):

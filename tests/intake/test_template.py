@@ -41,6 +41,7 @@ def test_what_is_missing_is_named_and_refused(tmp_path):
 def test_a_rotary_bench(tmp_path):
     given = {"mass": 0.01, "coulomb_force": 0.02, "gravity_torque": 0.0, "gain": 2.0}
     robot = read(tmp_path, nominal_text(log(x="deg", drive="V"), given)[0])
+    assert "moment of inertia [kg m^2]" in nominal_text(log(x="deg", drive="V"), given)[0]
     assert robot.other["bench.kind"] == "rotary"
     assert "mu_coulomb" not in robot.parameters
     assert nominal_text(log(x="deg", drive="N m"), {})[1] == [

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from locosweep.diagnosis.data.noise import noise_of
+from locosweep.diagnosis.data.readings.columns import LARGEST
 from locosweep.errors import DataFileError, InputError
 from locosweep.files.bags import is_bag
 from locosweep.files.channels import CHANNELS
@@ -129,13 +130,15 @@ def read_log(
         for mine, its in zip(seen, own, strict=True):
             mine.update(its)
         numbers, _ = number_columns(table, own[1])
+        _check_sizes(table, numbers)
         notes += [note for note in table.notices if note not in notes]
         runs, said = _runs(table, numbers, name if len(files) > 1 else "", pause)
         parts += runs
         notes += said
     frame, noise = _joined(parts), _noise(parts)
     notes += [
-        f"{channel}: noise of {one.gaussian:.2g} {_si(channel, seen[1])}, steps of {one.step:.2g}"
+        f"{channel}: noise of {one.gaussian:.2g} {_si(channel, seen[1])}"
+        + (f", steps of {one.step:.2g}" if one.step else "")
         for channel, one in noise.items()
     ]
     return Log(frame, notes, *seen, noise, len(parts))
@@ -168,6 +171,17 @@ def _read(
     if table.others:
         said.append(f"not used: {listed(table.others)}")
     return table, (chosen, {role: unit for role, (unit, _) in measured.items()}), said
+
+
+def _check_sizes(table: Table, numbers: Mapping[str, Floats]) -> None:
+    """Refuse numbers whose squares are none."""
+    for name, values in numbers.items():
+        size = float(np.nanmax(np.abs(values), initial=0.0))
+        if size > LARGEST:
+            raise DataFileError(
+                f"{table.path}: column {table.labels[name]} has {size:.2g}, allowed is up to "
+                f"{LARGEST:g}"
+            )
 
 
 def _runs(

@@ -32,7 +32,7 @@ _ROTARY = {
 }
 _NEEDED_ROTARY = {("robot", "mass"), ("surface", "coulomb_force"), ("bench", "gravity_torque")}
 _HINTS = {
-    ("robot", "mass"): "weigh the moving part; on a rotary bench its moment of inertia",
+    ("robot", "mass"): "weigh the moving part",
     ("drive", "gain"): "here of the column drive",
 }
 _DIGITS = 2
@@ -87,18 +87,22 @@ def nominal_text(log: Log, given: Mapping[str, float]) -> tuple[str, list[str]]:
                 continue
             record = records[entry]
             if key in given:
-                lines.append(_line(f"{key} = {record.check(given[key])!r}", record, entry))
+                lines.append(
+                    _line(f"{key} = {record.check(given[key])!r}", record, entry, rotary=log.rotary)
+                )
             elif entry in needed:
                 missing.append(f"{table}.{key}")
-                lines.append(_line(f'{key} = "{UNKNOWN}"', record, entry))
+                lines.append(_line(f'{key} = "{UNKNOWN}"', record, entry, rotary=log.rotary))
             elif record.default is not None and math.isfinite(record.default):
-                lines.append(_line(f"{key} = {record.default!r}", record, entry))
+                lines.append(_line(f"{key} = {record.default!r}", record, entry, rotary=log.rotary))
             else:
-                lines.append(_line(f"# {key} =", record, entry))
+                lines.append(_line(f"# {key} =", record, entry, rotary=log.rotary))
     return "\n".join([*lines, *_sensor(log), ""]), missing
 
 
-def _line(setting: str, record: Parameter, entry: tuple[str, str]) -> str:
+def _line(setting: str, record: Parameter, entry: tuple[str, str], *, rotary: bool) -> str:
+    if rotary and entry == ("robot", "mass"):
+        return f"{setting:<22} # moment of inertia [kg m^2]"
     unit = "" if record.unit == "1" else f" [{record.unit}]"
     hint = f"; {_HINTS[entry]}" if entry in _HINTS else ""
     return f"{setting:<22} # {record.meaning}{unit}{hint}"

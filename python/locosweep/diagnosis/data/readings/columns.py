@@ -34,7 +34,7 @@ LENGTHS = {"um": 1e6, "mm": 1e3, "cm": 1e2, "inch": 1.0 / 0.0254}
 ANGLES = {"deg": 180.0 / np.pi}
 FORCES = {"percent": 1e2, "mN": 1e3}
 """Factors of wrong units by their names, the SI unit being 1."""
-_LARGEST = 1e15
+LARGEST = 1e15
 """Largest usual size of a column, in SI: squares of it are still numbers."""
 _NEAR = float(np.log(3.0))
 """Logarithm of a factor up to which it is that of a unit: effects change the travel, too."""
@@ -198,10 +198,10 @@ def check_columns(runs: Sequence[Run], robot: Robot) -> Columns:
     for run in runs:
         for name, values in (("x", run.channels["x"]), ("drive", run.drive)):
             size = float(np.median(np.abs(values[np.isfinite(values)])))
-            if size > _LARGEST:
+            if size > LARGEST:
                 raise DataFileError(
                     f"run {run.label}, column {name}: its values are about {size:.2g}, allowed is "
-                    f"up to {_LARGEST:g}"
+                    f"up to {LARGEST:g}"
                 )
     sensor = sensor_of(robot)
     noise = noise_of("x", runs, sensor).sd
