@@ -389,7 +389,7 @@ class TestCommand:
             ({}, ("--holdout", "0"), ["every run"]),
             ({}, ("--runs", "3"), ["unknown run '3'"]),
             ({}, ("--holdout", ","), ["--holdout"]),
-            ({}, ("--unit", "x=parsec"), ["parsec"]),
+            ({}, ("--unit", "x=blorp"), ["blorp"]),
             ({}, ("--unit", "force"), ["--unit"]),
             ({}, ("--column", "force=cell"), ["no column cell"]),
             ({}, ("--mass", "-1"), ["mass", "-1"]),
