@@ -31,7 +31,7 @@ DRIVES = ("N", "N m", "V", "A", "Pa", "1")
 
 @functools.lru_cache(maxsize=1)
 def _registry() -> Any:
-    # Half a second: only units that differ from SI pay for it.
+    # 0.6 s of processor time: only units that differ from SI pay for it.
     import pint
 
     return pint.UnitRegistry()
