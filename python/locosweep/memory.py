@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import resource
+import sys
 from pathlib import Path
 
 from locosweep.errors import InputError
@@ -13,8 +15,8 @@ _NEGLIGIBLE = 64 << 20
 
 
 def default_limit() -> int:
-    """Return 80 % of the memory that is free now, within the limit of a cgroup."""
-    free = [_system()]
+    """Return 80 % of the memory that is free now, within the limits of a cgroup and ulimit."""
+    free = [_system(), _address_space()]
     for limit, used in (
         ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current"),
         (
@@ -40,6 +42,18 @@ def _system() -> int:
         return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     except (AttributeError, OSError, ValueError):
         return 8 << 30
+
+
+def _address_space() -> int:
+    """Return what `ulimit -v` leaves: an allocation beyond it may end the process."""
+    try:
+        soft, _ = resource.getrlimit(resource.RLIMIT_AS)
+        if soft == resource.RLIM_INFINITY:
+            return sys.maxsize
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+        return soft - pages * resource.getpagesize()
+    except (OSError, ValueError, IndexError):
+        return sys.maxsize
 
 
 _REMEDY = "reduce an axis (over=, reduce=), use dtype='float32', or raise memory_limit="

@@ -24,6 +24,7 @@ from locosweep.cli.gait import gait
 from locosweep.cli.heatmap import heatmap
 from locosweep.cli.init import init
 from locosweep.cli.laws import laws
+from locosweep.cli.merge import merge
 from locosweep.cli.optimum import optimum
 from locosweep.cli.plot import plot
 from locosweep.cli.registry_lists import (
@@ -67,7 +68,8 @@ def group() -> None:
 
 
 for _command in (
-    heatmap, sweep, status, verify, export, simulate, gait, init, screen, diagnose, distinguish,
+    heatmap, sweep, status, verify, merge, export, simulate, gait, init, screen, diagnose,
+    distinguish,
     friction, blind_check, optimum, plot, reproduce, quantities, parameters, laws, drives,
     methods, reductions, statuses,
 ):  # fmt: skip

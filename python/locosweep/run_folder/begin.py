@@ -42,19 +42,15 @@ def begin(
     """Return the manifest of a folder, made if there is none; and whether bits have drifted."""
     spec, drive = spec_of(cells)
     probe = cells.probe()
-    path = folder / NAME
-    if not path.exists():
+    if not (folder / NAME).exists():
         _check_new(folder)
         most = chunk or cells_of_chunk(cells.bytes_per_cell, cells.seconds_per_cell(threads))
         plan = cut(cells.shape, most)
-        _check_memory(plan, cells, memory_limit)
         store = _described(arrays.metadata(cells, plan))
+        # What these libraries take counts as well.
+        _check_memory(plan, cells, memory_limit)
         new = Manifest(spec, NUMERICS_VERSION, probe, plan, store, drive, _versions())
-        try:
-            (folder / LOGS).mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError(f"{folder}: cannot make this folder: {error.strerror}") from None
-        write_first(path, new.to_json())
+        make_run(folder, new)
     # Of several that begin at once the first one's plan holds.
     found = read(folder)
     # Texts may differ where another version wrote them.
@@ -69,9 +65,21 @@ def begin(
     return found, _drifted(found, probe)
 
 
+def make_run(folder: Path, manifest: Manifest) -> None:
+    """Make a folder with this manifest, unless it has one."""
+    if (folder / NAME).exists():
+        return
+    _check_new(folder)
+    try:
+        (folder / LOGS).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot make this folder: {error.strerror}") from None
+    write_first(folder / NAME, manifest.to_json())
+
+
 def _check_memory(plan: Plan, cells: Cells, limit: int | None) -> None:
     size = HELD * math.prod(plan.chunk) * cells.bytes_per_cell
-    memory.check(size, limit, "chunks of the run", "give fewer cells a chunk (chunk=)")
+    memory.check(size, limit, "chunks of the run", "give fewer cells a chunk (--chunk, chunk=)")
 
 
 def refuse_drift(folder: Path, found: Manifest, probe: str) -> None:

@@ -115,7 +115,7 @@ def keeping(folder: Path, manifest: Manifest) -> Iterator[None]:
         yield
     except InputError as error:
         done = State(folder, manifest).done_count
-        raise InputError(
+        raise type(error)(
             f"{error}; {done} of {manifest.plan.count} chunks are kept in {folder}, the same sweep "
             "goes on from there"
         ) from None
