@@ -52,6 +52,7 @@ test-all: test
 	$(BIN)/python benches/diagnosis.py --quick
 	$(BIN)/python benches/peers.py --quick
 	$(BIN)/python benches/dynamics_peers.py --quick
+	$(BIN)/python benches/stored.py --quick
 
 # Clippy generates no code; in the release profile it shares what a build has compiled.
 lint: $(VENV)/built style types
@@ -76,6 +77,7 @@ bench: $(VENV)/built
 	$(BIN)/python benches/diagnosis.py
 	$(BIN)/python benches/peers.py
 	$(BIN)/python benches/dynamics_peers.py
+	$(BIN)/python benches/stored.py
 
 wheel: $(VENV)/installed
 	$(BIN)/maturin build --release --locked --strip --out dist

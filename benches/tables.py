@@ -43,6 +43,7 @@ COMMANDS = {
     "heatmap": "python benches/heatmap.py --json heatmap.json",
     "peers": "python benches/peers.py --json peers.json",
     "practice": "python benches/practice.py FOLDER --json practice.json",
+    "stored": "python benches/stored.py --json stored.json",
 }
 # Parts of a result that fill no table and are too long to keep.
 _LONG = {"cases", "power", "calibration", "splits", "effects"}
@@ -142,6 +143,12 @@ def practice(result: dict[str, Any]) -> Lines:
     return [heads, *result["rows"]]
 
 
+def stored(result: dict[str, Any]) -> Lines:
+    """Return what run folders and virtual grids take."""
+    keys = ["work", "found", "target", "met"]
+    return [keys, *([row[key].replace("NO", "**no**") for key in keys] for row in result["rows"])]
+
+
 RESULTS: dict[str, Callable[[dict[str, Any]], Lines]] = {
     "accuracy": accuracy,
     "blind_check": blind_check,
@@ -153,6 +160,7 @@ RESULTS: dict[str, Callable[[dict[str, Any]], Lines]] = {
     "heatmap": heatmap,
     "peers": peers,
     "practice": practice,
+    "stored": stored,
 }
 REGISTRY: dict[str, Callable[[], str]] = {"effects": effects, "quantities": quantities}
 
