@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import sys
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -146,6 +147,15 @@ def test_odd_axes_come_back_to_the_bit(tmp_path: Path) -> None:
     run = ls.sweep("mean_velocity", **odd, mu_coulomb=0.3, segments=4, out=tmp_path / "run")
     for name, values in odd.items():
         assert ls.open_run(run.folder).axes[name].tobytes() == np.asarray(values).tobytes()
+
+
+def test_a_long_axis_of_odd_values_is_written_at_once(tmp_path: Path) -> None:
+    values = np.sort(np.random.default_rng(3).uniform(0.3, 0.9, 20_000))
+    begin = time.process_time()
+    run = ls.sweep("mean_velocity", mu_static=values, mu_coulomb=0.3, segments=4,
+                   out=tmp_path / "run")  # fmt: skip
+    assert time.process_time() - begin < 10
+    assert ls.open_run(run.folder).axes["mu_static"].tobytes() == values.tobytes()
 
 
 def spoil_file(path: Path) -> None:
