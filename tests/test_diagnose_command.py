@@ -45,7 +45,9 @@ class TestCommand:
         )  # fmt: skip
         assert code == 0
         assert out.splitlines() == [
-            "explained: lubricant_buildup (probability 0.97)", found.summary, "d/report.html"
+            "explained: lubricant_buildup (probability 0.97)", found.summary,
+            "What to do: give the model lubricant buildup (resistance per distance swept since "
+            "the last rest or turn 0.6 N/m).", "d/report.html"
         ]  # fmt: skip
         assert err.splitlines() == [
             "locosweep: diagnose: writing the report", f"locosweep: note: {found.warnings[0]}"

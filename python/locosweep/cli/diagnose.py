@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import meter, note, show
+from locosweep.cli.options import called, meter, note, show
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -35,7 +35,9 @@ if TYPE_CHECKING:
 @options.csv_options
 @options.threads_option
 @options.json_option
+@click.pass_context
 def diagnose(
+    ctx: click.Context,
     runs: tuple[Path, ...],
     nominal: Path,
     out: Path,
@@ -66,6 +68,7 @@ def diagnose(
 
     check_folder(out, force=force)
     from locosweep.diagnosis.pipeline import diagnose as diagnose_runs
+    from locosweep.diagnosis.report.sentences import advice
 
     bar = meter("locosweep: diagnose", "steps", quiet=quiet, log=True)
     found = diagnose_runs(
@@ -83,14 +86,14 @@ def diagnose(
     )
     if bar is not None:
         bar.say("writing the report")
-    found.save(out, force=force)
+    found.save(out, force=force, command=called(ctx))
     if bar is not None:
         bar.close()
     if not quiet:
         for warning in found.warnings:
             note(warning)
-    report = None if quiet else out / "report.html"
-    show(json_, {"verdict": found.report["verdict"], "out": out}, *_verdict(found), report)
+    more = () if quiet else (advice(found.report) or None, out / "report.html")
+    show(json_, {"verdict": found.report["verdict"], "out": out}, *_verdict(found), *more)
 
 
 def _verdict(found: Diagnosis) -> tuple[str, str]:

@@ -162,7 +162,13 @@ def diagnose(
         readings=checked.findings,
         warnings=(*notices, *data.warnings, *selected.warnings),
     )
-    report = assemble(found, Source(robot, nominal, digest, seed))
+    asked = {
+        "holdout": None if holdout is None else [str(label) for label in holdout],
+        "max_effects": max_effects,
+        "columns": dict(columns or {}),
+        "units": dict(units or {}),
+    }
+    report = assemble(found, Source(robot, nominal, digest, seed, runs, asked))
     say.end()
     return report
 

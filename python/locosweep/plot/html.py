@@ -45,13 +45,18 @@ def card(text: str, picture: Figure | None = None, caption: str = "") -> str:
     shown = f'<pre style="white-space:pre-wrap">{escape(text)}</pre>'
     if picture is None:
         return f"<div>{shown}</div>"
+    image = picture_of(picture, text.partition("\n")[0])
+    below = f"<br><small>{escape(caption)}</small>" if caption else ""
+    return f"<div>{shown}{image}{below}</div>"
+
+
+def picture_of(picture: Figure, words: str) -> str:
+    """Return the element of a small picture, with words for those who do not see it."""
     file = io.BytesIO()
     picture.savefig(file, format="png", dpi=_DPI)
     data = base64.b64encode(file.getvalue()).decode()
-    words = escape(text.partition("\n")[0], quote=True)
-    image = f'<img style="max-width:100%" alt="{words}" src="data:image/png;base64,{data}">'
-    below = f"<br><small>{escape(caption)}</small>" if caption else ""
-    return f"<div>{shown}{image}{below}</div>"
+    alt = escape(words, quote=True)
+    return f'<img style="max-width:100%" alt="{alt}" src="data:image/png;base64,{data}">'
 
 
 def result_card(result: Result) -> str:

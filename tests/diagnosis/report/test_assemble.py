@@ -73,6 +73,36 @@ def test_curves_are_the_measured_runs_and_replays_of_both_models(dragged: Findin
         assert np.abs(trace.nominal["x"] - trace.measured["x"]).max() > 100.0 * noise
 
 
+def test_a_set_of_effects_stands_once_and_in_one_order(dragged: Findings) -> None:
+    (fit, weight), *rest = dragged.choice.ranked
+    turned = [(one, w) for one, w in [(fit, weight), *rest] for _ in range(2)]
+    twice = replace(dragged, choice=replace(dragged.choice, ranked=turned))
+    report = assemble(twice, Source(ROBOT, ROBOT, "0" * 64, 0)).report
+    sets = [frozenset(row["effects"]) for row in report["candidates"]]
+    assert len(set(sets)) == len(sets)
+    assert all(row["effects"] == sorted(row["effects"], key=lambda n: (n != "viscous_friction", n))
+               for row in report["candidates"])  # fmt: skip
+
+
+def test_errors_of_free_runs_fall_with_the_cause(dragged: Findings) -> None:
+    found = assemble(dragged, Source(ROBOT, ROBOT, "0" * 64, 0)).details["free_runs"]
+    assert list(found["errors"]) == ["nominal model", "viscous_friction"]
+    before, after = found["errors"].values()
+    assert found["seconds"] == sorted(found["seconds"])
+    assert before[-1] > before[0]
+    assert after[-1] < 0.1 * before[-1]
+
+
+def test_files_and_options_are_named(tmp_path) -> None:
+    source = Source(ROBOT, tmp_path / "rig.toml", "0" * 64, 0, tmp_path / "log.csv", {"seed": 1})
+    quiet = findings({})
+    (tmp_path / "rig.toml").write_text("[robot]\n")
+    known = assemble(quiet, source).provenance
+    assert (known["runs_file"], known["nominal_file"]) == ("log.csv", "rig.toml")
+    assert known["options"] == {"seed": 1}
+    assert assemble(quiet, Source(ROBOT, ROBOT, "0" * 64, 0)).provenance["runs_file"] is None
+
+
 def test_without_a_gap_both_models_are_the_nominal_one() -> None:
     quiet = findings({})
     found = assemble(quiet, Source(ROBOT, ROBOT, "0" * 64, 0))

@@ -59,7 +59,7 @@ class TestParameters:
         assert figure is not None
         (ax,) = figure.axes
         # 0.6 N/m with a deviation of 1 %: 1.96 deviations are 0.01176.
-        assert ax.get_title(loc="right") == "0.6 ± 0.012 N/m"
+        assert ax.get_title(loc="right") == "0.600 ± 0.012 N/m"
         (ends,) = ax.collections[0].get_segments()
         np.testing.assert_allclose(ends[:, 0], [0.6 - 0.01176, 0.6 + 0.01176])
 
@@ -71,7 +71,7 @@ class TestParameters:
         assert ax.get_xlabel().endswith(" less 0.6 N/m [µN/m]")
         (ends,) = ax.collections[0].get_segments()
         np.testing.assert_allclose(ends[:, 0], [-1.96, 1.96])
-        assert ax.get_title(loc="right") == "0.6 ± 2e-06 N/m"
+        assert ax.get_title(loc="right") == "0.6000000 ± 2e-06 N/m"
         figure.canvas.draw()
         assert not ax.xaxis.get_offset_text().get_text()
 
@@ -87,6 +87,21 @@ class TestParameters:
 
 
 class TestHorizons:
+    def test_a_line_for_the_nominal_model_and_after_each_cause(self, own: Diagnosis) -> None:
+        own.report["verdict"]["effects"] = ["drive_saturation", "lubricant_buildup"]
+        errors = {"nominal model": [1e-3, 2e-2], "drive_saturation": [5e-4, 1e-3],
+                  "lubricant_buildup": [5e-6, 5e-6]}  # fmt: skip
+        details = own.details | {"free_runs": {"seconds": [0.1, 1.0], "errors": errors,
+                                           "restarted": False}}  # fmt: skip
+        figure = horizons(replace(own, details=details))
+        assert figure is not None
+        (ax,) = figure.axes
+        assert [line.get_label() for line in ax.lines] == [
+            "nominal model", "with drive saturation", "… and lubricant buildup", "noise floor"
+        ]  # fmt: skip
+        for line, known in zip(ax.lines, errors.values(), strict=False):
+            np.testing.assert_allclose(line.get_ydata(), np.multiply(1e3, known))
+
     def test_errors_over_the_length_of_free_runs(self, own: Diagnosis) -> None:
         figure = horizons(own)
         assert figure is not None

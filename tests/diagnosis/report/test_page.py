@@ -1,12 +1,25 @@
 """The page: complete, closed in itself, and safe against what files say."""
 
+import copy
+import re
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
 
+import locosweep as ls
 from diagnosis_case import EFFECTS, HOSTILE, made
 from locosweep.diagnosis.report.figures import FILES, pictures
-from locosweep.diagnosis.report.page import HEADLINES, _line, _number, _percent, _sure, page, short
+from locosweep.diagnosis.report.page import (
+    HEADLINES,
+    _line,
+    _model,
+    _number,
+    _percent,
+    _sure,
+    page,
+    short,
+)
 
 
 class Reader(HTMLParser):
@@ -43,10 +56,54 @@ class TestPage:
 
     def test_says_it_all(self, found, saved):
         text = " ".join(Reader((saved / "report.html").read_text()).text.split())
-        for part in (found.summary, "97 %", "lubricant buildup", "k_b", "N/m",
+        for part in (found.summary, "What to do: give the model", "0.97", "lubricant buildup",
+                     "k_b", "N/m",
                      "the head never moves backward", *found.warnings,
                      found.provenance["runs_sha256"], "surface.mu_coulomb"):  # fmt: skip
             assert part in text, part
+
+    def test_says_how_it_was_made(self, found):
+        given = found.provenance | {
+            "runs_file": "log.csv", "nominal_file": "rig.toml",
+            "options": {"holdout": ["2"], "max_effects": 2, "columns": {}, "units": {"x": "mm"}},
+            "largest_rest": {"channel": "x", "samples": 256, "deviations": -1.0161692},
+            "start_speed_free": [],
+        }  # fmt: skip
+        one = replace(found, report=found.report | {"provenance": given},
+                      details=found.details | {"made": "2026-11-25"})  # fmt: skip
+        text = " ".join(Reader(page(one, {}, "locosweep diagnose log.csv")).text.split())
+        for part in ("on 2026-11-25", "locosweep diagnose log.csv", "log.csv, SHA-256",
+                     "rig.toml, SHA-256", "runs kept from the fit on request",
+                     "most effects at once", "units of the file", "x mm",
+                     "means over 256 samples of x, −1 standard deviations off"):  # fmt: skip
+            assert part in text, part
+        assert "start speed free" not in text
+        assert "1.0161692" not in text
+        # The probability stands once, in the summary.
+        assert "Probability that this verdict" not in text
+
+    def test_a_rig_that_turns_has_its_units(self, found):
+        bench = ls.Robot({"mass": 0.1473, "gravity": 9.81},
+                         {"bench.kind": "rotary", "sensor.position_noise": 0.002,
+                          "bench.gravity_torque": 3.0, "surface.coulomb_force": 0.288})  # fmt: skip
+        rows = {key: unit for key, _, unit in _model(replace(found, nominal=bench))}
+        assert rows == {
+            "robot.mass": "kg m²", "robot.gravity": "m/s²", "bench.kind": "",
+            "sensor.position_noise": "rad", "bench.gravity_torque": "N m",
+            "surface.coulomb_force": "N m",
+        }  # fmt: skip
+
+    def test_what_comes_nearest_is_shown_where_nothing_explains(self, found):
+        report = copy.deepcopy(found.report)
+        report["verdict"] |= {"status": "unexplained", "effects": []}
+        text = Reader(page(replace(found, report=report), {})).text
+        assert "k_b" in text
+        assert "they are no result" in text
+        assert "What to do" not in text
+
+    def test_a_phone_scrolls_tables_and_not_the_page(self, saved):
+        text = (saved / "report.html").read_text()
+        assert re.search(r"table {[^}]*display: block; max-width: 100%; overflow-x: auto", text)
 
     def test_text_of_files_stays_text(self, hostile):
         text = page(hostile, {})
@@ -112,3 +169,5 @@ def test_a_few_lines_for_notebooks(found, hostile):
     assert "0.97" in short(found)
     assert all(f"<li>{warning}" in short(found).replace("&#39;", "'") for warning in found.warnings)
     assert "<script" not in short(hostile)
+    assert "data:image/png;base64," in short(found)
+    assert len(short(found)) < 200_000

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
-from locosweep.diagnosis.report.sentences import no_gap, summary
+from locosweep.diagnosis.report.sentences import advice, no_gap, summary
 
 
 def report(status: str, *classes: list[str], **more: Any) -> dict[str, Any]:
@@ -25,7 +25,7 @@ def test_no_gap() -> None:
 def test_a_cause_comes_with_its_numbers() -> None:
     text = summary(report("explained", ["drive_lag"]))
     assert text.startswith("The gap comes from drive lag: ")
-    for part in ("error in x", "99.5%", "1.1e-05 m", "noise 1e-05"):
+    for part in ("error in x", "from 2 mm to 11 µm", "noise 10 µm"):
         assert part in text
 
 
@@ -42,6 +42,34 @@ def test_several_causes_and_classes() -> None:
 def test_an_improvement_that_is_not_known_is_not_told() -> None:
     text = summary(report("explained", ["drive_lag"], gap={"shrink": None}))
     assert "%" not in text.replace("93%", "")
+
+
+class TestAdvice:
+    """What to do, from the parameters of the causes."""
+
+    LIMIT: ClassVar = {"F_max": {"value": 0.8499981, "std": 2.5e-6, "unit": "N"}}
+    BUILDUP: ClassVar = {"k_b": {"value": 12.0004, "std": 0.9, "unit": "N/m"}}
+
+    def found(self, status: str = "explained", **more: Any) -> str:
+        names = ["drive_saturation", "lubricant_buildup"]
+        row = {"effects": names[::-1], "shrink": 0.9,
+               "parameters": {names[0]: self.LIMIT, names[1]: self.BUILDUP}}  # fmt: skip
+        verdict = {"effects": names} | more
+        return advice(report(status, *([n] for n in names), verdict=verdict, candidates=[row]))
+
+    def test_values_stand_in_words_and_are_rounded(self) -> None:
+        for status in ("explained", "partial"):
+            assert self.found(status) == (
+                "What to do: give the model drive saturation (largest drive force 0.85 N) and "
+                "lubricant buildup (resistance per distance swept since the last rest or turn "
+                "12 N/m)."
+            )
+
+    def test_nothing_is_advised_where_nothing_is_settled(self) -> None:
+        for status in ("ambiguous", "unexplained", "none"):
+            assert self.found(status) == ""
+        assert self.found(law_mismatch=True) == ""
+        assert self.found(equivalent=[["drive_saturation", "back_emf"]]) == ""
 
 
 def test_another_law() -> None:
@@ -89,7 +117,7 @@ class TestPartial:
         text = summary(report("partial", verdict=self.verdict(), candidates=[row]))
         assert text.startswith("Drive lag (T = 0.012 s) makes 81% of the gap in x, ")
         assert "payload mass or drive gain error 12%" in text
-        assert "7% (0.0011 m) nobody has explained: most like friction by the load" in text
+        assert "7% (1.1 mm) nobody has explained: most like friction by the load" in text
 
     def test_without_values_or_a_known_rest(self) -> None:
         text = summary(report("partial", verdict=self.verdict(share=None, shape=[])))

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, replace
+import os
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,16 +18,19 @@ from locosweep.diagnosis.estimate.least_squares import evaluate, point_of
 from locosweep.diagnosis.report import localization, sentences
 from locosweep.diagnosis.report.comparison import compare_whole_runs
 from locosweep.diagnosis.report.contributions import (
+    Chain,
     chain_of,
     contributions,
     graded_contributions,
     graded_remaining,
     remaining,
 )
+from locosweep.diagnosis.report.free_runs import errors_by_length
 from locosweep.diagnosis.report.identifiability import not_visible
 from locosweep.diagnosis.report.improvement import gap_of, reduction
 from locosweep.diagnosis.report.model_file import calibrated
 from locosweep.diagnosis.report.result import Diagnosis, Trace
+from locosweep.diagnosis.report.units import rotary_unit
 from locosweep.diagnosis.report.windowed import report_windows
 from locosweep.diagnosis.select.shape import shape_of, shapes, unlisted_of
 from locosweep.diagnosis.select.stepwise import without
@@ -33,7 +38,7 @@ from locosweep.files.robot import Robot
 from locosweep.simulation.replay import effect
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from locosweep.diagnosis.data.readings.finding import Finding
     from locosweep.diagnosis.estimate.least_squares import Fit
@@ -57,6 +62,10 @@ class Source:
     """The nominal model as handed in: a path or a Robot."""
     runs_sha256: str
     seed: int
+    runs: Any = None
+    """The runs as handed in: a path, or columns."""
+    options: Mapping[str, Any] = field(default_factory=dict)
+    """What was asked for beside them."""
 
     @property
     def nominal_sha256(self) -> str:
@@ -119,7 +128,15 @@ def assemble(found: Findings, source: Source) -> Diagnosis:
     where = localization.where_of(comparison, gap["channel"], explained=explained)
     classes = _classes(found) if found.named else []
     effects = [alike[0] for alike in classes]
-    shares = _contributions(found, classes, compare, gap["channel"], source.seed)
+    graded = found.graded if choice.status == "partial" and not found.kept_by_user else None
+    chain = None
+    if classes:
+        chain = chain_of(found.search, choice.known, choice.fit, classes, alone=not graded)
+    shares = []
+    if graded:
+        shares = graded_contributions(graded, source.seed)
+    elif chain:
+        shares = _contributions(found, chain, compare, gap["channel"], source.seed)
     verdict: dict[str, Any] = {
         "status": choice.status,
         "effects": effects,
@@ -137,7 +154,7 @@ def assemble(found: Findings, source: Source) -> Diagnosis:
         "verdict": verdict,
         "gap": gap,
         "where": {**where, "site": effect(effects[0]).site if effects else None},
-        "candidates": _candidates(found, compare, gap["channel"], source.seed),
+        "candidates": _candidates(found, compare, gap["channel"], source.seed, effects),
         "not_visible": not_visible(found.search, choice.known, found.left_out),
         "next_experiment": found.next_experiment,
         "readings": [one.row() for one in found.readings],
@@ -150,10 +167,17 @@ def assemble(found: Findings, source: Source) -> Diagnosis:
         count = len(windows.problem.runs)
         report["warnings"] += sentences.odd_windows(comparison, gap["channel"], count)
     verdict["summary"] = sentences.summary(report)
+    later = {
+        chain.classes[i][0]: compare(point_of(problem, fit), found.augmented)
+        for i, fit in enumerate(chain.fits)
+    } if chain else {}  # fmt: skip
     details: dict[str, Any] = {
         "noise": {c: n.sd for c, n in problem.noise.items()},
         "force_view": localization.force_view(found.whole, found.nominal, problem.nominal["mass"]),
+        "free_runs": errors_by_length(comparison, later, gap["channel"]),
     }
+    # Not in the report: the same input gives the same report.
+    details["made"] = _today()
     if not isinstance(source.given, Robot):
         details["nominal_text"] = Path(source.given).read_text(encoding="utf-8")
     augmented = source.robot
@@ -173,18 +197,13 @@ def _classes(found: Findings) -> list[list[str]]:
 
 def _contributions(
     found: Findings,
-    classes: list[list[str]],
+    chain: Chain,
     compare: Callable[[Point, Point], Comparison],
     channel: str,
     seed: int,
 ) -> list[dict[str, Any]]:
-    if not classes:
-        return []
-    choice, problem = found.choice, found.search.problem
-    graded = found.graded if choice.status == "partial" else None
-    if graded and not found.kept_by_user:
-        return graded_contributions(graded, seed)
-    chain = chain_of(found.search, choice.known, choice.fit, classes)
+    problem = found.search.problem
+    graded = found.graded if found.choice.status == "partial" else None
     rows = contributions(problem, found.nominal, chain, compare, channel, seed=seed)
     for row, cause in zip(rows, graded.causes if graded else (), strict=False):
         row["agrees_between_runs"] = cause.agrees
@@ -243,49 +262,82 @@ def _by_importance(search: Search, fit: Fit) -> list[str]:
 
 
 def _candidates(
-    found: Findings, compare: Callable[[Point, Point], Comparison], channel: str, seed: int
+    found: Findings,
+    compare: Callable[[Point, Point], Comparison],
+    channel: str,
+    seed: int,
+    named: Sequence[str],
 ) -> list[dict[str, Any]]:
-    """Return the best sets of effects, with their parameters and what they leave."""
+    """Return the best sets of effects, with their parameters and what they leave.
+
+    Each set stands once, at the weight of its best fit, its effects in the order of the verdict
+    and then by name.
+    """
     problem, choice = found.search.problem, found.choice
-    shown = list(choice.ranked[:_CANDIDATES])
+    best: dict[frozenset[str], tuple[Fit, float]] = {}
+    for fit, weight in choice.ranked:
+        key = frozenset(fit.model.names)
+        if key not in best or fit is choice.fit:
+            best[key] = (fit, max(weight, best.get(key, (fit, 0.0))[1]))
     chosen = frozenset(choice.fit.model.names)
-    if not any(frozenset(fit.model.names) == chosen for fit, _ in shown):
-        shown += [pair for pair in choice.ranked if frozenset(pair[0].model.names) == chosen]
+    shown = list(best.values())[:_CANDIDATES]
+    if chosen in best and best[chosen] not in shown:
+        shown.append(best[chosen])
+    place = {name: i for i, name in enumerate(named)}
+    rotary = "gravity_torque" in problem.nominal
     rows = []
     for fit, weight in shown:
+        names = sorted(fit.model.names, key=lambda name: (place.get(name, len(place)), name))
         gap = reduction(compare(found.nominal, point_of(problem, fit)), channel, seed)
         rows.append(
             {
-                "effects": list(fit.model.names),
+                "effects": names,
                 "probability": float(weight),
                 "gap_after": gap["after"],
                 "shrink": gap["shrink"],
                 "shrink_ci": gap["shrink_ci"],
-                "parameters": _parameters(fit),
+                "parameters": _parameters(fit, rotary=rotary),
             }
         )
     return rows
 
 
-def _parameters(fit: Fit) -> dict[str, dict[str, Any]]:
+def _parameters(fit: Fit, *, rotary: bool) -> dict[str, dict[str, Any]]:
     parameters: dict[str, dict[str, Any]] = {name: {} for name in fit.model.names}
     for f, value, std in zip(fit.model.free, fit.parameters, fit.stds, strict=True):
         size = np.inf if f.log else f.size
         parameters[f.effect][f.name] = {
             "value": float(value),
             "std": float(std) if std < 1e3 * max(size, abs(value)) else None,
-            "unit": f.unit,
+            "unit": rotary_unit(f.unit) if rotary else f.unit,
         }
     return parameters
+
+
+def _today() -> str:
+    """Return the day; that of SOURCE_DATE_EPOCH, where builds that repeat set it."""
+    fixed = os.environ.get("SOURCE_DATE_EPOCH", "")
+    now = datetime.now(UTC)
+    if fixed.isascii() and fixed.isdigit():
+        now = datetime.fromtimestamp(int(fixed), UTC)
+    return now.date().isoformat()
+
+
+def _file_name(given: Any) -> str | None:
+    """Return the name of a file that was handed in; None for what is in memory."""
+    return Path(given).name if isinstance(given, str | os.PathLike) else None
 
 
 def _provenance(found: Findings, source: Source) -> dict[str, Any]:
     whiteness, runs = found.choice.whiteness, found.search.problem.runs
     return {
         "locosweep": _core.version(),
+        "runs_file": _file_name(source.runs),
         "runs_sha256": source.runs_sha256,
+        "nominal_file": _file_name(source.given),
         "nominal_sha256": source.nominal_sha256,
         "seed": source.seed,
+        "options": dict(source.options),
         "largest_rest": {
             "channel": whiteness.channel,
             "samples": whiteness.block,

@@ -42,16 +42,22 @@ class Chain:
 
 
 def chain_of(
-    search: Search, known: Collection, whole: Fit, classes: Sequence[Sequence[str]]
+    search: Search,
+    known: Collection,
+    whole: Fit,
+    classes: Sequence[Sequence[str]],
+    *,
+    alone: bool = True,
 ) -> Chain:
     """Return the models of growing sets of causes; those that no step has fitted are fitted here.
 
-    `whole` has all causes, in whatever order.
+    `whole` has all causes, in whatever order. Each cause by itself comes with `alone`.
     """
     names = [alike[0] for alike in classes]
     sets = [names[: i + 1] for i in range(len(names))]
     grown = [_model(search, known, whole, one) for one in sets]
-    return Chain(classes, grown, [_model(search, known, whole, [name]) for name in names])
+    single = [_model(search, known, whole, [name]) for name in names] if alone else []
+    return Chain(classes, grown, single)
 
 
 def _model(search: Search, known: Collection, whole: Fit, names: Sequence[str]) -> Fit:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from locosweep.diagnosis.report import figures_style as style
 from locosweep.diagnosis.report.figures_motion import gap_channel
+from locosweep.diagnosis.report.units import rounded, scale
 from locosweep.plot.numbers import plain_axis
-from locosweep.plot.style import figure
+from locosweep.plot.style import LINES, figure
 from locosweep.simulation.replay import effect
 
 if TYPE_CHECKING:
@@ -18,6 +21,11 @@ if TYPE_CHECKING:
 _MOST = 12
 _WIDE = 1.96
 """Standard deviations to either end of a 95 % interval."""
+_AFTER: tuple[dict[str, Any], ...] = (
+    {"color": LINES[2][0], "linestyle": LINES[2][1], "linewidth": 1.3},
+    {"color": LINES[3][0], "linestyle": LINES[3][1], "linewidth": 1.3},
+)
+"""Looks of models with some of the causes; that of all is the augmented model."""
 _NARROW = 1e-3
 """Width of an axis relative to its value below which four digits of a tick tell nothing."""
 
@@ -129,7 +137,7 @@ def parameters(diagnosis: Diagnosis) -> Figure | None:
         label, at, factor = f"${symbol}$ [{unit}]", value, 1.0
         if room < _NARROW * abs(value):
             near = float(f"{value:.5g}")
-            factor, small = style.scale(room, unit)
+            factor, small = scale(room, unit)
             label = f"${symbol}$ less {near:.5g} {unit} [{small}]".replace(" 1 [", " [")
             at = factor * (value - near)
             room, half = factor * room, factor * half
@@ -141,8 +149,9 @@ def parameters(diagnosis: Diagnosis) -> Figure | None:
         ax.set_xlabel(label, fontsize=9, labelpad=1)
         ax.set_ylabel(style.words(name).replace(" ", "\n"), rotation=0, ha="right", va="center",
                       fontsize=8)  # fmt: skip
-        spread = f" ± {half / factor:.2g}" if half else ", interval unknown"
-        text = f"{value:.5g}{spread} {unit}".removesuffix(" 1")
+        wide = half / factor
+        spread = f" ± {wide:.2g}" if half else ", interval unknown"
+        text = f"{rounded(value, wide, 5)}{spread} {unit}".removesuffix(" 1")
         ax.set_title(text, fontsize=8, loc="right", pad=2)
         ax.tick_params(labelsize=8)
         for side in ("left", "right", "top"):
@@ -151,27 +160,53 @@ def parameters(diagnosis: Diagnosis) -> Figure | None:
 
 
 def horizons(diagnosis: Diagnosis) -> Figure | None:
-    """Show the error before and after for free runs of growing length."""
-    rows = [row for row in diagnosis.gap["horizons"] if row["before"]]
-    if not rows:
+    """Show the error over the length of free runs: before, after each cause, and noise."""
+    seconds, lines, restarted = _free_runs(diagnosis)
+    if not seconds or not any(lines[0][1]):
         return None
-    made = figure(5.6, 3.3)
+    made = figure(7.0, 3.6)
     ax = made.subplots()
     info = style.channel(gap_channel(diagnosis), diagnosis.nominal)
-    factor, unit = info.scale(max(row["before"] for row in rows))
-    seconds = [row["seconds"] for row in rows]
-    ax.plot(seconds, [factor * row["before"] for row in rows], marker="o", label="nominal model",
-            **style.NOMINAL)  # fmt: skip
-    later = [(row["seconds"], factor * row["after"]) for row in rows if row["after"]]
-    if diagnosis.effects and later:
-        ax.plot(*zip(*later, strict=True), marker="D", label="augmented model", **style.AUGMENTED)
+    factor, unit = info.scale(float(np.nanmax([error or 0.0 for error in lines[0][1]])))
+    for rank, (name, errors) in enumerate(lines):
+        look = style.NOMINAL if rank == 0 else _AFTER[(rank - 1) % len(_AFTER)]
+        if rank == len(lines) - 1 and rank > 0:
+            look = style.AUGMENTED
+        shown = [(t, factor * e) for t, e in zip(seconds, errors, strict=True) if e]
+        if shown:
+            ax.plot(*zip(*shown, strict=True), marker="oD^sv"[rank % 5], markersize=4,
+                    markevery=1 if restarted else 4, label=name, **look)  # fmt: skip
     floor = diagnosis.gap.get("noise_floor")
     if floor:
         ax.axhline(factor * floor, color="0.3", linestyle=":", linewidth=1.2, label="noise floor")
-    ax.set(xscale="log", yscale="log", xlabel="free run restarted every … [s]",
+    what = ", restarted from the measured state" if restarted else ""
+    ax.set(yscale="log", xlabel=f"length of the free run{what} [s]",
            ylabel=f"rmse of ${info.symbol}$ [{unit}]")  # fmt: skip
-    ax.set_xticks(seconds, [f"{one:g}" for one in seconds])
-    ax.minorticks_off()
-    ax.legend(fontsize=8)
+    if restarted:
+        ax.set_xscale("log")
+        ax.set_xticks(seconds, [f"{one:g}" for one in seconds])
+        ax.xaxis.minorticks_off()
+    ax.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
     style.finish(ax)
     return made
+
+
+def _free_runs(
+    diagnosis: Diagnosis,
+) -> tuple[list[float], list[tuple[str, list[float | None]]], bool]:
+    """Return lengths of free runs, errors by the name of a model, and whether runs start anew."""
+    found = diagnosis.details.get("free_runs")
+    if found and found["seconds"]:
+        lines, before = [], list(diagnosis.effects)
+        for name, errors in found["errors"].items():
+            words = name
+            if name in before:
+                rank = before.index(name)
+                words = f"{'with ' if rank == 0 else '… and '}{style.words(name)}"
+            lines.append((words, errors))
+        return found["seconds"], lines, found["restarted"]
+    rows = [row for row in diagnosis.gap["horizons"] if row["before"]]
+    lines = [("nominal model", [row["before"] for row in rows])]
+    if diagnosis.effects:
+        lines.append(("augmented model", [row["after"] for row in rows]))
+    return [row["seconds"] for row in rows], lines, True

@@ -12,6 +12,7 @@ from matplotlib.patheffects import withStroke
 from locosweep.diagnosis.data.regimes import REGIMES
 from locosweep.diagnosis.report import figures_style as style
 from locosweep.diagnosis.report.figures_motion import gap_channel, residual
+from locosweep.diagnosis.report.units import is_rotary
 from locosweep.plot.numbers import PlainNumbers, plain_numbers
 from locosweep.plot.style import figure
 
@@ -197,7 +198,7 @@ def force_view(diagnosis: Diagnosis) -> Figure | None:
               if len(table[0])}  # fmt: skip
     if not tables:
         return None
-    rotary = diagnosis.nominal.other.get("bench.kind") == "rotary"
+    rotary = is_rotary(diagnosis.nominal)
     made = figure(9.0, 2.7 * -(-len(tables) // 3))
     grid = made.subplots(-(-len(tables) // 3), 3, squeeze=False).ravel()
     size = style.reach([np.asarray(table[1]) for table in tables.values()])
@@ -210,7 +211,7 @@ def force_view(diagnosis: Diagnosis) -> Figure | None:
         words, linear, turning = _VARIABLES.get(name, (style.words(name), "1", "1"))
         of = turning if rotary else linear
         ax.set_xlabel(f"{words} [{of}]" if of else words, fontsize=9)
-        ax.set_ylabel(f"missing force [{unit}]", fontsize=9)
+        ax.set_ylabel(f"missing {'torque' if rotary else 'force'} [{unit}]", fontsize=9)
         ax.tick_params(labelsize=8)
         style.finish(ax)
     for ax in grid[len(tables) :]:

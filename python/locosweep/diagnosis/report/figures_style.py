@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.font_manager import FontProperties, findfont, get_font
 
+from locosweep.diagnosis.report.units import is_rotary, scale
 from locosweep.files.channels import CHANNELS
 from locosweep.plot import style as plot_style
 
@@ -27,8 +27,6 @@ NOMINAL: dict[str, Any] = {"color": plot_style.LINES[1][0], "linestyle": "--", "
 AUGMENTED: dict[str, Any] = {"color": plot_style.LINES[0][0], "linestyle": "-", "linewidth": 1.1}
 """Colours differ in lightness and lines in dash and width: legible in grey too."""
 
-_PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
-_WHOLE = ("kg", "deg")
 _LONGEST = 24
 
 
@@ -50,25 +48,11 @@ class Channel:
         return f"{what or self.words} ${self.symbol}$ [{unit}]"
 
 
-def scale(largest: float, unit: str) -> tuple[float, str]:
-    """Return factor and unit in which values up to `largest` of a unit read well.
-
-    Units that begin with a power or a prefix, before which another would be read otherwise, stay.
-    """
-    first = re.split("[ /]", unit)[0]
-    if not np.isfinite(largest) or largest == 0.0 or first in _WHOLE or not first.isalpha():
-        return 1.0, unit
-    # 0.3 m stays 0.3 m; 0.03 m becomes 30 mm.
-    for size, prefix in _PREFIXES:
-        if largest >= 0.1 * size:
-            return 1.0 / size, prefix + unit
-    return 1.0 / _PREFIXES[-1][0], _PREFIXES[-1][1] + unit
-
-
 def channel(name: str, robot: Robot) -> Channel:
     """Return a channel's record for a robot or bench."""
-    rotary = robot.other.get("bench.kind") == "rotary"
-    return Channel(name, CHANNELS[name].unit_on(rotary=rotary) if name in CHANNELS else "1")
+    return Channel(
+        name, CHANNELS[name].unit_on(rotary=is_rotary(robot)) if name in CHANNELS else "1"
+    )
 
 
 def reach(fields: Iterable[Floats]) -> float:

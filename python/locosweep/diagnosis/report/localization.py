@@ -134,6 +134,19 @@ def horizons(
     problem: Problem, before: Point, after: Point, runs: list[int], seconds: tuple[float, ...]
 ) -> list[dict[str, float]]:
     """Errors of free runs that start anew from the measured state every so many seconds."""
+    return [
+        {"seconds": horizon, "before": errors[0], "after": errors[1]}
+        for horizon, errors in free_run_errors(problem, [before, after], runs, seconds)
+    ]
+
+
+def free_run_errors(
+    problem: Problem, points: Sequence[Point], runs: Sequence[int], seconds: Sequence[float]
+) -> list[tuple[float, list[float]]]:
+    """Return lengths of free runs in s, and the error of each model in runs of that length.
+
+    Runs start anew from the measured state; lengths beyond the longest run are left out.
+    """
     rows = []
     for horizon in seconds:
         cuts: list[tuple[int, int, int]] = []
@@ -144,11 +157,11 @@ def horizons(
             cuts.extend((r, int(a), int(b)) for a, b in pairwise(edges) if b - a >= 2)
         if not cuts or all(problem.runs[r].since_start[-1] < horizon for r in runs):
             continue
-        both = []
-        for point in (before, after):
+        errors = []
+        for point in points:
             e = np.concatenate(free_errors(problem, point, cuts))
-            both.append(float(np.sqrt(np.nanmean(e**2))))
-        rows.append({"seconds": horizon, "before": both[0], "after": both[1]})
+            errors.append(float(np.sqrt(np.nanmean(e**2))))
+        rows.append((horizon, errors))
     return rows
 
 

@@ -11,8 +11,11 @@ import numpy as np
 
 from locosweep import _core
 from locosweep.diagnosis.report.figures_cause import leading
-from locosweep.diagnosis.report.figures_motion import gap_channel
+from locosweep.diagnosis.report.figures_motion import gap_channel, runs_small
 from locosweep.diagnosis.report.figures_style import channel, unit_text, words
+from locosweep.diagnosis.report.sentences import advice
+from locosweep.diagnosis.report.units import is_rotary, rotary_unit, rounded
+from locosweep.plot.html import picture_of
 from locosweep.simulation.replay import effect
 
 if TYPE_CHECKING:
@@ -21,6 +24,12 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.report.result import Diagnosis
 
 _WIDE = 1.96
+_OPTIONS = {
+    "holdout": "runs kept from the fit on request",
+    "max_effects": "most effects at once",
+    "columns": "columns as named in the file",
+    "units": "units of the file",
+}
 
 HEADLINES = {
     "explained": "Cause found",
@@ -31,11 +40,11 @@ HEADLINES = {
 }
 
 
-def page(diagnosis: Diagnosis, shown: Mapping[str, bytes]) -> str:
+def page(diagnosis: Diagnosis, shown: Mapping[str, bytes], command: str | None = None) -> str:
     """Return report.html with pictures (PNG) by file name; those that are missing are left out.
 
-    The page has no scripts and no links to other files. Text that comes from the runs and
-    from their file is escaped.
+    `command` is what was typed. The page has no scripts and no links to other files. Text that
+    comes from the runs and from their file is escaped.
     """
     template = _environment().get_template("page.html.jinja")
     pictures = {
@@ -52,19 +61,24 @@ def page(diagnosis: Diagnosis, shown: Mapping[str, bytes]) -> str:
         samples=sum(trace.t.size for trace in diagnosis.traces),
         interval=_interval(diagnosis),
         sized=_sized(diagnosis),
-        settings={key: _line(value) for key, value in diagnosis.provenance.items()},
+        settings=_settings(diagnosis, command),
+        made=f" on {made}" if (made := diagnosis.details.get("made")) else "",
+        todo=advice(diagnosis.report),
         model=[*_model(diagnosis)],
     )
 
 
 def short(diagnosis: Diagnosis) -> str:
-    """Return a few lines of HTML, for notebooks."""
+    """Return a few lines of HTML and a picture of the runs, for notebooks."""
+    made = runs_small(diagnosis)
+    made.set_size_inches(min(7.5, made.get_figwidth()), min(4.5, made.get_figheight()))
+    image = picture_of(made, diagnosis.summary)
     template = _environment().from_string(
         "<div><strong>{{ headline }}</strong>, probability {{ d.probability | number(2) }}"
         "<p>{{ d.summary }}</p>{% if d.warnings %}<ul>{% for w in d.warnings %}<li>{{ w }}</li>"
-        "{% endfor %}</ul>{% endif %}</div>"
+        "{% endfor %}</ul>{% endif %}{{ image | safe }}</div>"
     )
-    return template.render(d=diagnosis, headline=HEADLINES[diagnosis.status])
+    return template.render(d=diagnosis, headline=HEADLINES[diagnosis.status], image=image)
 
 
 @cache
@@ -121,23 +135,59 @@ def _meaning(name: str) -> str:
 
 def _parameters(diagnosis: Diagnosis) -> list[dict[str, str]]:
     """Rows of the table of fitted parameters."""
-    found = leading(diagnosis)
+    found = leading(diagnosis) or _nearest(diagnosis)
     rows = []
     for name, table in (found["parameters"] if found else {}).items():
         records = {p.name: p for p in effect(name).parameters}
         for key, entry in table.items():
             value, std = entry["value"], entry["std"]
             known = value is not None and std is not None
-            # As many digits as tell the ends of the interval apart.
-            size = abs(value) / std if known and std > 0.0 and value else 100.0
-            digits = int(np.clip(np.ceil(np.log10(max(size, 1.0))) + 2, 3, 12))
-            ends = (value - _WIDE * std, value + _WIDE * std) if known else ()
-            interval = " to ".join(_number(end, digits) for end in ends) or "unknown"
+            half = _WIDE * std if known else None
+            ends = () if half is None else (value - half, value + half)
+            interval = " to ".join(_rounded(end, half) for end in ends) or "unknown"
             meaning = records[key].meaning if key in records else ""
-            rows.append({"effect": name, "key": key, "value": _number(value, digits),
+            rows.append({"effect": name, "key": key, "value": _rounded(value, half),
                          "interval": interval, "unit": unit_text(entry["unit"]),
                          "meaning": meaning})  # fmt: skip
     return rows
+
+
+def _rounded(value: float | None, half: float | None) -> str:
+    """Return a value with the digits that half the width of its interval lets stand."""
+    if value is None or not np.isfinite(value):
+        return "unknown"
+    return rounded(value, half).replace("-", "−")
+
+
+def _nearest(diagnosis: Diagnosis) -> dict[str, Any] | None:
+    """Return the candidate that comes nearest where nothing explains the gap."""
+    if diagnosis.status != "unexplained":
+        return None
+    return next((row for row in diagnosis.candidates if row["effects"]), None)
+
+
+def _settings(diagnosis: Diagnosis, command: str | None) -> dict[str, str]:
+    """Return what was asked for and of which files, in words."""
+    given = dict(diagnosis.provenance)
+    found = {} if command is None else {"command": command}
+    for name in ("runs", "nominal"):
+        file, digest = given.pop(f"{name}_file", None), given.pop(f"{name}_sha256", None)
+        found["nominal model" if name == "nominal" else name] = (
+            f"{file or 'from memory'}, SHA-256 {_line(digest)}"
+        )
+    for key, value in given.pop("options", {}).items():
+        if value not in (None, {}, []):
+            found[_OPTIONS.get(key, words(key))] = _line(value)
+    rest = given.pop("largest_rest", None)
+    if rest and rest["deviations"] is not None and rest["channel"]:
+        found["most unlike noise, of what is left"] = (
+            f"means over {rest['samples']} samples of {rest['channel']}, "
+            f"{_number(rest['deviations'], 2)} standard deviations off"
+        )
+    labels = given.pop("start_speed_free", [])
+    if labels:
+        found["runs whose start speed was fitted"] = _line(labels)
+    return found | {words(key): _line(value) for key, value in given.items()}
 
 
 def _interval(diagnosis: Diagnosis) -> str:
@@ -170,12 +220,16 @@ def _model(diagnosis: Diagnosis) -> list[tuple[str, str, str]]:
     """Nominal values: table and key of the file, value, unit."""
     records = {p.name: p for p in _core.parameters()}
     others = {f"{p.file_key[0]}.{p.file_key[1]}": p for p in _core.file_keys() if p.file_key}
+    rotary = is_rotary(diagnosis.nominal)
     rows = []
     for name, value in diagnosis.nominal.parameters.items():
         key = records[name].file_key
-        rows.append((".".join(key) if key else name, _number(value, 6),
-                     unit_text(records[name].unit)))  # fmt: skip
+        unit = records[name].unit
+        # Gravity acts along the ground on any rig.
+        unit = rotary_unit(unit) if rotary and name != "gravity" else unit
+        rows.append((".".join(key) if key else name, _number(value, 6), unit_text(unit)))
     for dotted, given in diagnosis.nominal.other.items():
         text = given if isinstance(given, str) else _number(given, 6)
-        rows.append((dotted, text, unit_text(others[dotted].unit) if dotted in others else ""))
+        unit = others[dotted].unit if dotted in others else ""
+        rows.append((dotted, text, unit_text(rotary_unit(unit) if rotary else unit)))
     return rows

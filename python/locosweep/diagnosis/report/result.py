@@ -71,7 +71,8 @@ class Diagnosis:
     details : dict
         Further tables for pictures: ``force_view`` maps a variable (v, x, t,
         drive, distance) to centres, residual force in N and half width of its
-        95 % interval; ``noise`` a channel to its standard deviation;
+        95 % interval; ``noise`` a channel to its standard deviation; ``free_runs`` the error
+        in x over the length of free runs, by model; ``made`` the day of the diagnosis;
         ``nominal_text`` the text of the nominal file.
     """
 
@@ -167,7 +168,9 @@ class Diagnosis:
         """Version, checksums of the files, seed."""
         return dict(self.report["provenance"])
 
-    def save(self, out: str | os.PathLike[str], *, force: bool = False) -> None:
+    def save(
+        self, out: str | os.PathLike[str], *, force: bool = False, command: str | None = None
+    ) -> None:
         """Write report.json, augmented.toml, report.html and the pictures.
 
         Parameters
@@ -176,6 +179,8 @@ class Diagnosis:
             The folder; made if missing. It is written as a whole or not at all.
         force : bool
             Allow a folder that is not empty; what else is in it stays.
+        command : str, optional
+            How the report was made, kept in the page and in the pictures.
 
         Raises
         ------
@@ -192,19 +197,23 @@ class Diagnosis:
         with filling(out, names, force=force) as folder:
             shown = {}
             for name, figure in pictures(self).items():
-                save_figure(figure, folder / name)
+                save_figure(figure, folder / name, command=command)
                 shown[name] = (folder / name).read_bytes()
             for name, text in (("report.json", report_text(self.report)),
-                               ("report.html", page(self, shown))):  # fmt: skip
+                               ("report.html", page(self, shown, command))):  # fmt: skip
                 (folder / name).write_text(text, encoding="utf-8", newline="\n")
             given = self.details.get("nominal_text")
             write_augmented(self.augmented, folder / "augmented.toml", given)
 
     def __repr__(self) -> str:
+        from locosweep.diagnosis.report.sentences import advice
+
         lines = [
             f"Diagnosis: {self.status}, probability {self.probability:.2f}",
             f"  {self.summary}",
         ]
+        if todo := advice(self.report):
+            lines.append(f"  {todo}")
         shrink, gap = self.gap.get("shrink"), self.gap
         if shrink is not None:
             lines.append(

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from locosweep.diagnosis.report.localization import by_run, windows
+from locosweep.diagnosis.report.units import rounded, sized
+from locosweep.simulation.replay import effect
 
 if TYPE_CHECKING:
     from locosweep.diagnosis.report.comparison import Comparison
@@ -17,6 +19,8 @@ _UNUSUAL = 3.0
 """Error of a run over the median of all runs, from which it is unusual."""
 _RESTING = 0.01
 """Part of a run's steps beyond the noise, below which its head hardly ever moves."""
+_WIDE = 1.96
+"""Standard deviations to either end of a 95 % interval."""
 _MOST, _MANY = 0.4, 20
 """Share of the squared error that one window of so many should not hold."""
 
@@ -49,7 +53,7 @@ def _partial(report: dict[str, Any], sure: str) -> str:
     text = ", ".join(parts)
     left = verdict["remaining"]
     if left["share"] is not None:
-        text += f"; {left['share']:.0%} ({left['rmse']:.2g} {gap['unit']}) nobody has explained"
+        text += f"; {left['share']:.0%} ({sized(left['rmse'], gap['unit'])}) nobody has explained"
         if left["shape"]:
             text += f": most like {left['shape'][0]['formula']}"
     return f"{text[0].upper()}{text[1:]} ({sure} sure)."
@@ -87,11 +91,46 @@ def summary(report: dict[str, Any]) -> str:
         text = f"The gap may come from {cause}, by another law than the usual formula"
     if gap["shrink"] is not None:
         them = "it" if len(causes) == 1 else "them"
-        text += f": with {them} the error in {gap['channel']} falls by {gap['shrink']:.1%}"
-        text += f" to {gap['after']:.2g} {gap['unit']} (noise {gap['noise_floor']:.2g})"
+        before, after, noise = (sized(gap[key], gap["unit"])
+                                for key in ("before", "after", "noise_floor"))  # fmt: skip
+        text += f": with {them} the error in {gap['channel']} falls from {before} to {after}"
+        text += f" (noise {noise})"
     if verdict["status"] == "ambiguous":
         text += "; these runs cannot tell which"
     return f"{text} ({sure} sure)."
+
+
+def advice(report: dict[str, Any]) -> str:
+    """Return what to change in the model: the parameters of the causes; nothing without any.
+
+    Of causes by another law than their formula, and of classes, the parameters are only those
+    of the nearest formula, and are not advised.
+    """
+    verdict = report["verdict"]
+    settled = verdict["status"] in ("explained", "partial") and not verdict["law_mismatch"]
+    if not settled or any(len(alike) > 1 for alike in verdict["equivalent"]):
+        return ""
+    row = next(
+        (c for c in report["candidates"] if set(c["effects"]) == set(verdict["effects"])), None
+    )
+    parts = []
+    for name in verdict["effects"]:
+        table = {} if row is None else row["parameters"].get(name, {})
+        meanings = {p.name: p.meaning for p in effect(name).parameters}
+        values = [
+            f"{meanings.get(key, key)} {_advised(entry)}"
+            for key, entry in table.items() if entry["value"] is not None
+        ]  # fmt: skip
+        parts.append(f"{_said(name)} ({', '.join(values)})" if values else _said(name))
+    return f"What to do: give the model {' and '.join(parts)}."
+
+
+def _advised(entry: dict[str, Any]) -> str:
+    """Return a value of three digits, or fewer where its interval lets no more stand."""
+    half = 0.0 if entry["std"] is None else _WIDE * entry["std"]
+    text = rounded(entry["value"], max(half, 1e-3 * abs(entry["value"])))
+    text = f"{float(text):.3g}"
+    return text if entry["unit"] == "1" else f"{text} {entry['unit']}"
 
 
 def no_gap(parts: str) -> str:
