@@ -112,7 +112,7 @@ class TestLists:
         assert "friction law" in ok("quantities", "final_position")
 
     def test_help_lists_laws_drives_and_methods(self, ok):
-        words = ok("simulate", "--help").split()
+        words = ok("simulate", "--help").replace(",", " ").split()
         names = [r.name for r in (*ls.laws(), *ls.drives())]
         assert [n for n in (*names, *ls.methods()) if n not in words] == []
 
@@ -254,9 +254,18 @@ def test_bad_input_of_simulate_is_one_line(refused, arguments, word):
     assert word in refused("simulate", *arguments)
 
 
-@pytest.mark.parametrize("command", ["laws", "drives"])
-def test_unknown_names_to_list(refused, command):
-    assert "Known are" in refused(command, {"laws": "stribek", "drives": "ramps"}[command])
+@pytest.mark.parametrize(
+    ("command", "name", "said"),
+    [("laws", "stribek", "did you mean 'stribeck' ("), ("drives", "ramps", "Known are"),
+     ("effects", "lag", "the nearest are drive_lag, "),
+     ("quantities", "qqqqqq", "known are, of ")],
+)  # fmt: skip
+def test_unknown_names_to_list(refused, command, name, said):
+    line = refused(command, name)
+    assert said in line
+    assert len(line) < 330
+    if "Known" not in said:
+        assert f"locosweep {command} lists all" in line
 
 
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="no folder here that nobody can write")

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from difflib import get_close_matches
 from enum import IntEnum
 from functools import cache
 from typing import TYPE_CHECKING, TypeVar
 
 from locosweep import _core
 from locosweep._core import Drive as Drive
+from locosweep._core import Effect as Effect
+from locosweep._core import Gait as Gait
 from locosweep._core import Law as Law
 from locosweep._core import Parameter as Parameter
 from locosweep._core import Quantity as Quantity
@@ -15,6 +18,21 @@ from locosweep.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+_MOST_NAMED = 12
+"""Names that an error lists all: one line of a terminal or two."""
+_CLOSE = 4
+"""Nearest names that an error lists of many."""
+_LISTS = {
+    "quantity": "quantities",
+    "parameter": "parameters",
+    "parameter of a gait": "parameters",
+    "friction law": "laws",
+    "law": "laws",
+    "drive": "drives",
+    "effect": "effects",
+}
+"""Commands that list all names of a kind."""
 
 _Record = TypeVar("_Record", Parameter, Quantity, Law, Drive)
 
@@ -118,6 +136,30 @@ def drives() -> list[Drive]:
     return list(_drives().values())
 
 
+def effects() -> list[Effect]:
+    """List the effects that a nominal model of a measured run may lack.
+
+    Examples
+    --------
+    >>> from locosweep.registry import effects
+    >>> [e.name for e in effects() if e.site == "body"]
+    ['payload_mass', 'anchor_slip']
+    """
+    return _core.effects()
+
+
+def gaits() -> list[Gait]:
+    """List the gaits that a whole robot can be simulated with.
+
+    Examples
+    --------
+    >>> from locosweep.registry import gaits
+    >>> gaits()[0].name
+    'single'
+    """
+    return _core.gaits()
+
+
 def methods() -> dict[str, str]:
     """Map the name of every method of simulation to its meaning.
 
@@ -157,11 +199,23 @@ def _one(kind: str, name: str, known: dict[str, _Record]) -> _Record:
 
 
 def unknown(kind: str, given: str, known: Iterable[str]) -> InputError:
-    """Build the error for an unknown name, with the nearest known one."""
+    """Build the error for an unknown name, with the nearest known ones; few are named all."""
     names = list(known)
     near = _core.nearest(given, names)
     hint = f"did you mean '{near}'? Known are " if near else "known are "
-    return InputError(f"unknown {kind} '{given}': {hint}{', '.join(names)}")
+    if len(names) <= _MOST_NAMED:
+        return InputError(f"unknown {kind} '{given}': {hint}{', '.join(names)}")
+    close = get_close_matches(given, names, _CLOSE, cutoff=0.4)
+    some = [*filter(None, [near]), *(name for name in close if name != near)][:_CLOSE]
+    lists = f"locosweep {_LISTS[kind]} lists all {len(names)}" if kind in _LISTS else ""
+    if near:
+        others = f" ({', '.join(some[1:])})" if some[1:] else ""
+        said = f"did you mean '{near}'{others}? {lists}"
+    elif some:
+        said = f"the nearest are {', '.join(some)}; {lists}"
+    else:
+        said = f"known are, of {len(names)}, {', '.join(names[:_CLOSE])}; {lists}"
+    return InputError(f"unknown {kind} '{given}': {said}".rstrip(" ;"))
 
 
 class Status(IntEnum):

@@ -18,6 +18,7 @@ import click
 from locosweep.cli.blind_check import blind_check
 from locosweep.cli.diagnose import diagnose
 from locosweep.cli.distinguish import distinguish
+from locosweep.cli.examples import epilog
 from locosweep.cli.export import export
 from locosweep.cli.friction import friction
 from locosweep.cli.gait import gait
@@ -29,6 +30,8 @@ from locosweep.cli.optimum import optimum
 from locosweep.cli.plot import plot
 from locosweep.cli.registry_lists import (
     drives,
+    effects,
+    gaits,
     methods,
     parameters,
     quantities,
@@ -69,10 +72,11 @@ def group() -> None:
 
 for _command in (
     heatmap, sweep, status, verify, merge, export, simulate, gait, init, screen, diagnose,
-    distinguish,
-    friction, blind_check, optimum, plot, reproduce, quantities, parameters, laws, drives,
-    methods, reductions, statuses,
+    distinguish, friction, blind_check, optimum, plot, reproduce, quantities, parameters, laws,
+    drives, effects, gaits, methods, reductions, statuses,
 ):  # fmt: skip
+    if _command.name:
+        _command.epilog = epilog(_command.name)
     group.add_command(_command)
 
 

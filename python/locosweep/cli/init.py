@@ -54,8 +54,6 @@ def init(
 
     Writes runs.csv (SI units, the names of locosweep diagnose) and nominal.toml, a commented
     template: values that only you know are "?" there until --set or an editor gives them.
-
-    Example: locosweep init rig.csv --out rig --set mass=0.27 --set mu_coulomb=0.3
     """  # fmt: skip
     from locosweep.files.atomic import write_frame, write_text
     from locosweep.files.folder import check_folder, filling

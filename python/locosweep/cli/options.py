@@ -155,6 +155,7 @@ REDUCTION = _Name("reduction", registry.reductions)
 LAW = _Name("friction law", lambda: {law.name: law.meaning for law in registry.laws()})
 DRIVE = _Name("drive", lambda: {drive.name: drive.meaning for drive in registry.drives()})
 METHOD = _Name("method", registry.methods)
+EFFECT = _Name("effect", lambda: {one.name: one.meaning for one in registry.effects()})
 SETTING = _Setting()
 AXIS = _Axis()
 PICTURE = _Output("png", "svg", "pdf")
@@ -163,32 +164,32 @@ CURVES = _Output("csv", "parquet")
 
 
 class SweepCommand(click.Command):
-    """A command whose help ends with what the registry holds."""
+    """A command whose help ends with the commands that list what its options take."""
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """List quantities, parameters, reductions, laws, drives and methods."""
+        """Name the lists of quantities, parameters, reductions, laws, drives and methods."""
         super().format_epilog(ctx, formatter)
         kinds = {param.type for param in self.params}
-        for kind, head in ((LAW, "Friction laws"), (DRIVE, "Drives"), (METHOD, "Methods")):
-            if kind in kinds:
-                with formatter.section(head):
-                    formatter.write_dl(list(kind.known().items()))
-        if QUANTITY in kinds or any(kind.name == QUANTITY.name for kind in kinds):
-            with formatter.section("Quantities"):
-                formatter.write_dl(
-                    [(q.name, f"{q.meaning} [{q.unit}]") for q in registry.quantities()]
-                )
-        if kinds & {AXIS, SETTING}:
-            with formatter.section("Parameters"):
-                formatter.write_dl([(p.name, _described(p)) for p in registry.parameters()])
-        if REDUCTION in kinds:
-            with formatter.section("Reductions"):
-                formatter.write_dl(list(registry.reductions().items()))
-
-
-def _described(record: registry.Parameter) -> str:
-    text = f"{record.meaning} [{record.unit}]"
-    return text if record.default is None else f"{text}, default {record.default:g}"
+        settings = bool(kinds & {AXIS, SETTING})
+        rows = [
+            (f"locosweep {command}", text)
+            for wanted, command, text in (
+                (
+                    any(kind.name == QUANTITY.name for kind in kinds),
+                    "quantities",
+                    "what can be swept; with a NAME its formula",
+                ),
+                (settings or PARAMETER in kinds, "parameters", "names, units, defaults, ranges"),
+                (LAW in kinds, "laws", ", ".join(law.name for law in registry.laws())),
+                (DRIVE in kinds, "drives", ", ".join(drive.name for drive in registry.drives())),
+                (METHOD in kinds, "methods", ", ".join(registry.methods())),
+                (REDUCTION in kinds, "reductions", ", ".join(registry.reductions())),
+            )
+            if wanted
+        ]
+        if rows:
+            with formatter.section("Names"):
+                formatter.write_dl(rows)
 
 
 FILE: click.ParamType[Path] = click.Path(path_type=Path)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from locosweep import registry
-from locosweep.cli.options import DRIVE, PARAMETER, QUANTITY, json_option, show
+from locosweep.cli.options import DRIVE, EFFECT, PARAMETER, QUANTITY, json_option, show
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -44,11 +44,17 @@ def page(
     record: registry.Law | registry.Quantity | registry.Drive, entries: Mapping[str, str]
 ) -> str:
     """Return everything about one record: its name, entries and parameters."""
+    lines = heading(record.name, record.meaning, entries)
+    return "\n".join([*lines, "", parameter_table(record.parameters)])
+
+
+def heading(name: str, meaning: str, entries: Mapping[str, str]) -> list[str]:
+    """Return the lines that name a record, with its entries below."""
     width = min(shutil.get_terminal_size().columns, 100)
-    lines = [f"{record.name}: {record.meaning}", ""]
+    lines = [f"{name}: {meaning}", ""]
     for head, text in entries.items():
         lines.append(textwrap.fill(f"{head:<10}{text}", width, subsequent_indent=" " * 10))
-    return "\n".join([*lines, "", parameter_table(record.parameters)])
+    return lines
 
 
 _QUANTITY = (
@@ -121,6 +127,46 @@ def drives(name: str | None, json_: bool) -> None:
     else:
         one = registry.drive(name)
         show(json_, as_record(one, _DRIVE), page(one, {"formula": one.formula}))
+
+
+_EFFECT = ("name", "site", "meaning", "formula", "shown", "needs")
+_EFFECT_PARAMETER = ("name", "symbol", "unit", "meaning")
+
+
+@click.command()
+@click.argument("name", required=False, type=EFFECT)
+@json_option
+def effects(name: str | None, json_: bool) -> None:
+    """List the effects that a diagnosis may name, or tell everything about one."""
+    records = [
+        as_record(one, _EFFECT)
+        | {"parameters": [as_record(p, _EFFECT_PARAMETER) for p in one.parameters]}
+        for one in registry.effects()
+        if name in (None, one.name)
+    ]
+    if name is None:
+        rows = [(one["name"], one["site"], one["meaning"]) for one in records]
+        more = "\nlocosweep effects NAME shows formula, parameters and what must be measured."
+        show(json_, records, table(rows, ("effect", "site", "meaning")), more)
+        return
+    one = records[0]
+    own = table([(p["name"], p["unit"], p["meaning"]) for p in one["parameters"]],
+                ("parameter", "unit", "meaning"))  # fmt: skip
+    seen = {"site": one["site"], "formula": one["formula"]}
+    if one["needs"]:
+        seen["needs"] = ", ".join(one["needs"])
+    show(json_, one, *heading(one["name"], one["meaning"], seen), "", own)
+
+
+@click.command()
+@json_option
+def gaits(json_: bool) -> None:
+    """List the gaits that a whole robot can be simulated with."""
+    known = registry.gaits()
+    rows = [(gait.name, gait.meaning) for gait in known]
+    more = "\nlocosweep gait FILE.toml simulates one; examples/gait_*.toml are files of all."
+    show(json_, [as_record(gait, ("name", "meaning")) for gait in known],
+         table(rows, ("gait", "meaning")), more)  # fmt: skip
 
 
 @click.command()

@@ -46,8 +46,6 @@ def screen(
     RUNS are files as for locosweep diagnose. Each effect is fitted to the equation
     error: forces of the model along the measured slides, without a replay. That
     takes a moment and is no verdict; what acts at rest is not seen.
-
-    Example: locosweep screen gap/runs.csv --nominal gap/nominal.toml
     """
     from locosweep.diagnosis.screening import screen as screen_runs
 

@@ -1,0 +1,56 @@
+"""Help of commands: short, with an example that can be typed; lists of what the registry has."""
+
+import json
+import shlex
+
+import click
+import pytest
+
+import locosweep as ls
+from locosweep.cli import group, main
+from locosweep.cli.examples import EXAMPLES
+
+
+def help_of(name):
+    command = group.commands[name]
+    context = click.Context(command, info_name=f"locosweep {name}", max_content_width=100)
+    return command.get_help(context)
+
+
+def test_every_command_has_an_example():
+    assert set(EXAMPLES) == set(group.commands)
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_help_fits_a_screen_or_two_and_ends_with_an_example_that_is_understood(name):
+    text = help_of(name)
+    assert text.count("\n") < 80
+    assert "Example:" in text
+    shown = text[text.index("Example:") + len("Example:") :].split("\n\n")[0].replace("\\\n", " ")
+    assert shlex.split(shown) == shlex.split(EXAMPLES[name])
+    command = group.commands[name]
+    arguments = shlex.split(EXAMPLES[name])
+    assert arguments[:2] == ["locosweep", name]
+    with command.make_context(name, arguments[2:], obj=arguments[1:]):
+        pass
+
+
+def test_effects_are_listed_and_explained(capsys):
+    assert main(["effects"]) == 0
+    listed = capsys.readouterr().out
+    assert all(effect.name in listed for effect in ls.effects())
+    assert main(["effects", "drive_saturation"]) == 0
+    one = capsys.readouterr().out
+    for part in ("the drive gives no more than a limit", "F_max", "N", "largest drive force"):
+        assert part in one
+    assert main(["effects", "--json"]) == 0
+    records = json.loads(capsys.readouterr().out)
+    assert [record["name"] for record in records] == [effect.name for effect in ls.effects()]
+
+
+def test_gaits_are_listed(capsys):
+    assert main(["gaits"]) == 0
+    assert all(gait.name in capsys.readouterr().out for gait in ls.gaits()[:1])
+    assert main(["gaits", "--json"]) == 0
+    records = json.loads(capsys.readouterr().out)
+    assert [record["name"] for record in records] == [gait.name for gait in ls.gaits()]
