@@ -54,3 +54,22 @@ def test_gaits_are_listed(capsys):
     assert main(["gaits", "--json"]) == 0
     records = json.loads(capsys.readouterr().out)
     assert [record["name"] for record in records] == [gait.name for gait in ls.gaits()]
+
+
+def test_first_outputs_say_why_they_differ(tmp_path, capsys):
+    robot = tmp_path / "robot.toml"
+    robot.write_text("[robot]\nsegments = 4\n[surface]\nmu_static = 0.5\nmu_coulomb = 0.3\n"
+                     "[drive]\nlimit = 0.85\n")  # fmt: skip
+    assert main(["optimum", "--robot", str(robot)]) == 0
+    best = " ".join(capsys.readouterr().out.split())
+    assert "an inner segment is pushed by one joint and pulled by the next" in best
+    assert "as a real number, which may lie below all whole ones" in best
+    gait = tmp_path / "gait.toml"
+    gait.write_text('format = "locosweep.gait/1"\n[gait]\nschedule = "single"\n'
+                    'robot = "robot.toml"\ncycles = 2\ndwell = 0.05\nbreak_away = 0\n')  # fmt: skip
+    assert main(["gait", str(gait), "--out", str(tmp_path / "out")]) == 0
+    said = capsys.readouterr().out.splitlines()[-1]
+    speed = float(ls.sweep("mean_velocity", robot=ls.load_robot(robot)).values)
+    assert f"{1000 * speed:.4g} mm/s" in said
+    assert "here an inner one has two, and no segment rests, here 0.05 s" in said
+    assert said in (tmp_path / "out" / "summary.md").read_text()

@@ -192,3 +192,25 @@ class Length:
 def test_quantities_with_units_are_converted():
     assert ls.Grid(stroke=Length(20.0, "mm")).fixed["stroke"] == 0.02
     assert ls.Grid(stroke=Length([10.0, 20.0], "mm")).axes["stroke"].tolist() == [0.01, 0.02]
+
+
+class TestRobot:
+    ROBOT = ls.Robot({"mu_static": 0.5, "mu_coulomb": 0.3, "segments": 4.0, "drive_limit": 0.85})
+
+    def test_fixes_what_is_not_given(self):
+        grid = ls.Grid(robot=self.ROBOT, segments=range(2, 9), drive_limit=1.0)
+        assert grid.fixed == {"mu_static": 0.5, "mu_coulomb": 0.3, "drive_limit": 1.0}
+        assert list(grid.axes) == ["segments"]
+
+    def test_goes_with_a_sweep_and_a_simulation(self):
+        plain = ls.sweep("mean_velocity", **self.ROBOT.parameters)
+        assert ls.sweep("mean_velocity", robot=self.ROBOT).values == plain.values
+        grid = ls.Grid(segments=[3, 4])
+        both = ls.sweep("mean_velocity", grid, robot=self.ROBOT)
+        assert both.values[1] == plain.values
+        run = ls.simulate(law="coulomb", drive_force=2.0, robot=self.ROBOT)
+        assert run.fixed["mu_coulomb"] == 0.3
+
+    def test_is_a_robot(self):
+        with pytest.raises(ls.InputError, match=r"robot is 'r.toml': allowed is what .*load_robot"):
+            ls.sweep("mean_velocity", robot="r.toml")

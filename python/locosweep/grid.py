@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+_ROBOT = "robot"
+"""Keyword that is no parameter."""
+
+
 class Grid:
     """Parameters of a sweep: one-dimensional values are axes, numbers are fixed.
 
@@ -26,7 +30,8 @@ class Grid:
         By name (see ``locosweep.parameters()``). A number fixes the parameter, a
         sequence, range or array makes it an axis; the order of the axes is the
         order of the arguments. Units are SI (degrees in names that end in
-        ``_deg``); objects with ``to`` and ``magnitude`` (Pint) are converted.
+        ``_deg``); objects with ``to`` and ``magnitude`` (Pint) are converted. ``robot``, from
+        ``locosweep.load_robot``, fixes what is not given otherwise.
 
     Attributes
     ----------
@@ -54,7 +59,7 @@ class Grid:
     def __init__(self, **parameters: Any) -> None:
         self.axes: dict[str, NDArray[np.float64]] = {}
         self.fixed: dict[str, float] = {}
-        for name, value in parameters.items():
+        for name, value in _with_robot(parameters).items():
             number, values = _read(name, value)
             if values is None:
                 self.fixed[name] = number
@@ -77,6 +82,8 @@ class Grid:
         if not parameters:
             return self
         for name in parameters:
+            if name == _ROBOT and _ROBOT not in self.axes:
+                continue
             if name in self.axes or name in self.fixed:
                 raise InputError(f"{name} is given twice: in the grid and beside it")
         return Grid(**self.axes, **self.fixed, **parameters)
@@ -85,6 +92,18 @@ class Grid:
         axes = [f"{name}[{len(values)}]" for name, values in self.axes.items()]
         fixed = [f"{name}={value:g}" for name, value in self.fixed.items()]
         return f"Grid({', '.join(axes + fixed)})"
+
+
+def _with_robot(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Put the values of a robot in for the parameters that are not given."""
+    given = dict(parameters)
+    robot = given.pop(_ROBOT, None)
+    if robot is None:
+        return given
+    own = getattr(robot, "parameters", None)
+    if not isinstance(own, dict):
+        raise InputError(f"robot is {robot!r}: allowed is what locosweep.load_robot returns")
+    return given | {name: value for name, value in own.items() if name not in given}
 
 
 def _read(name: str, value: Any) -> tuple[float, NDArray[np.float64] | None]:

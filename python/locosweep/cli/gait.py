@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from locosweep.simulation.gait import GaitRun
+
+
+_SPEED = "mean_velocity"
+"""Quantity whose closed form a run is held against."""
 
 
 @click.command()
@@ -42,7 +46,37 @@ def gait(ctx: click.Context, spec: Path, out: Path, force: bool, samples: int, j
         raise type(error)(f"{spec}: {error}") from None
     files = _write(ctx, spec, run, out)
     summary = _summary(run)
-    show(json_, {"files": files, "summary": summary, **run.results}, *files, summary)
+    beside = _closed_form(run)
+    record = {"files": files, "summary": summary, **run.results}
+    show(json_, record, *files, summary, beside or None)
+
+
+def _closed_form(run: GaitRun) -> str:
+    """Say what the closed form gives for the same robot, and why it differs; nothing without one.
+
+    There is one where one segment moves after another and all have the same values.
+    """
+    import numpy as np
+
+    from locosweep import registry
+    from locosweep.engine import sweep
+    from locosweep.plot.style import with_unit
+
+    known = {parameter.name for parameter in registry.quantity(_SPEED).parameters}
+    values: dict[str, Any] = {name: v for name, v in run.values.items() if name in known}
+    if run.gait != "single" or any(isinstance(value, tuple) for value in values.values()):
+        return ""
+    speed = float(sweep(_SPEED, **values).values)
+    if not np.isfinite(speed):
+        return ""
+    reasons = []
+    if np.isfinite(np.max(run.values["drive_limit"])):
+        reasons.append("one actuator drives each moving segment, here an inner one has two")
+    if np.max(run.values["dwell"]) > 0:
+        reasons.append(f"no segment rests, here {run.values['dwell']:g} s after each phase")
+    there = f"; there {', and '.join(reasons)}" if reasons else ""
+    said = "closed form of the same robot (mean_velocity, as in locosweep optimum)"
+    return f"{said}: {with_unit(1000 * speed, 'mm/s')}{there}"
 
 
 def _summary(run: GaitRun) -> str:
@@ -92,6 +126,7 @@ def _markdown(spec: Path, run: GaitRun) -> str:
         "",
         f"{_summary(run)}.",
         "",
+        *((f"{beside}.", "") if (beside := _closed_form(run)) else ()),
         f"Computed by locosweep {_core.version()} from {spec.name}.",
         "",
         "| Result | Value | Unit | Meaning |",

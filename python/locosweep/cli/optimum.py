@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,10 +20,17 @@ if TYPE_CHECKING:
     from locosweep.specs.span import Span
 
 _TIE = 1e-12
+_WIDTH = 100
 _AXIS = "segments"
 _SPEED = "mean_velocity"
 _AT_BEST = ("anchor_reserve", "anchor_safety", "slope_limit_deg")
 _CONTINUOUS = "optimal_segments"
+_NOTE = (
+    "These are closed forms: each moving segment has one actuator, and phases follow at once. "
+    "locosweep gait simulates the whole robot, in which an inner segment is pushed by one joint "
+    "and pulled by the next, each up to drive_limit, and may rest after each phase: its speed "
+    "differs."
+)
 
 
 @dataclass(frozen=True)
@@ -70,6 +78,7 @@ def optimum(
         "velocity": None if best is None else best.velocity,
         "facts": facts,
         "rivals": [asdict(rival) for rival in rivals],
+        "note": _NOTE,
         "fixed": values,
     }
     show(json_, report, _text(best, ties, facts, rivals))
@@ -163,9 +172,13 @@ def _text(
         rows.append(
             (name.removesuffix("_deg").replace("_", " "), number + unit, str(fact["meaning"]))
         )
+        if name == _CONTINUOUS and number != "none":
+            # Beside the whole number that stands above it.
+            rows[-1] = (*rows[-1][:2], f"{fact['meaning']}, which may lie below all whole ones")
     losers = []
     for r in rivals:
         numbers = [f"{r.velocity:.6g}", f"{r.ratio:.4f}", f"{r.phases:g}", f"{r.phase_time:.4g}"]
         losers.append((str(r.segments), *(numbers if r.status == "ok" else "----"), r.why))
     heads = ("segments", "speed [m/s]", "of best", "phases", "phase time [s]", "why")
-    return f"{table(rows, ('', '', ''), ' r').lstrip()}\n\n{table(losers, heads, 'rrrrr')}"
+    tables = f"{table(rows, ('', '', ''), ' r').lstrip()}\n\n{table(losers, heads, 'rrrrr')}"
+    return f"{tables}\n\n{textwrap.fill(_NOTE, _WIDTH)}"
