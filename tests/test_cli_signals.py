@@ -46,6 +46,22 @@ def test_a_hung_up_sweep_leaves_nothing(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.usefixtures("ctrl_c")
+def test_ctrl_c_while_the_command_is_imported_ends_it_in_one_line(tmp_path: Path) -> None:
+    script = (
+        "import os, signal, sys; from locosweep.__main__ import main\n"
+        "class Pressed:\n"
+        "    def find_spec(self, name, *rest):\n"
+        "        if name == 'locosweep.cli.heatmap': os.kill(os.getpid(), signal.SIGINT)\n"
+        "sys.meta_path.insert(0, Pressed()); sys.exit(main())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script, "quantities"], cwd=tmp_path, capture_output=True,
+        timeout=60, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout, done.stderr) == (130, b"", b"locosweep: interrupted\n")
+
+
 def test_what_ignores_hanging_up_goes_on(tmp_path: Path) -> None:
     """As under nohup."""
     script = (

@@ -76,10 +76,12 @@ def filling(
         yield temporary
         if there:
             made = sorted(temporary.iterdir())
+            # First away with the old ones: a process that is killed here leaves a part of one
+            # result, never parts of two.
+            for name in {*names, *(file.name for file in made)}:
+                (path / name).unlink(missing_ok=True)
             for file in made:
                 file.replace(path / file.name)
-            for name in set(names) - {file.name for file in made}:
-                (path / name).unlink(missing_ok=True)
         else:
             mask = os.umask(0)
             os.umask(mask)
