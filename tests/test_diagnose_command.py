@@ -40,6 +40,7 @@ class TestCommand:
     def test_verdict_goes_out_and_notes_beside_it(self, call, tmp_path, found):
         code, out, err, asked = call(
             "r.csv", "--nominal", "n.toml", "--out", "d", "--holdout", "2,3", "--holdout", "4",
+            "--runs", "1,2, 3", "--runs", "4",
             "--seed", "5", "--max-effects", "2", "--column", "drive=tau", "--unit", "x=mm",
             "--threads", "1",
         )  # fmt: skip
@@ -55,7 +56,8 @@ class TestCommand:
         ((arguments, options),) = asked
         assert callable(options.pop("progress"))
         assert arguments == (Path("r.csv"), Path("n.toml"))
-        assert options == {"holdout": ["2", "3", "4"], "max_effects": 2, "seed": 5,
+        assert options == {"holdout": ["2", "3", "4"], "labels": ["1", "2", "3", "4"],
+                           "max_effects": 2, "seed": 5,
                            "columns": {"drive": "tau"}, "units": {"x": "mm"}, "threads": 1,
                            "separator": None, "decimal": None}  # fmt: skip
         assert (tmp_path / "d" / "report.html").is_file()

@@ -26,6 +26,10 @@ if TYPE_CHECKING:
     "--holdout", multiple=True, metavar="RUN,...",
     help="Runs kept from the fit, for the check; default: chosen by the program.",
 )  # fmt: skip
+@click.option(
+    "labels", "--runs", multiple=True, metavar="RUN,...",
+    help="Runs that take part, by label; default all.",
+)  # fmt: skip
 @options.count_option("--max-effects", 3, "Most effects that act at once.", least=1)
 @options.count_option("--seed", 0, "Start of the random numbers.")
 @options.force_option
@@ -42,6 +46,7 @@ def diagnose(
     nominal: Path,
     out: Path,
     holdout: tuple[str, ...],
+    labels: tuple[str, ...],
     max_effects: int,
     seed: int,
     force: bool,
@@ -74,7 +79,8 @@ def diagnose(
     found = diagnose_runs(
         options.one_or_all(runs),
         nominal,
-        holdout=[label for text in holdout for label in text.split(",") if label] or None,
+        holdout=_split(holdout),
+        labels=_split(labels),
         max_effects=max_effects,
         seed=seed,
         columns=columns,
@@ -94,6 +100,11 @@ def diagnose(
             note(warning)
     more = () if quiet else (advice(found.report) or None, out / "report.html")
     show(json_, {"verdict": found.report["verdict"], "out": out}, *_verdict(found), *more)
+
+
+def _split(given: tuple[str, ...]) -> list[str] | None:
+    """Return the labels of a repeated option with commas; None without any."""
+    return [label.strip() for text in given for label in text.split(",") if label.strip()] or None
 
 
 def _verdict(found: Diagnosis) -> tuple[str, str]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from locosweep import _core
 from locosweep.diagnosis.data.checks import check_runs, usable
+from locosweep.diagnosis.data.chosen import as_labels, chosen
 from locosweep.diagnosis.data.gap_drives import told_by_motion
 from locosweep.diagnosis.data.holdout import hold_out
 from locosweep.diagnosis.data.inputs import nominal_model, read_runs
@@ -69,7 +70,8 @@ def diagnose(
     runs: Any,
     nominal: str | os.PathLike[str] | Robot,
     *,
-    holdout: Sequence[str] | None = None,
+    holdout: Sequence[str | int] | None = None,
+    labels: Sequence[str | int] | None = None,
     max_effects: int = 3,
     seed: int = 0,
     columns: Mapping[str, str] | None = None,
@@ -90,7 +92,10 @@ def diagnose(
     nominal : path-like or Robot
         The nominal model (`load_robot`).
     holdout : sequence of str, optional
-        Runs kept from fits and choice; chosen by the program if not given.
+        Labels of runs kept from fits and choice; chosen by the program if not given.
+    labels : sequence of str, optional
+        Labels of the runs that take part; all if not given. Numbers stand for the labels
+        that a file has.
     max_effects : int
         Effects at once, at most: 1 to 3.
     seed : int
@@ -133,11 +138,13 @@ def diagnose(
     workers = _core.threads_to_use(whole("threads", threads))
     robot = nominal_model(nominal)
     say("reading")
+    held, wanted = as_labels("holdout", holdout), as_labels("labels", labels)
     records, notices, digest = read_runs(
         runs, columns or {}, units or {}, robot, CsvForm(separator, decimal)
     )
+    records = chosen(records, wanted)
     checked = _reading_checks(robot, records)
-    data = _prepared(robot, checked, holdout, workers)
+    data = _prepared(robot, checked, held, workers)
     measured = {c for run in data.whole.runs for c in run.channels}
     names, left_out = candidates(robot, measured)
     task = _Task(tuple(names), max_effects, say)
@@ -146,7 +153,7 @@ def diagnose(
         flags, found_later = isolated_readings(selected.search.problem, selected.choice.fit)
         if found_later:
             checked = checked.without(flags, found_later)
-            data = _prepared(robot, checked, holdout, workers)
+            data = _prepared(robot, checked, held, workers)
             selected = _select(data, task)
     say("where the gap lies")
     judged = data.whole if data.plan else selected.search.problem
@@ -163,7 +170,8 @@ def diagnose(
         warnings=(*notices, *data.warnings, *selected.warnings),
     )
     asked = {
-        "holdout": None if holdout is None else [str(label) for label in holdout],
+        "holdout": held,
+        "labels": wanted,
         "max_effects": max_effects,
         "columns": dict(columns or {}),
         "units": dict(units or {}),

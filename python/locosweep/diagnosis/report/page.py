@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 _WIDE = 1.96
 _OPTIONS = {
     "holdout": "runs kept from the fit on request",
+    "labels": "runs that take part",
     "max_effects": "most effects at once",
     "columns": "columns as named in the file",
     "units": "units of the file",
