@@ -197,7 +197,7 @@ class Result:
         ...              slope_deg=[0, 10, 20], segments=range(2, 9))
         >>> some = r.sel(slope_deg=10, segments=[3, 4])
         >>> some.values.round(4), some.fixed["slope_deg"]
-        (array([0.0465, 0.0547]), 10.0)
+        (array([0.0428, 0.0547]), 10.0)
         >>> r.sel(slope_deg=9.2, method="nearest").fixed["slope_deg"]
         10.0
         """

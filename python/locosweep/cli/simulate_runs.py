@@ -51,7 +51,7 @@ def replay(
 
 
 def _lost(frame: pl.DataFrame) -> str:
-    """Return which runs have no values, and from when on; nothing if all have."""
+    """Return which runs have no values, and from when on since their start; nothing if all have."""
     import polars as pl
 
     since = pl.col("t") - pl.col("t").min().over("run")
@@ -61,5 +61,4 @@ def _lost(frame: pl.DataFrame) -> str:
         return ""
     run, t = gone["run"][0], gone["t"][0]
     others = f", and {gone.height - 1} other runs" if gone.height > 1 else ""
-    lost = f"from {t:g} s after its start on"
-    return f"run {run} leaves all bounds or cannot be resolved {lost} (NaN){others}"
+    return f"run {run} leaves all bounds or cannot be resolved from {t:g} s on (NaN){others}"
