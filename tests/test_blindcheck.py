@@ -84,6 +84,9 @@ LAG, VISCOUS = "drive_lag", "viscous_friction"
         (truth("two", effect(VISCOUS), effect(LAG)), report("explained", [VISCOUS, LAG]), False),
         (truth("outside", outside={"name": "tether"}), report("unexplained"), True),
         (truth("outside", outside={"name": "tether"}), report("explained", [LAG]), False),
+        (truth("outside", outside={"name": "reading_slips"}), report("none"), False),
+        (truth("outside", outside={"name": "reading_slips"}), report("none", readings=[{}]), True),
+        (truth("outside", outside={"name": "tether"}), report("none", readings=[{}]), False),
     ],
 )  # fmt: skip
 def test_verdicts_are_judged(known: dict[str, Any], said: dict[str, Any], right: bool) -> None:

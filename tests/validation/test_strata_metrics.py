@@ -37,8 +37,21 @@ def test_wrong_names_outside_the_list_are_certified() -> None:
 def test_a_gap_that_nobody_sees_is_no_success() -> None:
     blind = replace(OUTSIDE, status="none", right=False)
     found = {f.name: f for f in stratum_figures("outside", [OUTSIDE, blind])}
-    assert found["no wrong name: `unexplained`, or what copies the cause"].value == 0.5
-    assert found["no gap seen"].value == 0.5
+    assert (
+        found[
+            "no wrong name: `unexplained`, what copies the cause, or the fault of the readings"
+        ].value
+        == 0.5
+    )
+    assert found["no gap seen, and no fault of the readings"].value == 0.5
+
+
+def test_a_fault_of_the_readings_that_is_found_is_no_gap() -> None:
+    frozen = replace(OUTSIDE, status="none", family="reading_freezes", as_reading=True)
+    missed = replace(frozen, as_reading=False, right=False)
+    found = {f.name: f for f in stratum_figures("outside", [OUTSIDE, frozen, missed])}
+    assert found["no gap seen, and no fault of the readings"].value == pytest.approx(1 / 3)
+    assert found["frozen or slipped readings: found as such, no cause named"].value == 0.5
 
 
 def test_causes_over_a_background_are_split_by_size() -> None:

@@ -11,6 +11,8 @@ from locosweep.simulation.replay import effects
 
 NAMING = ("explained", "ambiguous", "partial")
 """Statuses of verdicts that name effects."""
+OF_READINGS = ("reading_freezes", "reading_slips")
+"""Disturbances of the readings alone: found before any fit, they leave no gap to explain."""
 SURE_TWIN = 2.0
 """Standard deviations below which a rival is certainly indistinguishable from the truth."""
 
@@ -47,7 +49,10 @@ class Judged:
     probability : float
         Stated by the verdict.
     right, one_right : bool
-        The class of the verdict holds the truth, or at least one of its effects.
+        The class of the verdict holds the truth, or at least one of its effects; outside the list
+        the verdict names no cause, or one that copies the disturbance.
+    as_reading : bool
+        A fault of the readings was found as such, and no cause is named.
     exact : bool
         The verdict names the true effects, each alone in its class.
     named, single_name : bool
@@ -99,6 +104,7 @@ class Judged:
     next_resolves: bool | None = None
     next_possible: bool | None = None
     times: float = float("nan")
+    as_reading: bool = False
 
 
 def _covers(classes: list[list[str]], names: list[str]) -> bool:
@@ -228,12 +234,14 @@ def judge(
         sites = {record_of(name).site for e in truth["effects"] for name in e["accepted"]}
         site = report["where"]["site"] in sites
     interval = report["gap"]["shrink_ci"]
+    as_reading = outside in OF_READINGS and bool(report.get("readings")) and not named
     return Judged(
         **common,
         said="+".join(said) if named else status,
         status=status,
         probability=float(verdict["probability"] or 0.0),
-        right=_right(truth, verdict),
+        right=_right(truth, verdict) or as_reading,
+        as_reading=as_reading,
         one_right=named and _one_right(truth, verdict),
         exact=sorted(said) == sorted(names) and all(len(c) == 1 for c in verdict["equivalent"]),
         named=named,

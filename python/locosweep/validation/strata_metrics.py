@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.stats import binomtest
 
-from locosweep.validation.judge import Judged
+from locosweep.validation.judge import OF_READINGS, Judged
 from locosweep.validation.laws import KEPT_OUT
 from locosweep.validation.metrics import (
     PLAIN,
@@ -74,14 +74,17 @@ def stratum_figures(name: str, judged: Sequence[Judged]) -> list[Figure]:
         new = [case for case in plain if case.family in KEPT_OUT]
         return [
             share(
-                "no wrong name: `unexplained`, or what copies the cause",
-                ((not case.named and case.status != "none") or case.right for case in plain),
+                "no wrong name: `unexplained`, what copies the cause, or the fault of the readings",
+                (case.right for case in plain),
                 at_least(0.9),
             ),
             _certified("a wrong name", (case.named and not case.right for case in plain), 0.05),
             share("a wrong name, families that the mixture lacks",
                   (case.named and not case.right for case in new)),
-            share("no gap seen", (case.status == "none" for case in plain)),
+            share("no gap seen, and no fault of the readings",
+                  (case.status == "none" and not case.as_reading for case in plain)),
+            share("frozen or slipped readings: found as such, no cause named",
+                  (case.as_reading for case in plain if case.family in OF_READINGS)),
             *_common(judged),
         ]  # fmt: skip
     if name == "another-law":
