@@ -280,16 +280,16 @@ DRIVES = {
     "nan": ("t,drive\n0,1\n1,nan\n", ["row 2", "column drive", "missing"]),
     "infinite": ("t,drive\ninf,1\n", ["row 1", "column t", "infinite"]),
     "missing": ("t,drive\n0,\n", ["row 1", "column drive", "missing"]),
-    "short row": ("t,drive\n0\n", ["row 1", "column drive", "missing"]),
+    "short row": ("t,drive\n0\n", ["row 1 has 1 values, there are 2 names"]),
     "grouped": ("t,drive\n0,1_000\n", ["row 1", "column drive", "1_000"]),
-    "decimal comma": ('t,drive\n0,"1,5"\n', ["row 1", "column drive", "1,5"]),
+    "two commas": ('t,drive\n0,"1,5,5"\n', ["row 1", "column drive", "1,5,5"]),
     "backwards": ("t,drive\n0,1\n2,1\n1,1\n", ["row 3", "column t", "1 s after 2 s"]),
     "again": ("t,drive\n0,1\n0,2\n", ["row 2", "column t", "0 s after 0 s"]),
     "no column": ("time,drive\n0,1\n", ["no column t", "time, drive"]),
     "column twice": ("t,drive,t\n0,1,2\n", ["column t is there twice"]),
     "no rows": ("t,drive\n", ["no rows"]),
     "empty": ("", ["empty", "a line of names"]),
-    "no csv": ('t,drive\n0,"1\n', ["not a readable CSV file"]),
+    "no csv": ('t,drive\n0,"1\n', ["row 1", "unexpected end of data"]),
 }
 
 
@@ -303,7 +303,7 @@ def test_bad_drive_file_is_one_line(refused, tmp_path, text, words):
 def test_drive_file_of_bytes(refused, tmp_path):
     (tmp_path / "drive.csv").write_bytes(b"t,drive\n0,\xff\n")
     line = refused("simulate", "--drive-file", "drive.csv", *MU, *OUT)
-    assert "drive.csv: not a readable CSV file" in line
+    assert "drive.csv: row 1, column drive: '\xff' is not a number" in line
 
 
 SIMULATED = [q.name for q in registry.quantities() if q.simulated]

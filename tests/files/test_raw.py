@@ -16,7 +16,7 @@ from locosweep.files.runs import load_runs
 from locosweep.files.toml import read
 
 MEMORY = """
-import json, resource, sys
+import json, sys
 from locosweep.errors import DataFileError
 from locosweep.files.runs import load_runs
 try:
@@ -24,7 +24,9 @@ try:
     said = "read"
 except DataFileError as error:
     said = str(error)
-print(json.dumps([said, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6]))
+# Not ru_maxrss, which a process inherits from the one that started it.
+peak = next(line for line in open("/proc/self/status") if line.startswith("VmHWM"))
+print(json.dumps([said, int(peak.split()[1]) / 1e6]))
 """
 
 

@@ -15,7 +15,6 @@ from locosweep.cli.simulate_runs import replay
 from locosweep.cli.simulation_options import refuse_beside, refuse_idle, simulation_options
 from locosweep.errors import InputError, SolveError
 from locosweep.files.strict_json import plain
-from locosweep.files.table import CsvForm
 
 if TYPE_CHECKING:
     from locosweep.simulation.trajectories import Trajectories
@@ -99,6 +98,8 @@ def simulate(
             missing = {"--model": model, "--runs": runs, "--out": out}
             first = next(name for name, value in missing.items() if value is None)
             raise InputError(f"{first} is missing: a replay takes --model, --runs and --out")
+        from locosweep.files.table import CsvForm
+
         form = CsvForm(separator, decimal)
         replay(
             model, runs, out, columns=columns, units=units, form=form, threads=threads, json_=json_
