@@ -112,7 +112,8 @@ def test_a_run_is_exported_as_parquet(capsys: pytest.CaptureFixture[str]) -> Non
     for source in ("all.parquet", "parts/*.parquet"):
         found = pl.read_parquet(source).sort(axes)
         assert found.equals(wanted.sort(axes), null_equal=True)
-    assert "not empty" in run(capsys, "export", "run", "--out", "parts", code=2)
+    said = run(capsys, "export", "run", "--out", "parts", code=2)
+    assert "parts is not empty: allowed is a new folder, or an empty one" in said
     assert "allowed are .parquet" in run(capsys, "export", "run", "--out", "x.csv", code=2)
 
 

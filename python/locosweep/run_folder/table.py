@@ -143,6 +143,8 @@ def export(run: Run, out: Path) -> int:
         return 1
     if out.suffix:
         raise InputError(f"{out} ends in {out.suffix}: allowed are .parquet, and a folder")
+    if out.is_dir() and any(out.iterdir()):
+        raise InputError(f"{out} is not empty: allowed is a new folder, or an empty one")
     count = 0
     with filling(out, []) as folder:
         for count, rows in enumerate(frames(run), 1):
