@@ -83,14 +83,15 @@ def over_processes(
     )  # fmt: skip
     try:
         waiting = [pool.submit(function, *arguments) for arguments in calls]
-        left = set(waiting)
+        left, done = set(waiting), 0
         while left:
             # A signal that another thread receives does not wake this one, which handles it.
             ended, left = wait(left, timeout=_PAUSE, return_when=FIRST_COMPLETED)
             for future in ended:
                 future.result()
-            if ended and progress is not None:
-                progress(len(waiting) - len(left), len(waiting))
+                done += 1
+                if progress is not None:
+                    progress(done, len(waiting))
         pool.shutdown()
     except BaseException:
         # Their work is written whole or not at all, so it may be cut.
