@@ -70,15 +70,26 @@ def measured(name: str, runs: list[Run]) -> pl.DataFrame:
     return frame.select("run", "t", pl.col("x") + pl.Series(noise)).with_columns(drive)
 
 
+class Marks(dict[str, float]):
+    """When each step of a diagnosis began."""
+
+    def __call__(self, done: int, total: int, rate: float, /) -> None:
+        """Take how far the steps are."""
+
+    def say(self, text: str) -> None:
+        """Take the name of a step that begins."""
+        self.setdefault(text, time.perf_counter())
+
+
 def timed(frame: pl.DataFrame, threads: int) -> tuple[float, float, str]:
     """Seconds for the singles and for all, and the verdict."""
-    marks: dict[str, float] = {}
+    marks = Marks()
     begin = time.perf_counter()
     found = ls.diagnose(
         frame,
         ROBOT,
         threads=threads,
-        progress=lambda text: marks.setdefault(text, time.perf_counter()),
+        progress=marks,
     )
     after = [at for text, at in marks.items() if at > marks["single effects"]]
     with tempfile.TemporaryDirectory() as out:
