@@ -143,15 +143,16 @@ class Plotter:
             finite = np.append(finite, extremes)
         shown = style.colours(finite, integer=output.integer, norm=norm, cmap=cmap)
         x_edges, y_edges = (cells.edges(n, c) for n, c in ((x, xs), (y, ys)))
+        raster = values.size >= _RASTER_FROM
         mesh = ax.pcolormesh(
             x_edges,
             y_edges,
             np.ma.masked_array(values, ~works),
             norm=shown.norm,
             cmap=shown.cmap,
-            rasterized=values.size >= _RASTER_FROM,
-            # Without an edge of its colour, each cell has a seam in SVG and PDF.
-            edgecolors="face",
+            rasterized=raster,
+            # Without an edge of its colour, each cell has a seam in SVG and PDF; an image has none.
+            edgecolors="none" if raster else "face",
             linewidth=_SEAM,
         )
         handles: list[Line2D | Patch] = []
