@@ -453,7 +453,9 @@ def test_long_captions_are_broken_into_lines():
 
 
 def test_only_what_is_better_when_larger_is_marked():
-    assert {q.name for q in ls.quantities()} >= caption.BETTER_WHEN_LARGER
+    better = {q.name for q in ls.quantities() if q.larger_is_better}
+    assert better >= {"mean_velocity", "final_position", "gait_advance"}
+    assert not better & {"stroke_time", "cycle_time", "gait_slip", "dissipated"}
     given = {"law": "coulomb", "mu_coulomb": [0.1, 0.2], "drive_force": [2, 3], "stroke": 0.01}
     slow = ls.sweep("stroke_time", **given)
     assert not slow.plot.heatmap().lines

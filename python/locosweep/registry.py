@@ -72,7 +72,7 @@ def quantities() -> list[Quantity]:
     -------
     list of Quantity
         Records with ``name``, ``symbol``, ``unit``, ``formula`` (TeX), ``source``,
-        ``limits``, ``meaning``, ``integer`` and ``parameters``.
+        ``limits``, ``meaning``, ``integer``, ``larger_is_better`` and ``parameters``.
 
     Examples
     --------

@@ -97,6 +97,7 @@ pub struct Quantity {
     limits: &'static str,
     meaning: &'static str,
     integer: bool,
+    larger_is_better: bool,
     parameters: Vec<Py<Parameter>>,
     /// Found by simulating a trajectory; law and drive then add parameters.
     simulated: bool,
@@ -122,6 +123,7 @@ fn quantity(py: Python<'_>, entry: &Entry) -> PyResult<Quantity> {
         limits: info.limits,
         meaning: info.meaning,
         integer: info.integer,
+        larger_is_better: info.larger_is_better,
         parameters: parameters.collect::<PyResult<_>>()?,
         simulated: entry.closed().is_none(),
     })

@@ -17,15 +17,6 @@ _BOUNDS = ("time_step", "tolerance", "segments_min", "segments_max")
 _WIDTH = 74
 """Letters of a line that is as wide as a heat map, formulas counted as they are drawn."""
 
-BETTER_WHEN_LARGER = frozenset({
-    "anchor_capacity", "propulsive_force", "net_force", "acceleration", "mean_velocity",
-    "peak_speed", "velocity", "velocity_limit", "best_velocity", "slope_limit_deg",
-    "anchor_reserve", "anchor_safety", "net_advance", "final_position", "final_speed",
-    "peak_position", "peak_motion", "average_velocity", "gait_advance", "gait_last_advance",
-    "gait_velocity", "gait_anchor_safety", "gait_propulsive_mean",
-})  # fmt: skip
-"""Quantities of which more is better. Of times, losses and costs less is."""
-
 
 def better_when_larger(output: Output) -> bool:
     """Return whether the highest value of an output is worth a mark.
@@ -38,7 +29,7 @@ def better_when_larger(output: Output) -> bool:
     >>> [better_when_larger(output) for output in r.outputs]
     [True, False]
     """
-    return not output.integer and output.quantity in BETTER_WHEN_LARGER
+    return not output.integer and quantity(output.quantity).larger_is_better
 
 
 def fixed_settings(result: Result, output: Output, shown: Collection[str]) -> list[str]:

@@ -88,6 +88,8 @@ pub struct Info {
     pub params: &'static [&'static str],
     /// A whole number (drawn with discrete colours).
     pub integer: bool,
+    /// More is better: of times, losses and costs less is.
+    pub larger_is_better: bool,
 }
 
 /// The known name closest to `given`, if one is close enough to be meant.

@@ -31,7 +31,7 @@ statuses! {
     NoOptimum 7 "no_optimum" "there is no best segment count: fewer segments are always faster";
     Unbounded 8 "unbounded" "the value grows without limit (nothing opposes it)";
     SetValued 9 "set_valued" "at rest friction takes any value up to break-away";
-    NoneFeasible 10 "none_feasible" "no value along the reduced axis works";
+    NoneFeasible 10 "none_feasible" "no value of the axis that was folded away works";
     CannotBrake 11 "cannot_brake" "the anchors cannot brake the moving segments to rest";
     EmptyRange 12 "empty_range" "no segment count lies between segments_min and segments_max";
     NotFinite 13 "not_finite" "the formula has no finite value here";

@@ -39,6 +39,7 @@ impl Quantity for OptimalSegments {
             "brake"
         ),
         integer: false,
+        larger_is_better: false,
     };
 
     #[inline(always)]

@@ -35,6 +35,7 @@ impl Quantity for CostOfTransport {
         meaning: "drive energy per weight of the robot and distance travelled",
         params: PhaseTime::INFO.params,
         integer: false,
+        larger_is_better: false,
     };
 
     #[inline(always)]
@@ -68,6 +69,7 @@ impl Quantity for MeanPower {
         meaning: "mean mechanical power of the drive over a cycle",
         params: PhaseTime::INFO.params,
         integer: false,
+        larger_is_better: false,
     };
 
     #[inline(always)]
@@ -96,6 +98,7 @@ impl Quantity for PeakPower {
         meaning: "highest mechanical power that one moving segment takes",
         params: PhaseTime::INFO.params,
         integer: false,
+        larger_is_better: false,
     };
 
     #[inline(always)]
@@ -130,6 +133,7 @@ impl Quantity for ImpactLoss {
             "brake"
         ),
         integer: false,
+        larger_is_better: false,
     };
 
     #[inline(always)]

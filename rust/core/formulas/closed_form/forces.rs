@@ -20,6 +20,7 @@ impl Quantity for AnchorCapacity {
         meaning: "force that the anchored segments hold together",
         params: anchors!(),
         integer: false,
+        larger_is_better: true,
     };
 
     #[inline(always)]
@@ -50,6 +51,7 @@ impl Quantity for PropulsiveForce {
         meaning: "force that drives the moving segments, gross of their own friction",
         params: anchors!("drive_limit", "anchors_ahead"),
         integer: false,
+        larger_is_better: true,
     };
 
     #[inline(always)]
@@ -91,6 +93,7 @@ impl Quantity for Resistance {
             "corner_deg",
         ],
         integer: false,
+        larger_is_better: false,
     };
 
     #[inline(always)]
@@ -117,6 +120,7 @@ impl Quantity for NetForce {
         meaning: "force left to accelerate the moving segments",
         params: ground!("drive_limit", "anchors_ahead"),
         integer: false,
+        larger_is_better: true,
     };
 
     #[inline(always)]
@@ -153,6 +157,7 @@ impl Quantity for FrictionForce {
             "speed",
         ],
         integer: false,
+        larger_is_better: false,
     };
 
     #[inline(always)]
@@ -183,6 +188,7 @@ impl Quantity for Feasible {
         meaning: "1 where the robot moves, 0 where it does not",
         params: ground!("drive_limit", "anchors_ahead"),
         integer: true,
+        larger_is_better: false,
     };
 
     #[inline(always)]
@@ -210,6 +216,7 @@ impl Quantity for AnchorReserve {
         meaning: "how many times the anchors hold what the moving segments need",
         params: ground!(),
         integer: false,
+        larger_is_better: true,
     };
 
     #[inline(always)]
@@ -250,6 +257,7 @@ impl Quantity for AnchorSafety {
         meaning: "safety factor of the anchors against the full drive force",
         params: anchors!("drive_limit", "anchors_ahead"),
         integer: false,
+        larger_is_better: true,
     };
 
     #[inline(always)]

@@ -23,6 +23,7 @@ impl Quantity for Acceleration {
         meaning: "acceleration of the moving segments from rest",
         params: ground!("drive_limit", "anchors_ahead"),
         integer: false,
+        larger_is_better: true,
     };
 
     #[inline(always)]
@@ -63,6 +64,7 @@ impl Quantity for PhaseTime {
             "brake"
         ),
         integer: false,
+        larger_is_better: false,
     };
 
     #[inline(always)]
@@ -89,6 +91,7 @@ impl Quantity for CycleTime {
         meaning: "time in which every segment has advanced by one stroke",
         params: PhaseTime::INFO.params,
         integer: false,
+        larger_is_better: false,
     };
 
     #[inline(always)]
@@ -115,6 +118,7 @@ impl Quantity for MeanVelocity {
         meaning: "mean velocity of the robot over a gait cycle",
         params: PhaseTime::INFO.params,
         integer: false,
+        larger_is_better: true,
     };
     const SCORE_POWER: f64 = 2.0;
     const SCORE_FLOOR: f64 = 0.0;
@@ -155,6 +159,7 @@ impl Quantity for PeakSpeed {
         meaning: "highest speed of a moving segment within a phase",
         params: PhaseTime::INFO.params,
         integer: false,
+        larger_is_better: true,
     };
 
     #[inline(always)]
@@ -209,6 +214,7 @@ impl Quantity for Velocity {
             "time"
         ),
         integer: false,
+        larger_is_better: true,
     };
 
     #[inline(always)]
@@ -241,6 +247,7 @@ impl Quantity for VelocityLimit {
         meaning: "velocity that a moving segment approaches under constant force",
         params: ground!("drive_limit", "anchors_ahead", "viscous", "coulomb_term", "speed_limit"),
         integer: false,
+        larger_is_better: true,
     };
 
     #[inline(always)]
@@ -270,6 +277,7 @@ impl Quantity for TimeConstant {
         meaning: "time in which the velocity comes within 1/e of its limit",
         params: &["mass", "viscous"],
         integer: false,
+        larger_is_better: false,
     };
 
     #[inline(always)]

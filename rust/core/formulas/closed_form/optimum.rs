@@ -36,6 +36,7 @@ impl Quantity for BestSegments {
             "segments_max"
         ),
         integer: true,
+        larger_is_better: false,
     };
 
     #[inline(always)]
@@ -138,6 +139,7 @@ impl Quantity for BestVelocity {
         meaning: "mean velocity with the best whole segment count",
         params: BestSegments::INFO.params,
         integer: false,
+        larger_is_better: true,
     };
 
     #[inline(always)]
@@ -179,6 +181,7 @@ impl Quantity for SlopeLimitDeg {
             "anchors_ahead",
         ],
         integer: false,
+        larger_is_better: true,
     };
 
     #[inline(always)]

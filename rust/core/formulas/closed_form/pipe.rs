@@ -32,6 +32,7 @@ impl Quantity for Preload {
             "corner_deg",
         ],
         integer: false,
+        larger_is_better: false,
     };
 
     #[inline(always)]

@@ -54,6 +54,7 @@ impl Quantity for SlipRatio {
         meaning: "backward slip of the anchors in one phase over the stroke",
         params: SLIP_PARAMS,
         integer: false,
+        larger_is_better: false,
     };
 
     #[inline(always)]
@@ -92,6 +93,7 @@ impl Quantity for NetAdvance {
         meaning: "advance of the robot in one gait cycle",
         params: SLIP_PARAMS,
         integer: false,
+        larger_is_better: true,
     };
 
     #[inline(always)]
