@@ -1,7 +1,7 @@
 from _typeshed import Incomplete, SupportsGetItem
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["CancelToken", "Drive", "Effect", "EffectFit", "EffectShape", "Experiment", "FrictionCandidate", "FrictionData", "FrictionOutcome", "FrictionParameter", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Misfit", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "derivative", "drives", "effect_parameter_count", "effects", "falls", "file_choices", "file_keys", "gait_outputs", "gait_parameters", "gait_run", "gaits", "imposed_force", "laws", "linear_response", "methods", "motor_power", "nearest", "noise", "parameters", "pressings", "quantities", "rank_fits", "reality_forms", "reality_run", "reality_source", "reductions", "sensitivity_directions", "simd_level", "simd_levels", "spikes", "statuses", "threads_to_use", "version"]
+__all__ = ["CancelToken", "Drive", "Effect", "EffectFit", "EffectShape", "EquationError", "Experiment", "FrictionCandidate", "FrictionData", "FrictionOutcome", "FrictionParameter", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Misfit", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "derivative", "drives", "effect_parameter_count", "effects", "falls", "file_choices", "file_keys", "gait_outputs", "gait_parameters", "gait_run", "gaits", "imposed_force", "laws", "linear_response", "methods", "motor_power", "nearest", "noise", "parameters", "pressings", "quantities", "rank_fits", "reality_forms", "reality_run", "reality_source", "reductions", "sensitivity_directions", "simd_level", "simd_levels", "spikes", "statuses", "threads_to_use", "version"]
 
 @final
 class CancelToken:
@@ -246,6 +246,38 @@ class EffectShape:
     def step(self, /) -> float:
         """
         Of a finite difference.
+        """
+
+@final
+class EquationError:
+    """
+    Displacements of models along the measured motion of runs.
+    """
+    def __new__(cls, /, experiment: Experiment, motions: SupportsGetItem[int, tuple[Incomplete, Incomplete, Incomplete, SupportsGetItem[int, tuple[SupportsIndex, SupportsIndex]]]], block: SupportsIndex, means: Incomplete, weights: Incomplete, times: Incomplete) -> EquationError:
+        """
+        `experiment` has each run as a span; `motions` x, v and sliding distance at the samples
+        of each, and its slides in one direction, pairs of first sample and one beyond the last.
+        `means`, `weights` and `times` are those of blocks of `block` samples, slide by slide:
+        mean reading of x, its inverse deviation (0 where nothing was read) and mean time.
+        """
+    def displacements(self, /, fits: SupportsGetItem[int, Incomplete], threads: SupportsIndex) -> Incomplete:
+        """
+        How far fits would have come in each slide under the forces of the measured motion, a
+        row each: block by block in units of the noise, without the line in time of every slide.
+        Bristles are left out, and what a fit says about the start of a run.
+        """
+    def fit(self, /, fits: SupportsGetItem[int, Incomplete], steps: SupportsIndex, tolerance: SupportsFloat | SupportsIndex, threads: SupportsIndex) -> list[tuple[Incomplete, float]]:
+        """
+        Improve fits; returns theta, without what is about the start of a run, and chi2 of each.
+        """
+    def jacobian(self, /, fit: Incomplete, threads: SupportsIndex) -> Incomplete:
+        """
+        Derivatives of the displacements of a fit, a row for every free value but those about
+        the start of a run.
+        """
+    def measured(self, /) -> Incomplete:
+        """
+        What was measured, in the form of `displacements`.
         """
 
 @final
@@ -611,16 +643,6 @@ class Replay:
         `nominal` has the keys segments, mass, gravity, viscous, slope_deg, gain,
         limit, and mu_coulomb or coulomb_force; for a pendulum also
         gravity_torque. Each run is (times in s from 0, drive, slope in degrees).
-        """
-    def displacements(self, /, columns: SupportsGetItem[int, tuple[SupportsIndex, SupportsGetItem[int, str]]], values: Incomplete, shares: Incomplete, motions: SupportsGetItem[int, tuple[Incomplete, Incomplete, Incomplete, SupportsGetItem[int, tuple[SupportsIndex, SupportsIndex]]]], block: SupportsIndex, threads: SupportsIndex) -> Incomplete:
-        """
-        Displacements of models along measured motions: how far each would have come in each
-        slide under the forces of the measured motion, without start and start speed.
-
-        Columns are (run, effects) with `values` and `shares` as in `run`; `motions` has x, v
-        and sliding distance at the samples of each run, and its slides in one direction, rows
-        of first sample and one beyond the last. Returns means over blocks of `block` samples,
-        slide by slide, all columns one after another. Bristles are left out.
         """
     @property
     def lengths(self, /) -> list[int]:

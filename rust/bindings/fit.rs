@@ -8,7 +8,7 @@ use locosweep::physics::effects::{Active, EFFECT_PARAMS, Effect};
 use locosweep::physics::robot::Motor;
 use locosweep::sweep::Control;
 use locosweep::sweep::fit::{self, Begin, Coordinate, How, Point, Rule, Shift, Signal, Source};
-use locosweep::sweep::fit::{DMatrix, DVector, Span, What};
+use locosweep::sweep::fit::{DMatrix, DVector, OverSpans, Span, What};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use numpy::{PyReadonlyArray2, PyReadwriteArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -20,7 +20,7 @@ type Table<'py> = PyReadonlyArray2<'py, f64>;
 /// Measured runs, or windows of them, as they are replayed.
 #[pyclass(frozen, module = "locosweep._core")]
 pub struct Experiment {
-    core: Arc<fit::Experiment>,
+    pub core: Arc<fit::Experiment>,
 }
 
 /// A model with values, as Python has it.
@@ -58,7 +58,7 @@ struct GivenNuisances {
 }
 
 #[derive(FromPyObject)]
-struct GivenFit<'py> {
+pub struct GivenFit<'py> {
     model: GivenModel,
     nuisances: GivenNuisances,
     theta: Array<'py>,
@@ -144,6 +144,15 @@ impl GivenNuisances {
 }
 
 impl GivenFit<'_> {
+    /// The same without what is about the start of a run, to be evaluated.
+    pub fn anywhere(&self, py: Python<'_>) -> PyResult<fit::Fit> {
+        let mut fit = self.fit(py, false)?;
+        fit.coordinates.retain(|one| matches!(one.what, What::Parameter { .. } | What::Share(_)));
+        fit.theta = fit.theta.rows(0, fit.coordinates.len()).into_owned();
+        fit.covariance = None;
+        Ok(fit)
+    }
+
     fn fit(&self, py: Python<'_>, known: bool) -> PyResult<fit::Fit> {
         let own = self.model.free.iter().map(|free| free.coordinate(py));
         let coordinates = own.chain(self.nuisances.coordinates().map(Ok));
@@ -406,8 +415,8 @@ impl Misfit {
     ) -> PyResult<(Vec<Found<'py>>, u64)> {
         let mut made = self.fits(py, &fits, &spans, &known)?;
         let rule = Rule { steps, tolerance };
-        let replayed =
-            through_door(py, threads, |how| fit::fit(&self.core, &mut made, &spans, rule, how))?;
+        let objective = OverSpans { misfit: &self.core, spans: &spans };
+        let replayed = through_door(py, threads, |how| fit::fit(&objective, &mut made, rule, how))?;
         let found = made.into_iter().map(|fit| {
             let covariance = fit.covariance.unwrap_or_else(|| DMatrix::zeros(0, 0));
             // It is symmetric: its columns are its rows.
@@ -454,7 +463,7 @@ fn points_of(
     points.iter().map(|point| point.point(py, experiment)).collect()
 }
 
-fn through_door<T: Send>(
+pub fn through_door<T: Send>(
     py: Python<'_>,
     threads: usize,
     work: impl FnOnce(&How) -> Result<T, Error> + Send,

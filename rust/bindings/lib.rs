@@ -3,6 +3,7 @@
 mod arrays;
 mod door;
 mod effects;
+mod equation_error;
 mod fit;
 mod friction_fit;
 mod gait;
@@ -17,6 +18,8 @@ use pyo3::prelude::pymodule;
 mod _core {
     #[pymodule_export]
     use super::effects::{EffectFit, EffectRecord, EffectShape, effect_parameter_count, effects};
+    #[pymodule_export]
+    use super::equation_error::EquationError;
     #[pymodule_export]
     use super::fit::{Experiment, Misfit};
     #[pymodule_export]

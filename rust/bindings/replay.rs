@@ -7,8 +7,7 @@ use locosweep::lane::Level;
 use locosweep::physics::effects::{Active, EFFECT_PARAMS, Effect, Nominal};
 use locosweep::physics::robot::Motor;
 use locosweep::sweep::replay::{
-    Column, DIRECTIONS, MeasuredMotion, OTHER_DIRECTIONS, Run, blocks, displacements_along,
-    replay_into, replay_with_sensitivities, samples,
+    Column, DIRECTIONS, OTHER_DIRECTIONS, Run, replay_into, replay_with_sensitivities, samples,
 };
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use numpy::{PyArrayMethods, PyReadwriteArray2};
@@ -155,78 +154,6 @@ impl Replay {
             || replay_with_sensitivities(&self.nominal, &self.runs, &made, how, &control, (to, by));
         enter(py, &control, made.len() as u64, progress.as_ref(), work)?;
         Ok((read, slopes))
-    }
-
-    /// Displacements of models along measured motions: how far each would have come in each
-    /// slide under the forces of the measured motion, without start and start speed.
-    ///
-    /// Columns are (run, effects) with `values` and `shares` as in `run`; `motions` has x, v
-    /// and sliding distance at the samples of each run, and its slides in one direction, rows
-    /// of first sample and one beyond the last. Returns means over blocks of `block` samples,
-    /// slide by slide, all columns one after another. Bristles are left out.
-    #[pyo3(signature = (columns, values, shares, motions, block, threads))]
-    #[allow(clippy::too_many_arguments, clippy::type_complexity)]
-    fn displacements<'py>(
-        &self,
-        py: Python<'py>,
-        columns: Vec<(usize, Vec<String>)>,
-        values: PyReadonlyArray2<'_, f64>,
-        shares: PyReadonlyArray2<'_, f64>,
-        motions: Vec<(
-            PyReadonlyArray1<'_, f64>,
-            PyReadonlyArray1<'_, f64>,
-            PyReadonlyArray1<'_, f64>,
-            Vec<(usize, usize)>,
-        )>,
-        block: usize,
-        threads: usize,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let read = |array: &PyReadonlyArray1<'_, f64>| array.as_array().to_vec();
-        let kept: Vec<_> =
-            motions.iter().map(|(x, v, s, slides)| (read(x), read(v), read(s), slides)).collect();
-        if block == 0 || kept.len() != self.runs.len() {
-            let message = format!(
-                "block is {block}, motions are {}: allowed is a block of at least one sample, and a motion for each of {} runs",
-                kept.len(),
-                self.runs.len()
-            );
-            return Err(input_error(py, message));
-        }
-        for (i, ((x, v, s, slides), run)) in kept.iter().zip(&self.runs).enumerate() {
-            let length = run.times.len();
-            let within = slides.iter().all(|(from, to)| from < to && *to <= length);
-            let follow = slides.windows(2).all(|pair| pair[0].1 <= pair[1].0 + 1);
-            if [x.len(), v.len(), s.len()] != [length; 3] || !within || !follow {
-                let message = format!(
-                    "motion {i}: allowed are {length} positions, speeds and distances, and slides that follow each other within them"
-                );
-                return Err(input_error(py, message));
-            }
-        }
-        let runs: Vec<(Run, MeasuredMotion)> = self
-            .runs
-            .iter()
-            .zip(&kept)
-            .map(|(run, (x, v, sliding_distance, slides))| {
-                (run.clone(), MeasuredMotion { x, v, sliding_distance, slides })
-            })
-            .collect();
-        let whole = |(run, names): (usize, Vec<String>)| {
-            let length = self.runs.get(run).map_or(0, |run| run.times.len());
-            (run, 0, length, names)
-        };
-        let columns: Vec<_> = columns.into_iter().map(whole).collect();
-        let starts = PyArray2::<f64>::zeros(py, [columns.len(), 2], false);
-        let made = self.columns(py, columns, values, shares, starts.readonly())?;
-        let level = Level::current().map_err(|error| raise(py, error))?;
-        let control = Default::default();
-        let count: usize = made.iter().map(|column| blocks(&runs[column.run].1, block)).sum();
-        let mut found = vec![0.0; count];
-        let how = (level, threads);
-        let to = &mut found;
-        let work = || displacements_along(&self.nominal, &runs, &made, block, how, &control, to);
-        enter(py, &control, made.len() as u64, None, work)?;
-        Ok(found.into_pyarray(py))
     }
 }
 

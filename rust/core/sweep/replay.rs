@@ -4,10 +4,8 @@
 use super::execute::Control;
 use super::pool::pool;
 use crate::error::{Error, Result};
-pub use crate::integrate::measured_motion::MeasuredMotion;
 use crate::lane::Level;
 use crate::physics::effects::{Nominal, shortness};
-use crate::simulate::displacements::{Along, displaced};
 pub use crate::simulate::replay::{Column, Run};
 use crate::simulate::replay::{Group, PACK, Part, Scratch, replay_pack};
 pub use crate::simulate::sensitivity::{DIRECTIONS, OTHER_DIRECTIONS};
@@ -123,52 +121,9 @@ pub fn replay_with_sensitivities(
     finished(control, columns.len())
 }
 
-/// Displacements of models along measured motions, one of each run: means over blocks of so
-/// many samples, see `integrate::measured_motion`; those of a column go to its part of `to`.
-/// What a bristle does at rest is left out.
-pub fn displacements_along(
-    nominal: &Nominal,
-    runs: &[(Run, MeasuredMotion)],
-    columns: &[Column],
-    block: usize,
-    (level, threads): (Level, usize),
-    control: &Control,
-    to: &mut [f64],
-) -> Result<()> {
-    let mut rest = to;
-    let mut order: Vec<(&Column, &mut [f64])> = Vec::with_capacity(columns.len());
-    for column in columns {
-        let own;
-        (own, rest) = rest.split_at_mut(blocks(&runs[column.run].1, block));
-        order.push((column, own));
-    }
-    let key = |column: &Column| (column.run, column.active);
-    order.sort_by_key(|(column, _)| key(column));
-    let groups: Vec<&mut [(&Column, &mut [f64])]> = order
-        .chunk_by_mut(|(a, _), (b, _)| key(a) == key(b))
-        .flat_map(|group| group.chunks_mut(PACK))
-        .collect();
-    let intervals: Vec<f64> = runs.iter().map(|(run, _)| interval(run)).collect();
-    let threads = if columns.len() <= PACK { 1 } else { threads };
-    let cancel = &control.cancel;
-    one_by_one(groups, threads, control, |group, (): &mut ()| {
-        let (count, of) = (group.len(), group[0].0.run);
-        let ((run, motion), interval) = (&runs[of], intervals[of]);
-        let motion = *motion;
-        displaced(level, Along { nominal, run, motion, interval, block, group, cancel });
-        count
-    })?;
-    finished(control, columns.len())
-}
-
-/// Blocks of all slides of a run.
-pub fn blocks(motion: &MeasuredMotion, block: usize) -> usize {
-    motion.slides.iter().map(|(from, to)| (to - from).div_ceil(block)).sum()
-}
-
 /// Takes tasks from a queue, on as many threads, each with a memory of its own, until all are
 /// done or the run is cancelled; `work` returns how many columns a task has.
-fn one_by_one<T: Send, S: Default>(
+pub(super) fn one_by_one<T: Send, S: Default>(
     tasks: Vec<T>,
     threads: usize,
     control: &Control,

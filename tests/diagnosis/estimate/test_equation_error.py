@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -10,8 +11,11 @@ import pytest
 from diagnosis_search import fit_of, search_for
 from locosweep.diagnosis.data.regimes import MeasuredMotion
 from locosweep.diagnosis.estimate.equation_error import EquationError, equation_error, slides_of
-from locosweep.diagnosis.estimate.least_squares import point_of
-from locosweep.simulation.replay import effect_values
+from locosweep.diagnosis.estimate.least_squares import start_fits
+
+if TYPE_CHECKING:
+    from locosweep.diagnosis.estimate.least_squares import Fit
+    from locosweep.diagnosis.select.search import Search
 
 
 def motion(v: list[float]) -> MeasuredMotion:
@@ -43,15 +47,21 @@ EFFECTS = {
 }
 
 
+def fit_at(search: Search, name: str, values: dict[str, float]) -> Fit:
+    model = search.model((name,))
+    row = np.array([[values[free.name] for free in model.free]])
+    (fit,) = start_fits(search.nuisances, model, row)
+    return fit
+
+
 @pytest.mark.parametrize("name", EFFECTS)
 def test_a_true_model_leaves_noise_and_another_one_more(name: str) -> None:
     """What samples of 10 ms do not resolve of a sine adds some noise of the sensor's size."""
     search = search_for({name: EFFECTS[name]}, name)
     along = search.along
     assert along is not None
-    plain = search.problem.plain()
-    true = replace(plain, names=(name,), values=effect_values({name: EFFECTS[name]}))
-    left, gap = along.measured - along.displacements([true, plain])
+    true = fit_at(search, name, EFFECTS[name])
+    left, gap = along.measured - along.displacements([true, search.none])
     assert gap @ gap > 15.0 * (left @ left)
     # The reading of a late sensor is taken to first order in its delay.
     assert left @ left < (100.0 if name == "sensor_delay" else 7.0) * left.size
@@ -61,11 +71,8 @@ def test_lines_in_time_are_taken_out() -> None:
     search = search_for({})
     along = search.along
     assert along is not None
-    plain = search.problem.plain()
-    drift = replace(
-        plain, names=("sensor_drift",), values=effect_values({"sensor_drift": {"b": 1.0}})
-    )
-    a, b = along.displacements([plain, drift])
+    drift = fit_at(search, "sensor_drift", {"b": 1.0})
+    a, b = along.displacements([search.none, drift])
     np.testing.assert_allclose(a, b, atol=1e-6 * np.abs(a).max())
 
 
@@ -79,7 +86,7 @@ def test_runs_that_are_kept_from_fits_have_no_slides() -> None:
 
 def test_threads_do_not_change_bits() -> None:
     search = search_for({"viscous_friction": {"c": 0.05}}, "viscous_friction")
-    point = point_of(search.problem, fit_of(search, "viscous_friction"))
-    one = EquationError(replace(search.problem, threads=1)).displacements([point] * 40)
-    two = EquationError(replace(search.problem, threads=2)).displacements([point] * 40)
+    fit = fit_of(search, "viscous_friction")
+    one = EquationError(replace(search.problem, threads=1)).displacements([fit] * 40)
+    two = EquationError(replace(search.problem, threads=2)).displacements([fit] * 40)
     np.testing.assert_array_equal(one, two)

@@ -6,12 +6,7 @@ import numpy as np
 import pytest
 
 from diagnosis_search import fit_of, search_for
-from locosweep.diagnosis.estimate.equation_fits import (
-    evaluated,
-    jacobian_along,
-    refined,
-    uncertainties,
-)
+from locosweep.diagnosis.estimate.equation_fits import evaluated, refined, uncertainties
 from locosweep.diagnosis.estimate.least_squares import start_fits
 
 BOTH = {"viscous_friction": {"c": 0.06}, "drive_lag": {"T": 0.03}}
@@ -31,20 +26,32 @@ def test_both_parameters_are_found_without_a_replay() -> None:
     assert SEARCH.problem.meter.samples == before
     replayed = fit_of(SEARCH, *BOTH, values=(0.05, 0.02))
     np.testing.assert_allclose(fit.parameters, replayed.parameters, rtol=0.05)
-    (begin,), _ = evaluated(SEARCH.along, [start(0.01, 0.01)])
+    (begin,) = evaluated(SEARCH.along, [start(0.01, 0.01)])
     assert fit.chi2 < 0.1 * begin.chi2
+
+
+def test_chi2_is_that_of_the_displacements_and_what_is_known_before() -> None:
+    along = SEARCH.along
+    assert along is not None
+    fit = start(0.05, 0.02)
+    (found,) = evaluated(along, [fit])
+    (row,) = along.displacements([fit])
+    priors = [u / s for u, s in zip(fit.nuisance, SEARCH.nuisances.spread, strict=False) if s]
+    assert found.chi2 == pytest.approx(
+        np.square(along.measured - row).sum() + np.square(priors).sum()
+    )
 
 
 def test_derivatives_agree_with_wider_differences() -> None:
     assert SEARCH.along is not None
     here = start(0.05, 0.02)
-    rows = jacobian_along(SEARCH.along, here)
+    rows = SEARCH.along.jacobian(here)
     for j, width in enumerate((1e-4, 1e-4)):
         there, back = (here.theta.copy() for _ in range(2))
         there[j] += width
         back[j] -= width
-        errors = evaluated(SEARCH.along, [here.unfitted(there), here.unfitted(back)])[1]
-        wide = (errors[1] - errors[0]) / (2.0 * width)
+        above, below = SEARCH.along.displacements([here.unfitted(there), here.unfitted(back)])
+        wide = (above - below) / (2.0 * width)
         np.testing.assert_allclose(rows[j], wide, atol=0.02 * np.abs(wide).max())
 
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from locosweep import _core
 from locosweep.diagnosis.data.regimes import measured_motion
 
 if TYPE_CHECKING:
@@ -23,7 +24,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from locosweep.diagnosis.data.regimes import MeasuredMotion
-    from locosweep.diagnosis.estimate.problem import Point, Problem
+    from locosweep.diagnosis.estimate.least_squares import Fit
+    from locosweep.diagnosis.estimate.problem import Problem
 
     Floats = NDArray[np.float64]
 
@@ -66,12 +68,6 @@ class EquationError:
         return found
 
     @cached_property
-    def _edges(self) -> NDArray[np.intp]:
-        """First block of each slide, of all runs in turn."""
-        sizes = [-(-(b - a) // self.block) for run in self.slides for a, b in run]
-        return np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.intp)
-
-    @cached_property
     def _blocks(self) -> tuple[Floats, Floats, Floats]:
         """Mean reading, weight and mean time of every block."""
         problem, noise = self.problem, self.problem.noise["x"]
@@ -91,71 +87,37 @@ class EquationError:
         return np.concatenate(means), np.concatenate(weights), np.concatenate(times)
 
     @cached_property
+    def core(self) -> _core.EquationError:
+        """The engine with the measured motion of every run."""
+        motions = [
+            (m.x, m.v, _distance_forward(m, slides), slides)
+            for m, slides in zip(self.motions, self.slides, strict=True)
+        ]
+        return _core.EquationError(self.problem.experiment, motions, self.block, *self._blocks)
+
+    @cached_property
     def measured(self) -> Floats:
         """What was measured, in the form of `displacements`."""
-        (row,) = self._projected(self._blocks[0][None, :].copy())
-        return np.asarray(row)
+        found: Floats = self.core.measured()
+        return found
 
     @cached_property
     def degrees(self) -> int:
         """Block means with readings, less the start and the start speed of every slide."""
-        return max(int(np.count_nonzero(self._blocks[1])) - 2 * self._edges.size, 1)
+        return max(int(np.count_nonzero(self._blocks[1])) - 2 * sum(map(len, self.slides)), 1)
 
-    def displacements(self, points: Sequence[Point]) -> Floats:
-        """Return displacements of models in units of the noise, a row a model.
+    def displacements(self, fits: Sequence[Fit]) -> Floats:
+        """Return displacements of fits in units of the noise, a row a fit.
 
         Start and start speed of each slide are projected out.
         """
-        problem = self.problem
-        if not points:
-            return np.zeros((0, self.measured.size))
-        runs = [r for r in problem.fitted if self.slides[r]]
-        columns = [(r, list(point.names)) for r in runs for point in points]
-        values = np.tile([p.values for p in points], (len(runs), 1))
-        factors = np.tile([p.factors for p in points], (len(runs), 1))
-        number = np.repeat(runs, len(points))
-        for r, factor in problem.payload_factors.items():
-            factors[number == r, 0] *= factor
-        slope = problem.parameter_index("slope_error", "d_alpha_deg")
-        values[np.isin(number, list(problem.reversed_runs)), slope] *= -1.0
-        found = problem.job.displacements(
-            columns, values, factors, self._motions, self.block, problem.threads
-        )
-        sizes = [sum(-(-(b - a) // self.block) for a, b in self.slides[r]) for r in runs]
-        cuts = np.cumsum([n * len(points) for n in sizes])[:-1]
-        parts = [part.reshape(len(points), -1) for part in np.split(found, cuts)]
-        rows: Floats = np.concatenate(parts, axis=1)
-        return self._projected(rows)
+        found: Floats = self.core.displacements(list(fits), self.problem.threads)
+        return found
 
-    @cached_property
-    def _motions(self) -> list[tuple[Floats, Floats, Floats, list[tuple[int, int]]]]:
-        return [
-            (m.x, m.v, _distance_forward(m, slides), slides)
-            for m, slides in zip(self.motions, self.slides, strict=True)
-        ]
-
-    @cached_property
-    def _line(self) -> tuple[Floats, Floats]:
-        """Weighted unit columns of a constant and of the time in every slide."""
-        _, w, t = self._blocks
-        edges, sizes = self._edges, np.diff(self._edges, append=w.size)
-
-        def total(values: Floats) -> Floats:
-            return np.repeat(np.add.reduceat(values, edges), sizes)
-
-        one = w / np.sqrt(np.maximum(total(w * w), 1e-300))
-        slope = t * w
-        slope = slope - one * total(one * slope)
-        return one, slope / np.sqrt(np.maximum(total(slope * slope), 1e-300))
-
-    def _projected(self, rows: Floats) -> Floats:
-        """Bring block means into units of the noise, and take out lines in time, in place."""
-        edges, sizes = self._edges, np.diff(self._edges, append=rows.shape[1])
-        rows *= self._blocks[1]
-        for column in self._line:
-            along = np.add.reduceat(rows * column, edges, axis=1)
-            rows -= np.repeat(along, sizes, axis=1) * column
-        return rows
+    def jacobian(self, fit: Fit) -> Floats:
+        """Return their derivatives, a row for each entry of theta that is not about a start."""
+        found: Floats = self.core.jacobian(fit, self.problem.threads)
+        return found
 
 
 def equation_error(problem: Problem) -> EquationError | None:

@@ -8,13 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.diagnosis.effects.catalogue import starts_of
-from locosweep.diagnosis.estimate.equation_fits import (
-    displaced,
-    evaluated,
-    jacobian_along,
-    refined,
-    uncertainties,
-)
+from locosweep.diagnosis.estimate.equation_fits import evaluated, refined, uncertainties
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, jacobian_of, start_fits
 from locosweep.diagnosis.select.effort import (
     INFORMATIVE_RUNS,
@@ -97,7 +91,7 @@ def says_enough(search: Search, beside: Fit) -> bool:
     """
     if search.along is None:
         return False
-    (fit,), _ = evaluated(search.along, [beside])
+    (fit,) = evaluated(search.along, [beside])
     return fit.chi2 > LEAST_ERROR * search.along.measured.size
 
 
@@ -127,8 +121,8 @@ def _changes_along(
 
     Both are what remains when the fit's own entries are refitted.
     """
-    here, *there = displaced(along, [beside, *starts])
-    basis = np.linalg.qr(jacobian_along(along, beside).T)[0]
+    here, *there = along.displacements([beside, *starts])
+    basis = np.linalg.qr(along.jacobian(beside).T)[0]
     rows = np.nan_to_num(np.vstack([along.measured - here, np.array(there) - here]))
     rows -= (rows @ basis) @ basis.T
     return rows[0], rows[1:]

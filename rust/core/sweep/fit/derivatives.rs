@@ -106,16 +106,21 @@ pub(super) fn normals(
                 }
             }
         }
-        for (j, coordinate) in fit.coordinates.iter().enumerate() {
-            if coordinate.deviation.is_finite() {
-                matrix[(j, j)] += coordinate.deviation.powi(-2);
-                gradient[j] += coordinate.prior(fit.theta[j]) / coordinate.deviation;
-            }
-        }
         matrix.fill_upper_triangle_with_lower_triangle();
-        found.push(Normal { matrix, gradient });
+        found.push(with_priors(fit, Normal { matrix, gradient }));
     }
     Ok(found)
+}
+
+/// The same with what is known of a fit's values before.
+pub(super) fn with_priors(fit: &Fit, mut normal: Normal) -> Normal {
+    for (j, coordinate) in fit.coordinates.iter().enumerate() {
+        if coordinate.deviation.is_finite() {
+            normal.matrix[(j, j)] += coordinate.deviation.powi(-2);
+            normal.gradient[j] += coordinate.prior(fit.theta[j]) / coordinate.deviation;
+        }
+    }
+    normal
 }
 
 /// Derivatives of a fit's residuals over some spans, a row for every coordinate: those of

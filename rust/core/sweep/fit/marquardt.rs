@@ -1,10 +1,9 @@
 //! Levenberg and Marquardt's method for many fits side by side.
 
 use super::coordinates::Fit;
-use super::derivatives::{Normal, normals};
-use super::evaluate::chi2;
+use super::derivatives::Normal;
 use super::job::How;
-use super::misfit::Misfit;
+use super::objective::Objective;
 use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
 
@@ -39,20 +38,14 @@ pub struct Rule {
 
 /// Improves fits until their chi2 falls by less than the tolerance, or the steps are made;
 /// of those far behind the best one fewer digits are asked for, and none where the limit
-/// is out of reach. Returns the samples that were replayed.
-pub fn fit(
-    misfit: &Misfit,
-    fits: &mut [Fit],
-    spans: &[usize],
-    rule: Rule,
-    how: &How,
-) -> Result<u64> {
-    let mut replayed = 0;
-    let samples = misfit.experiment.samples(spans) as u64;
+/// is out of reach. Returns the samples that were evaluated.
+pub fn fit(objective: &impl Objective, fits: &mut [Fit], rule: Rule, how: &How) -> Result<u64> {
+    let mut evaluated = 0;
+    let samples = objective.samples();
     let bare: Vec<usize> = (0..fits.len()).filter(|i| fits[*i].chi2.is_none()).collect();
     let starts: Vec<_> = bare.iter().map(|i| (&fits[*i], fits[*i].theta.clone())).collect();
-    replayed += starts.len() as u64 * samples;
-    for (i, found) in bare.iter().zip(chi2(misfit, &starts, spans, how)?) {
+    evaluated += starts.len() as u64 * samples;
+    for (i, found) in bare.iter().zip(objective.chi2(&starts, how)?) {
         fits[*i].chi2 = Some(found);
     }
     let of = |fit: &Fit| fit.chi2.unwrap_or(f64::INFINITY);
@@ -64,11 +57,8 @@ pub fn fit(
         }
         let least = fits.iter().map(of).fold(f64::INFINITY, f64::min);
         let chosen: Vec<&Fit> = todo.iter().map(|i| &fits[*i]).collect();
-        let moved = |fit: &Fit, span: &usize| {
-            fit.acting(*span).len() as u64 * misfit.experiment.samples(&[*span]) as u64
-        };
-        replayed += chosen.iter().flat_map(|fit| spans.iter().map(|s| moved(fit, s))).sum::<u64>();
-        let found = normals(misfit, &chosen, spans, how)?;
+        evaluated += chosen.iter().map(|fit| objective.samples_of_derivatives(fit)).sum::<u64>();
+        let found = objective.normals(&chosen, how)?;
         let mut trials: Vec<(usize, f64, DVector<f64>)> = Vec::new();
         for (i, normal) in todo.iter().zip(&found) {
             let fit = &mut fits[*i];
@@ -81,8 +71,8 @@ pub fn fit(
             }
         }
         let tried: Vec<_> = trials.iter().map(|(i, _, theta)| (&fits[*i], theta.clone())).collect();
-        replayed += tried.len() as u64 * samples;
-        let squares = chi2(misfit, &tried, spans, how)?;
+        evaluated += tried.len() as u64 * samples;
+        let squares = objective.chi2(&tried, how)?;
         todo.clear();
         for (group, squares) in trials.chunks(TRIALS.len()).zip(squares.chunks(TRIALS.len())) {
             let mut best: Option<(f64, usize)> = None;
@@ -109,7 +99,7 @@ pub fn fit(
             }
         }
     }
-    Ok(replayed)
+    Ok(evaluated)
 }
 
 /// The covariance of a fit, and dampings with the values that they lead to.

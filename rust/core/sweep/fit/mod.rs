@@ -3,18 +3,22 @@
 
 mod coordinates;
 mod derivatives;
+mod equation_error;
 mod evaluate;
 mod experiment;
 mod job;
 mod marquardt;
 mod misfit;
+mod objective;
 mod rows;
 
 pub use coordinates::{Coordinate, Fit, What};
 pub use derivatives::jacobian;
+pub use equation_error::{Blocks, EquationError, Motion};
 pub use evaluate::{Evaluated, evaluate, readings, residuals, whitened};
 pub use experiment::{Begin, Experiment, Point, Span};
 pub use job::How;
 pub use marquardt::{Rule, fit};
 pub use misfit::{MOST_SHIFTS, Misfit, Shift, Signal, Source};
 pub use nalgebra::{DMatrix, DVector};
+pub use objective::{Objective, OverSpans};
