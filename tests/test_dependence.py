@@ -34,7 +34,7 @@ RUST_CIRCLES = {
 
 # The rooms of the package, lowest first; those in one row may not see each other.
 PYTHON_ORDER = [
-    {"errors", "_core"},
+    {"errors", "_core", "linear_algebra"},
     {"registry"},
     {"grid", "progress", "memory"},
     {"result"},

@@ -6,8 +6,8 @@ use locosweep::lane::Level;
 use locosweep::physics::effects::{Active, EFFECT_PARAMS, Effect, Nominal};
 use locosweep::sweep::Control;
 use locosweep::sweep::fit::{
-    Begin, Coordinate, DVector, Experiment, Fit, How, Misfit, Point, Rule, Signal, Source, Span,
-    What, evaluate, fit, jacobian, readings, residuals,
+    Begin, Coordinate, DVector, Experiment, Fit, How, Misfit, OverSpans, Point, Rule, Signal,
+    Source, Span, What, evaluate, fit, jacobian, readings, residuals,
 };
 use locosweep::sweep::replay::Run;
 use std::sync::Arc;
@@ -124,7 +124,8 @@ const RULE: Rule = Rule { steps: 30, tolerance: 1e-3 };
 
 fn fitted(misfit: &Misfit, level: Level, threads: usize) -> Vec<Fit> {
     let mut fits: Vec<Fit> = [0.01, 0.03, 0.3].into_iter().map(start).collect();
-    fit(misfit, &mut fits, &SPANS, RULE, &how(level, threads, &Control::default())).unwrap();
+    let objective = OverSpans { misfit, spans: &SPANS };
+    fit(&objective, &mut fits, RULE, &how(level, threads, &Control::default())).unwrap();
     fits
 }
 
@@ -195,6 +196,7 @@ fn a_cancelled_fit_ends() {
     control.cancel.store(true, Ordering::Relaxed);
     let mut fits = [start(0.01)];
     let how = how(Level::current().unwrap(), 1, &control);
-    let ended = fit(&misfit(), &mut fits, &SPANS, RULE, &how);
+    let objective = OverSpans { misfit: &misfit(), spans: &SPANS };
+    let ended = fit(&objective, &mut fits, RULE, &how);
     assert!(matches!(ended, Err(Error::Cancelled { .. })));
 }

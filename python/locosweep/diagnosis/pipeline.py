@@ -49,6 +49,7 @@ from locosweep.diagnosis.select.whiteness import stray_readings
 from locosweep.engine import whole
 from locosweep.errors import InputError
 from locosweep.files.table import CsvForm
+from locosweep.linear_algebra import on_one_thread
 from locosweep.progress import Steps, progress_of
 from locosweep.simulation.replay import nominal_of, sensor_of
 
@@ -66,6 +67,7 @@ _SURE = (0.5, 0.95)
 """Least and largest probability of `unexplained` where the kept runs refute a cause."""
 
 
+@on_one_thread
 def diagnose(
     runs: Any,
     nominal: str | os.PathLike[str] | Robot,

@@ -24,6 +24,7 @@ from locosweep.diagnosis.select.search import Search
 from locosweep.engine import whole
 from locosweep.errors import InputError, SolveError
 from locosweep.files.table import CsvForm
+from locosweep.linear_algebra import on_one_thread
 
 if TYPE_CHECKING:
     import os
@@ -76,6 +77,7 @@ class Screen:
         return self.mean_square > LEAST_ERROR
 
 
+@on_one_thread
 def screen(
     runs: Any,
     nominal: str | os.PathLike[str] | Robot,

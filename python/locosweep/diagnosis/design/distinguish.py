@@ -16,6 +16,7 @@ from locosweep.errors import InputError
 from locosweep.files.channels import CHANNELS, REPLAYED
 from locosweep.files.robot import Robot, load_robot
 from locosweep.files.runs import Run, load_runs
+from locosweep.linear_algebra import on_one_thread
 from locosweep.progress import progress_of
 from locosweep.registry import unknown
 from locosweep.simulation.replay import effect
@@ -139,6 +140,7 @@ def _told(name: str, found: Sequence[Values]) -> str:
     return ", ".join(parts)
 
 
+@on_one_thread
 def distinguish(
     nominal: Robot | str | os.PathLike[str],
     runs: str | os.PathLike[str] | Sequence[Run] | Mapping[str, tuple[ArrayLike, ArrayLike]],
