@@ -42,7 +42,8 @@ def log_density(
     own = np.isin(terms.names, variables)
     sizes = spread**2 * terms.covariance * (own[:, None] & own)
     sizes += FLAT**2 * np.diag(terms.names == "fit")
-    basis, residual = terms.basis[:, places], terms.residual[places]
+    basis = terms.unit_rows(np.arange(terms.names.size))[:, places]
+    residual = terms.residual[places]
     covariance = np.eye(residual.size) + basis.T @ sizes @ basis
     square = residual @ np.linalg.solve(covariance, residual)
     return -0.5 * float(square + np.linalg.slogdet(covariance)[1])
@@ -87,7 +88,8 @@ def test_what_others_foretell_is_their_mean_over_its_deviation_given_the_others(
     own = np.isin(terms.names, ["speed"])
     sizes = deviation**2 * terms.covariance * (own[:, None] & own)
     sizes += FLAT**2 * np.diag(terms.names == "fit")
-    covariance = np.eye(terms.residual.size) + terms.basis.T @ sizes @ terms.basis
+    basis = terms.unit_rows(np.arange(own.size))
+    covariance = np.eye(terms.residual.size) + basis.T @ sizes @ basis
     left = terms.prediction_errors(["speed"], 1.0)
     for place, found in zip(terms._samples, left, strict=True):
         others = np.setdiff1d(np.arange(terms.residual.size), place)
@@ -107,11 +109,12 @@ def test_a_law_of_its_own_in_each_run_is_worth_the_ratio_of_marginal_likelihoods
     frame = measured({"quadratic_drag": {"c2": 0.05}}, drives(count=3, samples=60))
     terms = terms_beside(frame, "coulomb_error")
     own, fitted = terms.names == "speed", terms.names == "fit"
+    basis = terms.unit_rows(np.arange(own.size))
     run = np.zeros(terms.residual.size)
     for i, place in enumerate(terms._samples):
         run[place] = i
-    for_all = terms.basis.T @ (terms.covariance * (own[:, None] & own)) @ terms.basis
-    around = np.eye(run.size) + FLAT**2 * terms.basis[fitted].T @ terms.basis[fitted]
+    for_all = basis.T @ (terms.covariance * (own[:, None] & own)) @ basis
+    around = np.eye(run.size) + FLAT**2 * basis[fitted].T @ basis[fitted]
 
     def density(covariance: np.ndarray) -> float:
         square = terms.residual @ np.linalg.solve(covariance, terms.residual)

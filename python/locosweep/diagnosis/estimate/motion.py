@@ -86,7 +86,13 @@ def _hats(values: Floats, where: NDArray[np.bool_], knots: int = _KNOTS) -> Floa
     edges = np.unique(np.quantile(values[where], np.linspace(0.0, 1.0, knots)))
     if edges.size < 3:
         return np.zeros((0, values.size))
-    return np.array([np.interp(values, edges, row) for row in np.eye(edges.size)])
+    below = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
+    share = np.clip((values - edges[below]) / np.diff(edges)[below], 0.0, 1.0)
+    found = np.zeros((edges.size, values.size))
+    sample = np.arange(values.size)
+    found[below, sample] = 1.0 - share
+    found[below + 1, sample] = share
+    return found
 
 
 def terms_of(variable: str, m: Motion) -> tuple[list[Floats], bool]:

@@ -403,10 +403,10 @@ class Problem:
         weights: Floats = self.weights[channel] * self.seen
         return weights
 
-    def whitened(self, dx: Floats, dv: Floats, size: int) -> Floats:
+    def whitened(self, dx: Floats, dv: Floats) -> Floats:
         """Bring changes of x and v over the fitted runs into the form of whitened residuals."""
-        found = self.misfit.whitened(dx, dv, self.fitted)
-        return np.pad(found, ((0, 0), (0, size - found.shape[1])))
+        found: Floats = self.misfit.whitened(dx, dv, self.fitted)
+        return found
 
     def of_run(self, run: int, chosen: Sequence[int]) -> NDArray[np.intp]:
         """Return where the residuals of one run lie among those of several."""

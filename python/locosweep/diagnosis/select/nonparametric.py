@@ -46,30 +46,40 @@ class NonparametricCorrection:
             groups, is_force = terms_of(variable, motion)
             kind = forces if is_force else readings
             kind += [(variable, terms) for terms in groups if len(terms)]
-        rows: list[Floats] = []
-        if forces:
-            dx, dv = response(np.vstack([t for _, t in forces]), motion)
-            rows.append(problem.whitened(dx, dv, fit.residual.size))
-        if readings:
-            dx = np.vstack([t for _, t in readings])
-            rows.append(problem.whitened(dx, np.zeros_like(dx), fit.residual.size))
         laws = [*forces, *readings]
         names = [v for v, t in laws for _ in range(len(t))]
         knots = [(i, float(k)) for i, (_, t) in enumerate(laws) for k in range(len(t))]
+        names += ["fit"] * fit.theta.size
+        knots += [(len(laws), 0.0)] * fit.theta.size
+        basis = np.zeros((len(names), fit.residual.size))
+        at = 0
+        for kind, is_force in ((forces, True), (readings, False)):
+            if kind:
+                terms = np.vstack([t for _, t in kind])
+                dx, dv = response(terms, motion) if is_force else (terms, np.zeros_like(terms))
+                found = problem.whitened(dx, dv)
+                basis[at : at + len(terms), : found.shape[1]] = found
+                at += len(terms)
         if fit.theta.size:
-            rows.append(jacobian_of(problem, fit))
-            names += ["fit"] * fit.theta.size
-            knots += [(len(laws), 0.0)] * fit.theta.size
-        basis = np.vstack(rows) if rows else np.zeros((0, fit.residual.size))
-        norm = np.sqrt((basis * basis).sum(axis=1))
-        seen = norm > 1e-9
+            basis[at:] = jacobian_of(problem, fit)
+        gram = basis @ basis.T
+        norm = np.sqrt(np.diag(gram))
+        seen = np.flatnonzero(norm > 1e-9)
+        self._basis, self._places, self._norm = basis, seen, norm[seen]
         law, knot = np.array(knots).reshape(-1, 2)[seen].T
+        sizes = np.outer(self._norm, self._norm)
         correlation = np.exp(-0.5 * np.square((knot[:, None] - knot) / _SMOOTH))
-        self.covariance = norm[seen, None] * norm[seen] * correlation * (law[:, None] == law)
-        self.basis = basis[seen] / norm[seen, None]
+        self.covariance = sizes * correlation * (law[:, None] == law)
         self.names = np.array(names, dtype=object)[seen]
-        self.gram = self.basis @ self.basis.T
-        self.moments = self.basis @ fit.residual
+        self.gram = gram[np.ix_(seen, seen)] / sizes
+        self.moments = (basis @ fit.residual)[seen] / self._norm
+
+    def unit_rows(self, terms: NDArray[np.intp], samples: NDArray[np.intp] | None = None) -> Floats:
+        """Return the rows of some terms as unit vectors, at some samples."""
+        places = self._places[terms]
+        rows = self._basis[places] if samples is None else self._basis[np.ix_(places, samples)]
+        found: Floats = rows / self._norm[terms, None]
+        return found
 
     @property
     def variables(self) -> list[str]:
@@ -136,10 +146,10 @@ class NonparametricCorrection:
         rows, root = self._covariance_root(variables, noise)
         if not rows.size:
             return 0.0
-        fitted = np.linalg.qr(self.basis[self.names == "fit"].T)[0]
+        fitted = np.linalg.qr(self.unit_rows(np.flatnonzero(self.names == "fit")).T)[0]
         grams, shared, moments = [], [], []
         for samples in self._samples:
-            terms = root.T @ self.basis[np.ix_(rows, samples)]
+            terms = root.T @ self.unit_rows(rows, samples)
             grams.append(terms @ terms.T)
             shared.append(terms @ fitted[samples])
             moments.append(terms @ self.residual[samples])
@@ -151,7 +161,11 @@ class NonparametricCorrection:
     def corrected_residual(self, variables: Sequence[str]) -> Floats:
         """Return the residual less the fitted correction in some variables."""
         sizes = self.solve(variables)[2]
-        return self.residual - sizes @ self.basis if sizes.size else self.residual
+        if not sizes.size:
+            return self.residual
+        every = np.zeros(len(self._basis))
+        every[self._places] = sizes / self._norm
+        return self.residual - every @ self._basis
 
     def predictive_gain(self, variables: Sequence[str], noise: float) -> float:
         """Return the leave-one-run-out predictive gain of a correction, on the scale of chi2.
@@ -162,18 +176,24 @@ class NonparametricCorrection:
         every, price, count = self._with_terms(variables, noise)
         if len(self._samples) < 2 or not every[count:].any():
             return 0.0
-        return sum(
-            self._negative_log_density(samples, every[:count], price[:count], noise)
-            - self._negative_log_density(samples, every, price, noise)
-            for samples in self._samples
-        )
+        gram, moments = every @ every.T, every @ self.residual
+        found = 0.0
+        for samples in self._samples:
+            here, e = every[:, samples], self.residual[samples]
+            own = here @ here.T
+            for k, sign in ((count, 1.0), (len(every), -1.0)):
+                others = gram[:k, :k] - own[:k, :k], moments[:k] - here[:k] @ e
+                found += sign * _negative_log_density(
+                    e, here[:k], own[:k, :k], others, price[:k], noise
+                )
+        return found
 
     def _with_terms(self, variables: Sequence[str], noise: float) -> tuple[Floats, Floats, int]:
         """Return the fit's rows above those of terms, their prior precisions, and their number."""
         terms, root = self._covariance_root(variables, noise)
-        beside = self.basis[self.names == "fit"]
+        beside = self.unit_rows(np.flatnonzero(self.names == "fit"))
         price = np.concatenate([np.full(len(beside), _FREE), np.ones(terms.size)])
-        return np.vstack([beside, root.T @ self.basis[terms]]), price, len(beside)
+        return np.vstack([beside, root.T @ self.unit_rows(terms)]), price, len(beside)
 
     def prediction_errors(self, variables: Sequence[str], noise: float) -> list[Floats]:
         """Return the leave-one-run-out standardised prediction error of each run.
@@ -194,23 +214,6 @@ class NonparametricCorrection:
             left.append(e - ((1.0 - 1.0 / np.hypot(1.0, size)) * (along @ e)) @ along)
         return left
 
-    def _negative_log_density(
-        self, samples: NDArray[np.intp], basis: Floats, price: Floats, noise: float
-    ) -> float:
-        """Return minus twice the log density of one run's residual, given the others."""
-        e = self.residual[samples]
-        if not len(basis):
-            return float(e @ e) / noise
-        here = basis[:, samples]
-        own = here @ here.T / noise
-        known = basis @ basis.T / noise - own + np.diag(price)
-        both = known + own
-        sizes = np.linalg.solve(known, (basis @ self.residual - here @ e) / noise)
-        e = e - sizes @ here
-        along = here @ e / noise
-        square = float(e @ e) / noise - float(along @ np.linalg.solve(both, along))
-        return square + float(np.linalg.slogdet(both)[1] - np.linalg.slogdet(known)[1])
-
     def significant(
         self, beside: Sequence[str] = (), noise: float = 1.0
     ) -> list[tuple[str, float]]:
@@ -227,6 +230,29 @@ class NonparametricCorrection:
                 if chance < SIGNIFICANCE:
                     rows.append((variable, (fall - base) / total))
         return sorted(rows, key=lambda row: -row[1])
+
+
+def _negative_log_density(
+    e: Floats,
+    here: Floats,
+    own: Floats,
+    others: tuple[Floats, Floats],
+    price: Floats,
+    noise: float,
+) -> float:
+    """Return minus twice the log density of one run's residual `e`, given the others.
+
+    `here` are the terms in this run, `own` their products; `others` the products of the terms,
+    and their moments, in all other runs.
+    """
+    if not len(here):
+        return float(e @ e) / noise
+    known = others[0] / noise + np.diag(price)
+    both = known + own / noise
+    e = e - np.linalg.solve(known, others[1] / noise) @ here
+    along = here @ e / noise
+    square = float(e @ e) / noise - float(along @ np.linalg.solve(both, along))
+    return square + float(np.linalg.slogdet(both)[1] - np.linalg.slogdet(known)[1])
 
 
 def _likeliest(gram: Floats, moments: Floats) -> tuple[float, float]:
