@@ -42,7 +42,7 @@ pub fn evaluate(
         how,
         |i, columns, rows| {
             let measured = &misfit.measured[requests[i].span];
-            let work = misfit.whiten(measured, columns, Product::Squares, rows);
+            let work = misfit.whiten(measured, columns, Product::Squares { keep }, rows);
             let square = whiten(how.level, work)[0];
             (square, keep.then(|| rows.clone()))
         },

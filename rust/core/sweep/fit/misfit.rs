@@ -89,7 +89,10 @@ impl Misfit {
                             let at = (channel - front) * padded;
                             row[at..at + own.len()].copy_from_slice(&change[own.clone()]);
                         }
-                        (front * padded, row)
+                        // What has not begun yet is 0.
+                        let begun = row.iter().take_while(|change| **change == 0.0).count();
+                        let skipped = begun.min(row.len()) / WIDE * WIDE;
+                        (front * padded + skipped, row.split_off(skipped))
                     })
                     .collect();
                 Measured {

@@ -7,6 +7,9 @@ use crate::physics::robot::Motor;
 /// Reading of a model that cannot be replayed to the end: far from everything.
 const LOST: f64 = 1e60;
 
+/// Share of a row's squares that has to be left for their difference to have ten digits.
+const LEAST_LEFT: f64 = 1e-6;
+
 /// One replay over a span: x, v, x_rear and force, and what the sensor adds to x.
 #[derive(Clone, Copy)]
 pub struct Reading<'a> {
@@ -25,12 +28,19 @@ impl Reading<'_> {
 pub enum Product<'a> {
     /// Nothing more.
     Rows,
-    /// The sum of squares of each.
-    Squares,
+    /// The sum of squares of each; rows are of no use then, unless they are kept.
+    Squares { keep: bool },
     /// Rows behind the first become slopes: their difference to it over a step.
     Slopes(&'a [f64]),
-    /// The same, and the products of each row with itself and those before it.
+    /// The same, and the products of each row with itself and those before it; rows are of
+    /// no use then.
     Normal(&'a [f64]),
+}
+
+impl Product<'_> {
+    fn needs_rows(self) -> bool {
+        !matches!(self, Product::Squares { keep: false } | Product::Normal(_))
+    }
 }
 
 /// Replays of one span that become rows of whitened residuals.
@@ -89,29 +99,55 @@ impl Whiten<'_> {
     }
 }
 
+/// Products of the shifts with rows, those of each row in turn. Each shift is read once for
+/// three rows.
+#[inline(always)]
+fn along_shifts<P: Pack>(token: P::Token, own: &Measured, rows: &[f64], to: &mut Vec<f64>) {
+    let (stride, count) = (own.stride(), own.shifts.len());
+    let columns = rows.len() / stride;
+    to.clear();
+    to.resize(columns * count, 0.0);
+    for (k, (at, shift)) in own.shifts.iter().enumerate() {
+        let row = |i: usize| &rows[i * stride + at..i * stride + at + shift.len()];
+        let mut i = 0;
+        while i + 3 <= columns {
+            let found = three_dots::<P>(token, shift, [row(i), row(i + 1), row(i + 2)]);
+            for (j, value) in found.into_iter().enumerate() {
+                to[(i + j) * count + k] = value;
+            }
+            i += 3;
+        }
+        while i < columns {
+            to[i * count + k] = dot::<P>(token, shift, row(i));
+            i += 1;
+        }
+    }
+}
+
+/// By how much each shift moves, in deviations, if a row has such products with them.
+#[inline(always)]
+fn moves_of(own: &Measured, along: &[f64]) -> [f64; MOST_SHIFTS] {
+    let mut moves = [0.0; MOST_SHIFTS];
+    for (k, to) in moves.iter_mut().enumerate().take(along.len()) {
+        for (j, along) in along.iter().enumerate() {
+            *to += own.covariance[(j, k)] * along;
+        }
+    }
+    moves
+}
+
 /// Takes the shifts out of a row and puts them behind it, each at most `most` deviations.
 #[inline(always)]
-fn project<P: Pack>(token: P::Token, own: &Measured, most: f64, row: &mut [f64]) {
+fn take_out(own: &Measured, moves: &[f64], most: f64, row: &mut [f64]) {
     let (body, behind) = row.split_at_mut(own.readings.len());
-    for (k, (at, shift)) in own.shifts.iter().enumerate() {
-        behind[k] = dot::<P>(token, shift, &body[*at..*at + shift.len()]);
-    }
-    let count = own.shifts.len();
-    let mut moves = [0.0; MOST_SHIFTS];
-    for (k, to) in moves.iter_mut().enumerate().take(count) {
-        for (j, along) in behind.iter().enumerate().take(count) {
-            *to += own.covariance[(k, j)] * along;
-        }
-        *to = to.min(most).max(-most);
-    }
-    for (k, (at, shift)) in own.shifts.iter().enumerate() {
-        let size = moves[k];
+    for ((at, shift), (size, to)) in own.shifts.iter().zip(moves.iter().zip(behind)) {
+        let size = size.min(most).max(-most);
         let body = &mut body[*at..*at + shift.len()];
         body.iter_mut().zip(shift).for_each(
             #[inline(always)]
             |(e, u)| *e -= size * u,
         );
-        behind[k] = size;
+        *to = size;
     }
 }
 
@@ -127,7 +163,9 @@ impl Task for Project<'_> {
 
     #[inline(always)]
     fn run<P: Pack>(self, token: P::Token) {
-        project::<P>(token, self.measured, f64::INFINITY, self.row);
+        let mut along = Vec::new();
+        along_shifts::<P>(token, self.measured, self.row, &mut along);
+        take_out(self.measured, &moves_of(self.measured, &along), f64::INFINITY, self.row);
     }
 }
 
@@ -143,7 +181,6 @@ impl Task for Whiten<'_> {
         rows.resize(count * stride, 0.0);
         for (column, row) in self.columns.iter().zip(rows.chunks_exact_mut(stride)) {
             self.weigh(column, row);
-            project::<P>(token, self.measured, self.most, row);
         }
         if let Product::Slopes(steps) | Product::Normal(steps) = self.product {
             let (first, others) = rows.split_at_mut(stride);
@@ -159,28 +196,54 @@ impl Task for Whiten<'_> {
                 );
             }
         }
+        let shifts = self.measured.shifts.len();
+        let mut along = Vec::new();
+        along_shifts::<P>(token, self.measured, &rows, &mut along);
+        let moves: Vec<[f64; MOST_SHIFTS]> = (0..count)
+            .map(|i| moves_of(self.measured, &along[i * shifts..(i + 1) * shifts]))
+            .collect();
+        // With the shifts taken out, the product of two rows falls by what they have along these:
+        // rows themselves are read once.
+        let fallen = |j: usize, k: usize| -> f64 {
+            let along = &along[j * shifts..(j + 1) * shifts];
+            along.iter().zip(&moves[k]).map(|(a, b)| a * b).sum()
+        };
         let mut found = Vec::new();
         match self.product {
             Product::Rows | Product::Slopes(_) => {}
-            Product::Squares => {
-                for row in rows.chunks_exact(stride) {
-                    found.push(dot::<P>(token, row, row));
+            Product::Squares { .. } => {
+                for (j, row) in rows.chunks_exact(stride).enumerate() {
+                    let square = dot::<P>(token, row, row);
+                    let left = square - fallen(j, j);
+                    if left >= LEAST_LEFT * square {
+                        found.push(left);
+                    } else {
+                        let mut row = row.to_vec();
+                        take_out(self.measured, &moves[j][..shifts], f64::INFINITY, &mut row);
+                        found.push(dot::<P>(token, &row, &row));
+                    }
                 }
             }
             Product::Normal(_) => {
                 for (j, row) in rows.chunks_exact(stride).enumerate() {
+                    let at = |i: usize| &rows[i * stride..(i + 1) * stride];
                     // Three at a time, so that a row is read once for them.
                     let mut k = 0;
                     while k + 3 <= j + 1 {
-                        let at = |i: usize| &rows[(k + i) * stride..(k + i + 1) * stride];
-                        found.extend(three_dots::<P>(token, row, [at(0), at(1), at(2)]));
+                        let dots = three_dots::<P>(token, row, [at(k), at(k + 1), at(k + 2)]);
+                        found.extend((k..).zip(dots).map(|(k, dot)| dot - fallen(j, k)));
                         k += 3;
                     }
                     while k <= j {
-                        found.push(dot::<P>(token, row, &rows[k * stride..(k + 1) * stride]));
+                        found.push(dot::<P>(token, row, at(k)) - fallen(j, k));
                         k += 1;
                     }
                 }
+            }
+        }
+        if self.product.needs_rows() {
+            for (row, moves) in rows.chunks_exact_mut(stride).zip(&moves) {
+                take_out(self.measured, &moves[..shifts], self.most, row);
             }
         }
         *self.rows = rows;
