@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.diagnosis.estimate.least_squares import chi2_of, evaluate, fit_all
-from locosweep.diagnosis.select.effort import FEW, PARTNERS, SHARE, SLACK
+from locosweep.diagnosis.select.effort import FEW, SHARE, SLACK
 from locosweep.diagnosis.select.thresholds import PENALTY
 
 if TYPE_CHECKING:
@@ -34,31 +34,38 @@ def descend(
     that is better.
     """
     problem, steps = search.problem, search.steps
-    fits = list(starts)
+    fits, far = list(starts), []
     if not at_noise:
         # The first steps from poor starts need not see all runs.
         fits = _near_best(fit_all(problem, fits, runs=runs, steps=FEW))
+        (before,) = evaluate(problem, [beside.unfitted()], runs, residuals=False)
+        most = _worth(before, fits)
+        far = evaluate(problem, [fit for fit in fits if fit.chi2 > most], residuals=False)
+        fits = [fit for fit in fits if fit.chi2 <= most]
     fits = _with_limits(search, known, evaluate(problem, fits, residuals=False), at_noise=at_noise)
     fits = sorted(_near_best(fit_all(problem, fits, steps=1)), key=chi2_of)
-    # Those that are far behind stay as they are.
-    least = min((fit.chi2 for fit in fits), default=np.inf)
-    close = [fit for i, fit in enumerate(fits) if i < PARTNERS or fit.chi2 < 10.0 * least]
-    first = fit_all(problem, close[:FEW], steps=steps)
-    others = _with_limits(search, known, close[FEW:], first, at_noise=at_noise)
+    first = fit_all(problem, fits[:FEW], steps=steps)
+    others = _with_limits(search, known, fits[FEW:], first, at_noise=at_noise)
     others = fit_all(problem, others, steps=FEW)
-    least = min((fit.chi2 for fit in [*first, *others]), default=np.inf)
-    most = max(beside.chi2 - SHARE * (beside.chi2 - least), least + SLACK)
+    most = _worth(beside, [*first, *others])
     near = [fit for fit in others if fit.chi2 < most]
     if beside.model.names:
         # Of larger sets only those count that may come to the best one.
+        least = min((fit.chi2 for fit in [*first, *others]), default=np.inf)
         near = [replace(fit, limit=min(fit.limit, least + SLACK)) for fit in near]
-    ends = [*first, *fit_all(problem, near, steps=steps), *others, *fits[len(close) :]]
+    ends = [*first, *fit_all(problem, near, steps=steps), *others, *far]
     found: Found = {}
     for fit in ends:
         key = frozenset(fit.model.names)
         best = found.get(key, known.fits.get(key))
         found[key] = fit if best is None or fit.chi2 < best.chi2 else best
     return found
+
+
+def _worth(beside: Fit, fits: Sequence[Fit]) -> float:
+    """Return the chi2 above which a fit gains less than half as much as the best one."""
+    least = min((fit.chi2 for fit in fits), default=np.inf)
+    return float(max(beside.chi2 - SHARE * (beside.chi2 - least), least + SLACK))
 
 
 def _near_best(fits: Sequence[Fit]) -> list[Fit]:

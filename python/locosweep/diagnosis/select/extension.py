@@ -10,6 +10,7 @@ from locosweep.diagnosis.estimate.least_squares import chi2_of, evaluate, fit_al
 from locosweep.diagnosis.select.descent import descend
 from locosweep.diagnosis.select.effort import (
     FEW,
+    LEAST_ERROR,
     LEVEL_WORK,
     PARTNERS,
     ROWS_REPLAYED,
@@ -22,15 +23,15 @@ from locosweep.diagnosis.select.screen import (
     along_valley,
     distinct,
     informative_runs,
+    mean_square,
     pairs_along,
     rows_beside,
-    says_enough,
     scaled,
     scan_beside,
     seen_along,
 )
 from locosweep.diagnosis.select.search import Collection, Found
-from locosweep.diagnosis.select.thresholds import LEAST_GAIN_FITTED
+from locosweep.diagnosis.select.thresholds import LEAST_GAIN_FITTED, TIE
 
 if TYPE_CHECKING:
     from collections.abc import Collection as Names
@@ -58,11 +59,13 @@ def extend(
     keep: int = PARTNERS,
     *,
     beat: bool = False,
+    rival: Fit | None = None,
 ) -> Found:
     """Fit `base` with each of `partners` beside it; only the `keep` best after a scan.
 
     Without a base, effects are fitted alone. With `beat`, only those are fitted that promise to
-    come near the best set of as many effects. Returns the best fit of each set.
+    come near the best set of as many effects; with a `rival`, those that promise half of what it
+    gains. Returns the best fit of each set.
     """
     problem = search.problem
     held = base.model.names if base else ()
@@ -73,7 +76,10 @@ def extend(
     at_noise = search.is_noise(beside)
     # Beside what leaves but noise, only free runs are long enough to show anything.
     along = {} if at_noise else seen_along(search, beside, partners)
-    sure = along.keys() if along and says_enough(search, beside) else set()
+    before = mean_square(search, beside) if along else 0.0
+    sure = along.keys() if before > LEAST_ERROR else set()
+    if base is not None and sure:
+        partners = _gaining(search, partners, along, before, rival)
     starts = _starts_beside(search, beside, partners, along, sure)
     runs = informative_runs(problem, beside)
     seen, leaves = scan_beside(problem, starts, runs, beside)
@@ -81,15 +87,22 @@ def extend(
         seen = _below(seen, leaves - LEAST_GAIN_FITTED, every=base is None)
     groups = [[s for s in seen if s.fit.model.names[-1] == name] for name in partners]
     limit = _to_beat(search, known, len(held) + 1, runs) if beat else np.inf
-    if base is not None and seen:
-        # What promises less than half of the best one's gain is no rival of it.
-        least = min(start.promised for start in seen)
-        limit = min(limit, max(leaves - SHARE * (leaves - least), least + SLACK))
+    least = min((start.promised for start in seen), default=np.inf)
+    if rival is not None:
+        least = min(least, evaluate(problem, [rival.unfitted()], runs)[0].chi2)
+    # What promises less than half of the best one's gain is no rival of it.
+    worth = max(leaves - SHARE * (leaves - least), least + TIE)
+    if base is not None:
+        limit = min(limit, worth)
     best = [min(group, key=lambda s: s.promised) for group in groups if group]
     followed: list[Fit] = []
     for start in sorted(best, key=lambda s: s.promised)[:keep]:
         if start.promised > limit:
             break
+        if start.promised > worth:
+            # An effect alone has a fit whatever it promises.
+            followed.append(scaled(start.fit, start.factor))
+            continue
         own = [s for s in seen if s.fit.model.names == start.fit.model.names]
         # What promises most, as strong as it promises it; and as it stands, the best start.
         most = 1 if start.fit.model.names[-1] in sure else STARTS
@@ -103,23 +116,46 @@ def extend(
         followed += [end for name in likely for end in _valley_end(search, along[name][0], runs)]
     found = descend(search, known, followed, runs, beside, at_noise=at_noise)
     if base is None and not at_noise:
-        found |= _thresholds_found(search, found, along)
+        found |= _thresholds_found(search, found, along, runs)
     return found
 
 
-def _thresholds_found(search: Search, found: Found, along: Names[str]) -> Found:
+def _gaining(
+    search: Search,
+    partners: Sequence[str],
+    along: Mapping[str, Sequence[Fit]],
+    before: float,
+    rival: Fit | None,
+) -> list[str]:
+    """Leave out what gains less than half as much along the motion as the best one, or a rival.
+
+    It does not gain more in replays. `before` is the mean square of the equation error without.
+    """
+    size = search.along.measured.size if search.along else 1
+    gained = {name: before - fits[0].chi2 / size for name, fits in along.items()}
+    most = max(gained.values())
+    if rival is not None:
+        most = max(most, before - mean_square(search, rival))
+    return [p for p in partners if p not in gained or gained[p] >= SHARE * most]
+
+
+def _thresholds_found(
+    search: Search, found: Found, along: Names[str], runs: Sequence[int]
+) -> Found:
     """Fit the best single effects that act at rest again, if none has come to noise."""
     if not found or search.is_noise(min(found.values(), key=chi2_of)):
         return {}
     unseen = sorted((f for names, f in found.items() if not names & set(along)), key=chi2_of)
-    return {frozenset(fit.model.names): _rescanned(search, fit) for fit in unseen[:FEW]}
+    return {frozenset(fit.model.names): _rescanned(search, fit, runs) for fit in unseen[:FEW]}
 
 
-def _rescanned(search: Search, fit: Fit) -> Fit:
+def _rescanned(search: Search, fit: Fit, runs: Sequence[int]) -> Fit:
     """Return a fit from other values of single parameters, near and far, if one comes further.
 
-    A threshold of what acts at rest has no derivative: steps leave it where it was.
+    A threshold of what acts at rest has no derivative: steps leave it where it was. Values and
+    first steps are tried on `runs`.
     """
+    problem = search.problem
     changes = np.outer(_CHANGES, (-1.0, 1.0)).ravel()
     for _ in range(PARTNERS):
         if search.is_noise(fit):
@@ -132,10 +168,9 @@ def _rescanned(search: Search, fit: Fit) -> Fit:
                 theta[i] = np.clip(theta[i] + change, low, high)
                 trials.append(fit.unfitted(theta))
         # The farthest of those that are as good: within a step of a threshold nothing changes.
-        seen = evaluate(search.problem, trials[::-1], residuals=False)
-        best = sorted(seen, key=chi2_of)[:PARTNERS]
-        ends = fit_all(search.problem, [one.unfitted() for one in best], steps=search.steps)
-        end = min(ends, key=chi2_of, default=fit)
+        seen = sorted(evaluate(problem, trials[::-1], runs, residuals=False), key=chi2_of)
+        near = fit_all(problem, seen[:PARTNERS], runs=runs, steps=FEW)
+        (end,) = fit_all(problem, [min(near, key=chi2_of).unfitted()], steps=search.steps)
         if end.chi2 >= fit.chi2:
             break
         fit = end
@@ -171,7 +206,7 @@ def _starts_beside(
         # All starts of an effect that is tried alone; else a few for each of its parameters.
         own = len(search.model((name,)).free)
         wide = own * ROWS_REPLAYED if beside.model.names else len(rows)
-        most = ROWS_REPLAYED if name in sure else wide
+        most = ROWS_REPLAYED if name in sure or (best and beside.model.names) else wide
         starts = [fit.unfitted() for fit in best] + rows[:: -(-len(rows) // most)]
         if best and search.along:
             starts += along_valley(search.along, best[0])

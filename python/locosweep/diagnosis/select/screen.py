@@ -12,7 +12,6 @@ from locosweep.diagnosis.estimate.equation_fits import evaluated, refined, uncer
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, jacobian_of, start_fits
 from locosweep.diagnosis.select.effort import (
     INFORMATIVE_RUNS,
-    LEAST_ERROR,
     PARTNERS,
     STARTS,
     STRONGEST_SCALING,
@@ -84,15 +83,16 @@ def seen_along(search: Search, beside: Fit, partners: Sequence[str]) -> dict[str
     return {name: sorted(fits, key=lambda fit: fit.chi2) for name, fits in found.items()}
 
 
-def says_enough(search: Search, beside: Fit) -> bool:
-    """Return whether the equation error beside a fit is so large that it says where to start.
+def mean_square(search: Search, beside: Fit) -> float:
+    """Return the mean square of the equation error beside a fit, in that of noise.
 
-    However far free runs come apart, it may be little more than noise.
+    However far free runs come apart, it may be little more than noise: it then says little about
+    where to start.
     """
     if search.along is None:
-        return False
+        return 0.0
     (fit,) = evaluated(search.along, [beside])
-    return fit.chi2 > LEAST_ERROR * search.along.measured.size
+    return fit.chi2 / search.along.measured.size
 
 
 def pairs_along(search: Search, count: int, beside: Fit | None = None) -> list[Fit]:

@@ -78,7 +78,7 @@ def _exchanged(search: Search, known: Collection, level: Found) -> Found:
                 break
             base = without(search, best, name)
             others = [n for n in search.names if n != name]
-            level |= extend(search, known.adding(level), base, others, beat=True)
+            level |= extend(search, known.adding(level), base, others, beat=True, rival=best)
         if _best(search, level).chi2 > 0.5 * best.chi2:
             break
     return level

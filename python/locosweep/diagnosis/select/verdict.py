@@ -237,7 +237,7 @@ def _rivals(search: Search, known: Collection, found: Fit) -> tuple[list[Fit], C
         if len(found.model.names) > 1:
             base = without(search, found, name)
             others = [n for n in search.names if n != name]
-            swaps = extend(search, known, base, others)
+            swaps = extend(search, known, base, others, rival=found)
             known = known.adding(swaps)
             rivals |= swaps
         else:
