@@ -13,7 +13,7 @@ JOBS ?= 2
 PYTEST := $(BIN)/python -m pytest -n $(JOBS) --dist loadscope
 CARGO_FLAGS := --release --locked
 
-.PHONY: run build check test test-all lint style types bench wheel clean tools
+.PHONY: run build check test test-all lint style types bench docs wheel clean tools
 
 run: $(VENV)/built
 	$(BIN)/locosweep reproduce all --robot examples/locosnake.toml --out $(OUT)
@@ -42,8 +42,8 @@ test: $(VENV)/built lint
 
 # What is left out above for its time, too: whole diagnoses that take seconds each, batteries
 # of robots and of pairs of effects, and benches as short as shows that they run.
-test-all: test
-	$(PYTEST) -m slow tests
+test-all: test docs
+	LOCOSWEEP_SITE=$(CURDIR)/$(OUT)/docs $(PYTEST) -m slow tests
 	cargo test $(CARGO_FLAGS) --test robot --test replay -- --ignored
 	cargo bench --locked --workspace --bench sweep -- --test
 	cargo bench --locked --workspace --bench dynamics -- --test
@@ -79,6 +79,17 @@ bench: $(VENV)/built
 	$(BIN)/python benches/dynamics_peers.py
 	$(BIN)/python benches/stored.py
 
+# The pages of docs/, the gallery with what its scripts draw, and the reference of the package. A warning
+# is an error. The stamp is of the packages that this alone needs.
+docs: $(VENV)/built $(VENV)/docs
+	$(BIN)/python docs/site/build.py --out $(OUT)/docs
+
+$(VENV)/docs: pyproject.toml | $(VENV)/installed
+	$(BIN)/python -c 'import tomllib; print("\n".join(tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["docs"]))' > $(VENV)/docs.txt
+	$(BIN)/pip install --quiet --disable-pip-version-check -r $(VENV)/docs.txt
+	touch $@
+
+# One wheel for all Pythons from 3.11 on.
 wheel: $(VENV)/installed
 	$(BIN)/maturin build --release --locked --strip --out dist
 

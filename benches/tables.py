@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from common.machine import describe
-from common.registry_pages import effects, quantities
+from common.registry_pages import effects, parameters, quantities
 from common.table import rows
 
 ROOT = Path(__file__).parents[1]
@@ -162,7 +162,11 @@ RESULTS: dict[str, Callable[[dict[str, Any]], Lines]] = {
     "practice": practice,
     "stored": stored,
 }
-REGISTRY: dict[str, Callable[[], str]] = {"effects": effects, "quantities": quantities}
+REGISTRY: dict[str, Callable[[], str]] = {
+    "effects": effects,
+    "parameters": parameters,
+    "quantities": quantities,
+}
 
 
 def text_of(name: str, results: Path) -> str:

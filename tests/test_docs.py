@@ -18,7 +18,10 @@ from locosweep.cli import group
 
 ROOT = Path(__file__).parents[1]
 PAGES = [
-    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md")),
+    *(
+        ROOT / f"{name}.md"
+        for name in ("README", "CONTRIBUTING", "CHANGELOG", "SECURITY", "THIRD-PARTY")
+    ),
     ROOT / "benches" / "README.md",
     *sorted((ROOT / "docs").glob("*.md")),
 ]
@@ -250,7 +253,16 @@ def test_the_readme_is_short_and_starts_with_the_two_commands() -> None:
 
 @pytest.mark.parametrize(
     "page",
-    ["README.md", "docs/sweeps.md", "docs/simulation.md", "docs/friction.md", "docs/your-data.md"],
+    [
+        "README.md",
+        *(
+            f"docs/{name}.md"
+            for name in (
+                *("README", "sweeps", "simulation", "friction", "your-data", "size-a-robot"),
+                *("sweep-big", "decide-under-uncertainty"),
+            )
+        ),
+    ],
 )
 def test_python_blocks_run(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

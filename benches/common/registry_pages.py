@@ -1,4 +1,4 @@
-"""Pages of the documentation that come from the registry: effects and quantities."""
+"""Pages of the documentation that come from the registry: effects, quantities, parameters."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def effects() -> str:
     for effect in known:
         said = [f"- {_words(key)}: {value}" for key, value in _others(effect, _OF_EFFECT)]
         parts += [
-            f"### {effect.name}\n\n{effect.meaning.capitalize()} (site: {effect.site}).\n",
+            f"## {effect.name}\n\n{effect.meaning.capitalize()} (site: {effect.site}).\n",
             f"```math\n{effect.formula}\n```\n",
             _parameters(effect.parameters),
         ]
@@ -52,6 +52,28 @@ def quantities() -> str:
                 f"- Parameters: {names}\n- Source: {q.source}\n- Limits: {q.limits}\n"
             )
     return "\n".join(parts)
+
+
+def parameters() -> str:
+    """Return every parameter, and the names that a parameter may stand for."""
+    lines = [["parameter", "symbol", "unit", "default", "allowed", "meaning"]]
+    for p in ls.parameters():
+        default = "-" if p.default is None else f"{p.default:g}"
+        low, high = p.range
+        allowed = f"{low:g} to {high:g}{', whole' if p.integer else ''}"
+        lines.append([f"`{p.name}`", f"$`{p.symbol}`$", _unit(p.unit), default, allowed, p.meaning])
+    drives = [["drive", "parameters", "meaning"]]
+    for d in ls.drives():
+        drives.append([f"`{d.name}`", ", ".join(f"`{p.name}`" for p in d.parameters), d.meaning])
+    gaits = [["gait", "meaning"], *([f"`{g.name}`", g.meaning] for g in ls.gaits())]
+    parts = [rows(lines), f"## Drives\n\n{rows(drives)}", f"## Gaits\n\n{rows(gaits)}"]
+    for title, known in (("Methods", ls.methods()), ("Reductions", ls.reductions())):
+        head = [title.lower().removesuffix("s"), "meaning"]
+        named = [[f"`{name}`", meaning] for name, meaning in known.items()]
+        parts.append(f"## {title}\n\n{rows([head, *named])}")
+    statuses = [["status", "name", "meaning"]]
+    statuses += [[str(int(s)), f"`{s.name}`", s.sentence] for s in ls.Status]
+    return "\n".join([*parts, f"## Statuses\n\n{rows(statuses)}"])
 
 
 def _parameters(records: Iterable[Any]) -> str:

@@ -269,7 +269,7 @@ class TestBlindCheck:
 
 class TestPages:
     def test_the_documentation_describes_it_and_its_parameters(self, name):
-        pages = (ROOT / "docs" / "effects.md").read_text(encoding="utf-8").split("\n### ")
+        pages = (ROOT / "docs" / "effects.md").read_text(encoding="utf-8").split("\n## ")
         (own,) = [page for page in pages if page.startswith(f"{name}\n")]
         assert effect(name).formula in own
         for parameter in effect(name).parameters:
