@@ -13,7 +13,7 @@ import pytest
 import locosweep as ls
 from locosweep.cli import main
 from locosweep.errors import DataFileError, InputError
-from locosweep.files.robot import load_robot
+from locosweep.files.robot import Robot, load_robot
 from locosweep.files.runs import Run, load_runs
 from locosweep.simulation.replay import replay_runs
 
@@ -233,6 +233,11 @@ class TestSensitivities:
     def test_unknown_names_list_what_there_is(self, folder):
         with pytest.raises(InputError, match=r"sensitivity 'drive_lag\.t'.*drive_lag\.T.*x_start"):
             replay_runs(self.robot(folder), self.runs(1), sensitivities=["drive_lag.t"])
+
+    def test_parameters_that_an_effect_has_not_are_refused(self):
+        robot = Robot({"mass": 0.271, "mu_coulomb": 0.15}, effects={"drive_delay": {"tau": 0.03}})
+        with pytest.raises(InputError, match=r"parameter of drive_delay.*tau.*T"):
+            replay_runs(robot, self.runs(1))
 
     def test_threads_do_not_change_a_bit(self, folder):
         names = ["mass_share", "coulomb_share", "gain_share", "clock_offset", "x_start"]

@@ -1,9 +1,12 @@
 """Settings of the documentation site. `docs/site/build.py` gathers the pages and calls Sphinx."""
 
+import re
 import sys
 import tomllib
 import warnings
 from pathlib import Path
+
+from sphinx.application import Sphinx
 
 SITE = Path(__file__).parent
 ROOT = SITE.parents[1]
@@ -88,3 +91,17 @@ html_theme_options = {
     "pygments_dark_style": "a11y-high-contrast-dark",
 }
 html_sidebars = {"index": []}
+
+
+def _join_names(
+    _app: object, _what: str, _name: str, _obj: object, _options: object, lines: list[str]
+) -> None:
+    """Write attributes that share a line without spaces, before which Sphinx looks for a type."""
+    for i, line in enumerate(lines):
+        if found := re.match(r":(ivar|vartype) (\w+(?:, \w+)+):", line):
+            lines[i] = f":{found[1]} {found[2].replace(', ', ',')}:{line[found.end() :]}"
+
+
+def setup(app: Sphinx) -> None:
+    """Register what docstrings need behind napoleon."""
+    app.connect("autodoc-process-docstring", _join_names, priority=600)

@@ -101,8 +101,12 @@ def effect_values(chosen: dict[str, dict[str, float]]) -> np.ndarray:
     row = np.zeros(_core.effect_parameter_count())
     for name, parameters in chosen.items():
         record = effect(name)
-        for i, parameter in enumerate(record.parameters):
-            row[record.first + i] = parameters.get(parameter.name, 0.0)
+        known = [parameter.name for parameter in record.parameters]
+        for given in parameters:
+            if given not in known:
+                raise unknown(f"parameter of {name}", given, known)
+        for i, own in enumerate(known):
+            row[record.first + i] = parameters.get(own, 0.0)
     return row
 
 
