@@ -29,7 +29,7 @@ print(f"{grid['mean_velocity'].size:.0e} points")
 
 plane = grid["mean_velocity"].sel(mass=0.27, method="nearest")
 coarse = plane.isel(mu_static=slice(0, None, 20), slope_deg=slice(0, None, 20))
-close = plane.sel(mu_static=slice(0.35, 0.385), slope_deg=slice(9.5, 10.5))
+close = plane.sel(mu_static=slice(0.325, 0.36), slope_deg=slice(9.5, 10.5))
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
 (1e3 * coarse).plot(ax=left, cbar_kwargs={"label": "mean velocity [mm/s]"})
