@@ -28,6 +28,18 @@ def _escaped(found: re.Match[str]) -> str:
     return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}"
 
 
+def first_line(error: BaseException) -> str:
+    r"""Return the first line of what an error of a library says; its kind where it says nothing.
+
+    Examples
+    --------
+    >>> from locosweep.errors import first_line
+    >>> first_line(ValueError("no number\nat row 7")), first_line(KeyError())
+    ('no number', 'KeyError')
+    """
+    return next(iter(str(error).splitlines()), "") or type(error).__name__
+
+
 class LocosweepError(Exception):
     """Base of all errors of this package; what a file says cannot steer a terminal."""
 

@@ -1,5 +1,6 @@
 """Units of columns: their factors, and that they measure what the column does."""
 
+import random
 import subprocess
 import sys
 
@@ -67,6 +68,16 @@ def test_what_is_no_unit(text):
     assert not is_unit(text)
     with pytest.raises(InputError, match="unknown unit"):
         factor("x", text, ["m"])
+
+
+def test_texts_of_every_kind_are_units_or_none():
+    chance = random.Random(1)  # noqa: S311
+    names = ["m", "mm", "KPH", "ECC", "Tj", "AU", "if", "is", "lambda", "pi", "None"]
+    ends = ["", "^2", "**2", "-1", "*-2", "2"]
+    for _ in range(500):
+        count = chance.choice([1, 2, 3])
+        parts = (chance.choice(names) + chance.choice(ends) for _ in range(count))
+        assert is_unit(chance.choice([" ", "*", "/", " / "]).join(parts)) in (True, False)
 
 
 def test_pint_is_imported_only_where_a_unit_differs():

@@ -31,6 +31,7 @@ def test_comments_and_blank_lines_are_left_out_wherever_they_stand():
     text, frame = read('# a rig\n\n% 2026\n// again\nt,x\n0,"1"\n\n# pause\n1,2\n\n')
     assert text.names == ["t", "x"]
     assert frame.rows() == [("0", "1"), ("1", "2")]
+    assert text.comments == 1
 
 
 def test_a_separator_that_excel_states_is_no_row():

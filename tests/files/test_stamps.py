@@ -25,7 +25,7 @@ def clock(k, second=1):
     "form",
     [
         "2026-11-25T{}", "2026-11-25 {}", "2026-11-25T{}Z", "2026-11-25 {}+01:00",
-        "2026-11-25T{}-0530",
+        "2026-11-25T{}-0530", "25.11.2026 {}", "{}",
     ],
 )  # fmt: skip
 def test_dates(tmp_path, form):
@@ -69,6 +69,13 @@ def test_finer_unix_time_has_to_be_named(tmp_path, unit, digits):
         load_runs(file)
     (run,), _ = load_runs(file, units={"t": unit})
     np.testing.assert_allclose(run.t, STEPS, atol=1e-12)
+
+
+@pytest.mark.parametrize(("start", "step"), [(1_200_000_000, 10_000), (1.6e15, 1e7)])
+def test_counters_of_micro_and_nanoseconds_are_no_unix_time(tmp_path, start, step):
+    file = written(tmp_path, [f"{start + k * step:.0f}" for k in range(COUNT)])
+    (run,), notices = load_runs(file)
+    assert (run.t[0], run.t[1] - run.t[0], notices) == (start, step, [])
 
 
 def test_each_run_has_its_own_start(tmp_path):

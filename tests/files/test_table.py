@@ -7,8 +7,8 @@ import polars as pl
 import pytest
 
 from locosweep.errors import DataFileError, InputError
+from locosweep.files.csv_form import CsvForm
 from locosweep.files.runs import load_runs
-from locosweep.files.table import CsvForm
 
 COUNT = 30
 
@@ -48,11 +48,37 @@ def test_one_number_that_is_sure_settles_the_file(tmp_path):
 
 def test_commas_among_points_are_groups_and_refused(tmp_path):
     file = written(tmp_path, "t;drive;x", lambda k: f"{k}.5;0;1,234")
-    with pytest.raises(DataFileError, match="row 1, column x: '1,234' is not a number"):
+    words = "row 1, column x: '1,234' is not a number: --decimal point takes its commas as groups"
+    with pytest.raises(DataFileError, match=words):
         load_runs(file)
+    assert load_runs(file, form=CsvForm(decimal="point"))[0][0].channels["x"][0] == 1234.0
+    mixed = written(tmp_path, "t;drive;x", lambda k: f"{k};0;1,234.5")
+    with pytest.raises(DataFileError, match=r"'1,234\.5' is not a number: --decimal point"):
+        load_runs(mixed)
     file = written(tmp_path, "t;drive;x", lambda k: f"{k}.5;0;1,25")
     with pytest.raises(DataFileError, match=r"row 1, column t: '0\.5' has a decimal point, others"):
         load_runs(file)
+
+
+def test_no_group_of_digits_begins_with_zero(tmp_path):
+    file = written(tmp_path, "t;drive;x", lambda k: f"{k};0;0,123")
+    with pytest.raises(DataFileError, match="row 1, column x: '0,123' is not a number"):
+        load_runs(file, form=CsvForm(decimal="point"))
+    assert load_runs(file)[0][0].channels["x"][0] == 0.123
+
+
+def test_a_column_may_bear_another_name_of_ours(tmp_path):
+    file = written(tmp_path, "t,v,x", lambda k: f"{k},5,{k}")
+    for data in (file, pl.read_csv(file)):
+        (run,), _ = load_runs(data, {"drive": "v"})
+        assert (run.drive[0], list(run.channels)) == (5.0, ["x"])
+        with pytest.raises(InputError, match="no column x beside that for drive: there are t, v"):
+            load_runs(data, {"drive": "x"})
+        with pytest.raises(InputError, match="column: drive and x are both v: allowed is one"):
+            load_runs(data, {"drive": "v", "x": "v"})
+    file = written(tmp_path, "t,v [V],x", lambda k: f"{k},5,{k}")
+    (run,), _ = load_runs(file, {"drive": "v [V]"})
+    assert (run.drive[0], list(run.channels)) == (5.0, ["x"])
 
 
 def test_quoted_decimal_commas_between_commas(tmp_path):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from locosweep.errors import DataFileError, InputError
+from locosweep.files.csv_form import CsvForm
 from locosweep.files.runs import load_runs
-from locosweep.files.table import CsvForm
 from locosweep.intake.log import read_log
 
 COUNT = 40

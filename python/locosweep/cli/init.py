@@ -56,8 +56,8 @@ def init(
     template: values that only you know are "?" there until --set or an editor gives them.
     """  # fmt: skip
     from locosweep.files.atomic import write_frame, write_text
+    from locosweep.files.csv_form import CsvForm
     from locosweep.files.folder import check_folder, filling
-    from locosweep.files.table import CsvForm
     from locosweep.intake.log import read_log
     from locosweep.intake.template import nominal_text
 

@@ -98,7 +98,7 @@ def simulate(
             missing = {"--model": model, "--runs": runs, "--out": out}
             first = next(name for name, value in missing.items() if value is None)
             raise InputError(f"{first} is missing: a replay takes --model, --runs and --out")
-        from locosweep.files.table import CsvForm
+        from locosweep.files.csv_form import CsvForm
 
         form = CsvForm(separator, decimal)
         replay(

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     import polars as pl
 
-    from locosweep.files.table import CsvForm
+    from locosweep.files.csv_form import CsvForm
 
 
 def replay(

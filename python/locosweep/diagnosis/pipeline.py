@@ -48,7 +48,7 @@ from locosweep.diagnosis.select.verdict import Choice, choose, partial_choice
 from locosweep.diagnosis.select.whiteness import stray_readings
 from locosweep.engine import whole
 from locosweep.errors import InputError
-from locosweep.files.table import CsvForm
+from locosweep.files.csv_form import CsvForm
 from locosweep.linear_algebra import on_one_thread
 from locosweep.progress import Steps, progress_of
 from locosweep.simulation.replay import nominal_of, sensor_of

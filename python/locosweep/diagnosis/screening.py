@@ -23,7 +23,7 @@ from locosweep.diagnosis.select.screen import pairs_along, seen_along
 from locosweep.diagnosis.select.search import Search
 from locosweep.engine import whole
 from locosweep.errors import InputError, SolveError
-from locosweep.files.table import CsvForm
+from locosweep.files.csv_form import CsvForm
 from locosweep.linear_algebra import on_one_thread
 
 if TYPE_CHECKING:

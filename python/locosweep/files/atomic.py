@@ -6,7 +6,7 @@ import contextlib
 import os
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from locosweep.errors import InputError, printable
 
@@ -74,11 +74,24 @@ def write_frame(
     with replacing(path) as temporary:
         try:
             if csv and temporary.suffix.lower() == ".csv":
-                _harmless(frame).write_csv(temporary)
+                # Quotes only where needed: files without any are read ten times as fast.
+                style: Literal["non_numeric", "necessary"] = (
+                    "non_numeric" if _looks_like_comment(frame) else "necessary"
+                )
+                _harmless(frame).write_csv(temporary, quote_style=style)
             else:
                 frame.write_parquet(temporary, metadata=dict(metadata) if metadata else None)
         except (pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
             raise InputError(f"{path}: cannot write: {error}") from None
+
+
+def _looks_like_comment(frame: pl.DataFrame) -> bool:
+    """Return whether a row could begin as a comment does, which readers leave out."""
+    import polars as pl
+
+    if not frame.width or frame.dtypes[0] != pl.String:
+        return False
+    return bool(frame.to_series().str.contains(r"^(#|%|//)").any())
 
 
 def _harmless(frame: pl.DataFrame) -> pl.DataFrame:

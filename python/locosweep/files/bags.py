@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from locosweep.errors import DataFileError, InputError
+from locosweep.errors import DataFileError, InputError, first_line
 from locosweep.files.channels import CHANNELS
 from locosweep.registry import unknown
 
@@ -156,8 +156,7 @@ def _read(path: Path, fields: list[_Field]) -> dict[str, _Series]:
     except (AnyReaderError, OSError, ValueError, KeyError, AssertionError) as error:
         if isinstance(error, InputError):
             raise
-        first = (str(error).splitlines() or [type(error).__name__])[0]
-        raise DataFileError(f"{path}: not a readable bag: {first}") from None
+        raise DataFileError(f"{path}: not a readable bag: {first_line(error)}") from None
     return {field.column: _series(path, field, found[field.column]) for field in fields}
 
 

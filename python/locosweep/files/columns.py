@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     MendStamps = Callable[[str, NDArray[np.float64]], NDArray[np.float64]]
     """From label and times of a run to times that rise, or those given."""
 
-_LEAST = 20
-"""Samples that a run needs."""
+LEAST_SAMPLES = 20
+"""Samples that a run needs: 20 tell its noise to a third (spread of `noise_of` over draws)."""
 _LONGEST = 200
 """Characters of a label, at most: labels stand in every table and message."""
 
@@ -186,6 +186,16 @@ def check_rising(where: str, times: NDArray[np.float64], rows: NDArray[np.intp])
         )
 
 
+def rows_of(table: Table) -> dict[str, NDArray[np.intp]]:
+    """Return the rows of each label, wherever they stand, in the order of first rows."""
+    import polars as pl
+
+    labels = labels_of(table.path, table.frame).alias("label")
+    groups = pl.DataFrame({"label": labels, "row": np.arange(labels.len(), dtype=np.intp)})
+    found = groups.group_by("label", maintain_order=True).agg("row").iter_rows()
+    return {label: np.array(rows, dtype=np.intp) for label, rows in found}
+
+
 def rows_by_run(
     table: Table,
     t: NDArray[np.float64],
@@ -206,21 +216,18 @@ def rows_by_run(
     InputError
         No run of a label that is wanted.
     """
-    import polars as pl
-
-    labels = labels_of(table.path, table.frame).alias("label")
-    groups = pl.DataFrame({"label": labels, "row": np.arange(labels.len(), dtype=np.intp)})
-    there = dict(groups.group_by("label", maintain_order=True).agg("row").iter_rows())
+    there = rows_of(table)
     for label in wanted or ():
         if label not in there:
             raise InputError(f"runs: {unknown('run', label, list(there))}")
-    for label, found in there.items():
+    for label, rows in there.items():
         if wanted is not None and label not in wanted:
             continue
-        rows = np.array(found, dtype=np.intp)
         where = f"{table.path}: run {label}"
-        if rows.size < _LEAST:
-            raise DataFileError(f"{where}: {rows.size} samples, allowed are {_LEAST} or more")
+        if rows.size < LEAST_SAMPLES:
+            raise DataFileError(
+                f"{where}: {rows.size} samples, allowed are {LEAST_SAMPLES} or more"
+            )
         check_complete(f"{where}, ", "t", t[rows], rows)
         times = t[rows] - t[rows[0]] if from_start else t[rows]
         times = times if stamps is None else stamps(label, times)

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.errors import DataFileError
+from locosweep.errors import DataFileError, first_line
+from locosweep.files.csv_form import SEPARATORS
 from locosweep.files.raw import check_size
 
 if TYPE_CHECKING:
@@ -22,9 +23,9 @@ if TYPE_CHECKING:
 
     import polars as pl
 
-SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", "bar": "|"}
-"""Characters between columns, by their names in options."""
-_COMMENTS = (b"#", b"%", b"//")
+COMMENTS = ("#", "%", "//")
+"""Beginnings of lines that are no rows."""
+_COMMENTS = tuple(mark.encode() for mark in COMMENTS)
 _SKIPPED = re.compile(rb"^[ \t]*(?:$|#|%|//)", re.MULTILINE)
 _CHUNK = 1 << 24
 """Bytes that are looked at together; numbers about them take as much memory again."""
@@ -45,6 +46,8 @@ class Text:
     separator: str
     body: bytes
     """The rows, in UTF-8, without comments and blank lines; empty if there are none."""
+    comments: int = 0
+    """Lines below the names that were left out as comments."""
 
 
 def parsed(data: bytes, path: str, separator: str | None = None) -> Text:
@@ -73,7 +76,7 @@ def parsed(data: bytes, path: str, separator: str | None = None) -> Text:
     """
     data = _as_utf8(data, path)
     given = SEPARATORS.get(separator or "", separator)
-    header, body, said = _parts(data)
+    header, body, said, comments = _parts(data)
     if len(header) > _LONGEST:
         raise DataFileError(f"{path}: its line of names has more than {_LONGEST >> 20} MB")
     if not header.strip():
@@ -89,7 +92,7 @@ def parsed(data: bytes, path: str, separator: str | None = None) -> Text:
     names = [name.strip() for name in _fields(first, char)]
     if _all_numbers(first):
         raise DataFileError(f"{path}: its first line holds numbers: allowed is a line of names")
-    return Text(names, char, body)
+    return Text(names, char, body, comments)
 
 
 def frame_of(text: Text, path: str, keep: Sequence[int]) -> pl.DataFrame:
@@ -113,8 +116,7 @@ def frame_of(text: Text, path: str, keep: Sequence[int]) -> pl.DataFrame:
             truncate_ragged_lines=False,
         )
     except (pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
-        first = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise DataFileError(f"{path}: not a readable CSV file: {first}") from None
+        raise DataFileError(f"{path}: not a readable CSV file: {first_line(error)}") from None
     return frame.rename(dict(zip(frame.columns, map(str, sorted(keep)), strict=True)))
 
 
@@ -160,9 +162,9 @@ def _not_utf8(data: bytes) -> int | None:
     return None
 
 
-def _parts(data: bytes) -> tuple[bytes, bytes, bytes]:
-    """Return the line of names, the rows, and the last comment above the names."""
-    at, said = 0, b""
+def _parts(data: bytes) -> tuple[bytes, bytes, bytes, int]:
+    """Return the line of names, the rows, the last comment above the names, and those below."""
+    at, said, comments = 0, b"", 0
     while at < len(data):
         end = data.find(b"\n", at)
         end = len(data) if end < 0 else end
@@ -177,10 +179,11 @@ def _parts(data: bytes) -> tuple[bytes, bytes, bytes]:
                 last -= 1
             body = data[at:last]
             if _SKIPPED.search(body):
-                kept = (row for row in body.split(b"\n") if not _SKIPPED.match(row))
-                body = b"\n".join(kept)
-            return line, body, said
-    return b"", b"", said
+                rows = body.split(b"\n")
+                comments = sum(row.lstrip(b" \t").startswith(_COMMENTS) for row in rows)
+                body = b"\n".join(row for row in rows if not _SKIPPED.match(row))
+            return line, body, said, comments
+    return b"", b"", said, comments
 
 
 def _fields(line: str, separator: str) -> list[str]:

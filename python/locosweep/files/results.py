@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from locosweep import _core
-from locosweep.errors import DataFileError
+from locosweep.errors import DataFileError, first_line
 from locosweep.files.atomic import write_frame
 from locosweep.registry import Status
 
@@ -94,8 +94,7 @@ def load(path: str | os.PathLike[str]) -> Result:
         header = _header(path, pl.read_parquet_metadata(path).get("locosweep"))
         frame = pl.read_parquet(path)
     except (OSError, pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
-        first = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise DataFileError(f"{path}: not a readable Parquet file: {first}") from None
+        raise DataFileError(f"{path}: not a readable Parquet file: {first_line(error)}") from None
     try:
         outputs, axes, fixed, values, statuses = _unpack(header, frame)
         rivals, q = header["rivals"], header["q"]

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from locosweep.files.columns import MendStamps
-    from locosweep.files.table import CsvForm
+    from locosweep.files.csv_form import CsvForm
 
 CHANNELS = {name: channel.meaning for name, channel in channels.CHANNELS.items()}
 """Measured channels, beside time and drive."""

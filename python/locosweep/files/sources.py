@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from locosweep.errors import DataFileError, InputError
+from locosweep.errors import DataFileError, InputError, first_line
 from locosweep.files.bags import is_bag
 from locosweep.files.raw import STANDARD_INPUT
 
@@ -66,8 +66,7 @@ def frame_of(data: Any, name: str = "data") -> pl.DataFrame:
             return pl.DataFrame({str(key): _column(values) for key, values in data.items()})
     except (OverflowError, TypeError, ValueError, pl.exceptions.PolarsError,
             pl.exceptions.PanicException) as error:  # fmt: skip
-        first = (str(error).splitlines() or [type(error).__name__])[0]
-        raise InputError(f"{name}: not columns of one length: {first}") from None
+        raise InputError(f"{name}: not columns of one length: {first_line(error)}") from None
     raise InputError(
         f"{name} is a {type(data).__name__}: allowed are files, frames and mappings of columns"
     )

@@ -1,4 +1,4 @@
-"""Times of measured runs: numbers, Unix time, or dates as ISO 8601 writes them."""
+"""Times of measured runs: numbers, Unix time, or dates as ISO 8601 and Germans write them."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.errors import DataFileError
+from locosweep.files.csv_text import MISSING
 
 if TYPE_CHECKING:
     import polars as pl
@@ -18,7 +19,12 @@ if TYPE_CHECKING:
 UNIX = (9.4e8, 4.2e9)
 """Unix time in s from 1999 to 2103. A run that starts so late after its own start does not exist:
 it would have lasted 30 years."""
-_DATE = r"^\d{4}-\d\d-\d\d[T ]\d\d:\d\d"
+_SLOWEST = 1.0
+"""Longest usual step of Unix time in s. Counters of us or ns since a start may be as large as Unix
+time, but then step by far more: no rig takes a sample a second."""
+_DAY, _GERMAN_DAY = r"\d{4}-\d\d-\d\d", r"(\d\d)\.(\d\d)\.(\d{4})"
+_DATE = rf"^(({_DAY}|{_GERMAN_DAY})[T ]\d\d:\d\d|\d\d:\d\d:\d\d)"
+ALLOWED_DATES = "2026-11-25T12:53:01.25, 25.11.2026 12:53:01,25 or 12:53:01.25"
 _ZONE = r"(Z|[+-]\d\d:?\d\d)$"
 _DIGITS = 9
 """Decimal digits of a second that are kept of a Unix time: nanoseconds."""
@@ -26,7 +32,7 @@ _FINER = {"ms": 1e3, "us": 1e6, "ns": 1e9}
 
 
 def are_dates(column: pl.Series) -> bool:
-    """Return whether a column holds dates and times, as a type or as text of ISO 8601."""
+    """Return whether a column holds dates and times, as a type or as text."""
     import polars as pl
 
     if column.dtype != pl.String:
@@ -61,19 +67,22 @@ def dates(path: str, column: pl.Series, label: str) -> Floats:
     if column.dtype == pl.String:
         text = column.str.strip_chars().str.replace(" ", "T", literal=True)
         text = text.str.replace(",", ".", literal=True)
+        text = text.str.replace(f"^{_GERMAN_DAY}T", "${3}-${2}-${1}T")
+        # A time of day alone: which day it was does not matter.
+        text = text.str.replace(r"^(\d\d:)", "1970-01-01T$1")
         zone = text.str.extract(_ZONE)
         bare = text.str.replace(_ZONE, "")
         parsed = bare.str.to_datetime("%Y-%m-%dT%H:%M:%S%.f", time_unit="ns", strict=False)
         parsed = parsed.fill_null(
             bare.str.to_datetime("%Y-%m-%dT%H:%M", time_unit="ns", strict=False)
         )
-        empty = text.is_null() | text.str.to_lowercase().is_in(["", "nan", "na", "null"])
+        empty = text.is_null() | text.str.to_lowercase().is_in(MISSING)
         wrong = (parsed.is_null() & ~empty).arg_true()
         if len(wrong):
             row = int(wrong[0])
             raise DataFileError(
                 f"{path}: row {row + 1}, column {label}: {column[row]!r} is no date and time, "
-                "others are: allowed is 2026-11-25T12:53:01.25"
+                f"others are: allowed is {ALLOWED_DATES}"
             )
         zoned = zone.is_not_null() | empty
         if zone.is_not_null().any() and not zoned.all():
@@ -123,13 +132,10 @@ def from_first(column: pl.Series) -> pl.Series:
 def is_unix(times: Floats) -> bool:
     """Return whether times in s count from 1970."""
     known = times[np.isfinite(times)]
-    return bool(known.size and known.min() > UNIX[0] and known.max() < UNIX[1])
+    within = known.size > 1 and known.min() > UNIX[0] and known.max() < UNIX[1]
+    return bool(within and np.median(np.diff(known)) <= _SLOWEST)
 
 
 def finer(times: Floats) -> str:
-    """Return the unit in which times, taken as s, would be Unix time; empty without one."""
-    known = times[np.isfinite(times)]
-    for unit, scale in _FINER.items():
-        if known.size and is_unix(known / scale):
-            return unit
-    return ""
+    """Return the unit in which numbers would be Unix time, at most one; empty without one."""
+    return next((unit for unit, scale in _FINER.items() if is_unix(times / scale)), "")

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from locosweep.errors import DataFileError, InputError
+from locosweep.errors import DataFileError, InputError, first_line
 from locosweep.files import csv_text, stamps
+from locosweep.files.csv_form import CsvForm
 from locosweep.files.raw import MOST_BYTES, STANDARD_INPUT, check_size, contents
 from locosweep.files.sources import frame_of, is_frame
-from locosweep.files.units import is_unit
+from locosweep.files.units import bracketed, is_unit
 from locosweep.registry import unknown
 
 if TYPE_CHECKING:
@@ -25,32 +25,10 @@ if TYPE_CHECKING:
 
 MOST_COLUMNS = 1000
 """Columns of a file of which all are looked at; logs have some dozens."""
-DECIMALS = {"point": ".", "comma": ","}
-"""Decimal characters by their names in options."""
-_BRACKETS = re.compile(r"(.*?)\s*[\[(]\s*([^\[\]()]+?)\s*[\])]")
 _COMMA = r"^\s*[+-]?\d*,\d+([eE][+-]?\d+)?\s*$"
 _POINT = r"^\s*[+-]?\d*\.\d+([eE][+-]?\d+)?\s*$"
 _GROUPS = r"^\s*[+-]?[1-9]\d{0,2}(,\d{3})+\s*$"
-_GROUPED = r"^\s*[+-]?\d{1,3}(,\d{3})+(\.\d*)?([eE][+-]?\d+)?\s*$"
-
-
-@dataclass(frozen=True)
-class CsvForm:
-    """What a user says of a CSV file that its text leaves open."""
-
-    separator: str | None = None
-    """Name or character of `locosweep.files.csv_text.SEPARATORS`."""
-    decimal: str | None = None
-    """``point`` or ``comma``."""
-
-    def __post_init__(self) -> None:
-        known = {**csv_text.SEPARATORS, **{c: c for c in csv_text.SEPARATORS.values()}}
-        for name, value, allowed in (
-            ("separator", self.separator, known), ("decimal", self.decimal, DECIMALS)
-        ):  # fmt: skip
-            if value is not None and value not in allowed:
-                names = ", ".join(key for key in allowed if len(key) > 1)
-                raise InputError(f"{name} is {value!r}: allowed are {names}")
+_GROUPED = r"^\s*[+-]?[1-9]\d{0,2}(,\d{3})+(\.\d*)?([eE][+-]?\d+)?\s*$"
 
 
 @dataclass(frozen=True)
@@ -91,9 +69,15 @@ def read_table(
     for own in columns:
         if own not in wanted:
             raise InputError(f"column: {unknown('column', own, wanted)}")
-    theirs = {own: columns.get(own, own) for own in wanted}
+    for their in columns.values():
+        if list(columns.values()).count(their) > 1:
+            twice = " and ".join(own for own in columns if columns[own] == their)
+            raise InputError(f"column: {twice} are both {their}: allowed is one of them")
+    # Columns that are given come first: one of them may bear a name of ours.
+    theirs = {own: columns.get(own, own) for own in (*columns, *wanted)}
     asked = {own: text for own, text in theirs.items() if own in (*needed, *columns)}
     form = form or CsvForm()
+    notices: list[str] = []
     if is_frame(data):
         frame = frame_of(data, name)
         found = _found(name, InputError, frame.columns, theirs, asked)
@@ -103,10 +87,12 @@ def read_table(
         if path != STANDARD_INPUT and not path.is_file():
             raise DataFileError(f"{path}: {'a folder' if path.is_dir() else 'no such file'}")
         if path.suffix == ".parquet":
-            return _finished(*_parquet(path, theirs, asked), wanted, DataFileError, form)
-        return _finished(*_csv(path, theirs, asked, form), wanted, DataFileError, form)
+            parts = _parquet(path, theirs, asked)
+        else:
+            parts = _csv(path, theirs, asked, form, notices)
+        return _finished(*parts, wanted, DataFileError, form, notices)
     picked.columns = list(found)
-    return _finished(name, picked, found, frame.columns, wanted, InputError, form)
+    return _finished(name, picked, found, frame.columns, wanted, InputError, form, notices)
 
 
 def whole_table(path: Path, form: CsvForm) -> tuple[list[str], pl.DataFrame]:
@@ -136,8 +122,7 @@ def _check_width(path: Path, names: Sequence[str]) -> None:
 
 
 def _unreadable(path: Path, error: BaseException) -> DataFileError:
-    first = str(error).splitlines()[0] if str(error) else type(error).__name__
-    return DataFileError(f"{path}: not a readable Parquet file: {first}")
+    return DataFileError(f"{path}: not a readable Parquet file: {first_line(error)}")
 
 
 Found = dict[str, tuple[int, str]]
@@ -145,10 +130,17 @@ Found = dict[str, tuple[int, str]]
 
 
 def _csv(
-    path: Path, theirs: Mapping[str, str], asked: Mapping[str, str], form: CsvForm
+    path: Path,
+    theirs: Mapping[str, str],
+    asked: Mapping[str, str],
+    form: CsvForm,
+    notices: list[str],
 ) -> tuple[str, pl.DataFrame, Found, list[str]]:
     # Not by a name: the bytes are let go as soon as the rows are cut out of them.
     text = csv_text.parsed(contents(path), str(path), form.separator)
+    if text.comments:
+        marks = " or ".join(csv_text.COMMENTS)
+        notices.append(f"{path}: lines left out as comments: {text.comments} (begin with {marks})")
     found = _found(str(path), DataFileError, text.names, theirs, asked)
     frame = csv_text.frame_of(text, str(path), [place for place, _ in found.values()])
     frame = frame.select(str(place) for place, _ in found.values())
@@ -190,27 +182,18 @@ def _found(
     found: Found = {}
     for name, label in theirs.items():
         places = [place for place, one in enumerate(names) if one == label]
-        units = [_unit_of(names[place]) for place in places]
         if not places:
-            for place, one in enumerate(names):
-                bare = _BRACKETS.fullmatch(one)
-                if bare and bare[1] == label and is_unit(bare[2]):
-                    places.append(place)
-                    units.append(bare[2])
+            places = [place for place, one in enumerate(names) if bracketed(one)[0] == label]
         if len(places) > 1:
             raise refused(f"{path}: column {label} is there twice")
-        if places:
-            found[name] = (places[0], units[0])
+        taken = next((own for own, (place, _) in found.items() if [place] == places), "")
+        if places and not taken:
+            found[name] = (places[0], bracketed(names[places[0]])[1])
         elif name in asked:
             hint = "" if label == name else f" (given for {name})"
+            hint = f" beside that for {taken}" if taken else hint
             raise refused(f"{path}: no column {label}{hint}: there are {listed(names)}")
     return found
-
-
-def _unit_of(name: str) -> str:
-    """Return the unit in brackets at the end of a name; empty without one."""
-    bare = _BRACKETS.fullmatch(name)
-    return bare[2] if bare and is_unit(bare[2]) else ""
 
 
 def listed(names: Sequence[str]) -> str:
@@ -228,6 +211,7 @@ def _finished(
     wanted: Wanted,
     refused: type[InputError],
     form: CsvForm,
+    notices: list[str],
 ) -> Table:
     """Take off a row of units, settle the decimal character, and refuse a table without rows."""
     import polars as pl
@@ -236,7 +220,7 @@ def _finished(
     labels = {name: names[place] for name, (place, _) in found.items()}
     units = {name: unit for name, (_, unit) in found.items() if unit}
     others = [name for place, name in enumerate(names) if place not in places]
-    table = Table(path, frame, labels, others, wanted, units, refused=refused)
+    table = Table(path, frame, labels, others, wanted, units, notices, refused)
     text = [name for name in found if wanted[name] and frame[name].dtype == pl.String]
     if text and frame.height:
         below = _units_row(frame, text)
@@ -265,59 +249,61 @@ def _units_row(frame: pl.DataFrame, names: Sequence[str]) -> dict[str, str]:
 
 def _with_points(table: Table, names: Sequence[str], form: CsvForm) -> pl.DataFrame:
     """Return a frame whose decimal character is the point."""
-    import polars as pl
-
     frame = table.frame
-    commas = [
-        name for name in names if frame[name].str.contains(",", literal=True).any()
-    ]  # fmt: skip
+    commas = [name for name in names if frame[name].str.contains(",", literal=True).any()]
     if not commas:
         return frame
-    if form.decimal == "point":
-        ungrouped = (
-            pl.when(pl.col(name).str.contains(_GROUPED))
-            .then(pl.col(name).str.replace_all(",", "", literal=True))
-            .otherwise(pl.col(name)).alias(name)
-            for name in commas
-        )  # fmt: skip
-        return frame.with_columns(*ungrouped)
-    if form.decimal is None and not _settled(table, names, commas):
-        return frame
+    if (form.decimal or _decimal(table, names, commas)) == "point":
+        return _replaced(frame, commas, _GROUPED, "")
     table.notices.append(f"{table.path}: read with decimal commas")
     for name in names:
         points = frame[name].str.contains(_POINT).arg_true()
         if len(points):
-            row = int(points[0])
             raise table.refused(
-                f"{table.path}: row {row + 1}, column {table.labels[name]}: "
-                f"{frame[name][row]!r} has a decimal point, others have commas"
+                f"{_cell(table, name, points[0])} has a decimal point, others have commas"
             )
-    pointed = (
-        pl.when(pl.col(name).str.contains(_COMMA))
-        .then(pl.col(name).str.replace(",", ".", literal=True))
-        .otherwise(pl.col(name)).alias(name)
-        for name in commas
-    )  # fmt: skip
-    return frame.with_columns(*pointed)
+    return _replaced(frame, commas, _COMMA, ".")
 
 
-def _settled(table: Table, names: Sequence[str], commas: Sequence[str]) -> bool:
-    """Return whether commas are decimal; refuse a table that leaves it open."""
+def _replaced(frame: pl.DataFrame, names: Sequence[str], form: str, character: str) -> pl.DataFrame:
+    """Put a character in place of the commas in texts of a form."""
+    import polars as pl
+
+    return frame.with_columns(
+        pl.when(pl.col(name).str.contains(form))
+        .then(pl.col(name).str.replace_all(",", character, literal=True))
+        .otherwise(pl.col(name))
+        .alias(name)
+        for name in names
+    )
+
+
+def _decimal(table: Table, names: Sequence[str], commas: Sequence[str]) -> str:
+    """Return the decimal character that commas show; refuse a table that leaves it open."""
     frame = table.frame
-    sure = any(
+    if any(
         (frame[name].str.contains(_COMMA) & ~frame[name].str.contains(_GROUPS)).any()
         for name in commas
-    )
-    if sure:
-        return True
-    groups = {name: frame[name].str.contains(_GROUPS).arg_true() for name in commas}
+    ):
+        return "comma"
     pointed = any(frame[name].str.contains(_POINT).any() for name in names)
-    for name, rows in groups.items():
-        if len(rows) and not pointed:
-            row, cell = int(rows[0]), frame[name][int(rows[0])].strip()
+    for name in commas:
+        rows = frame[name].str.contains(_GROUPED).arg_true()
+        if not len(rows):
+            continue
+        where, text = _cell(table, name, rows[0]), frame[name][int(rows[0])].strip()
+        if pointed or "." in text:
             raise table.refused(
-                f"{table.path}: row {row + 1}, column {table.labels[name]}: {cell!r} may be "
-                f"{cell.replace(',', '.', 1)} or {cell.replace(',', '')}: "
-                "--decimal comma or --decimal point settles it"
+                f"{where} is not a number: --decimal point takes its commas as groups of digits"
             )
-    return False
+        raise table.refused(
+            f"{where} may be {text.replace(',', '.', 1)} or {text.replace(',', '')}: "
+            "--decimal comma or --decimal point settles it"
+        )
+    return "point"
+
+
+def _cell(table: Table, name: str, row: int) -> str:
+    """Return place and text of a cell for a message."""
+    text = table.frame[name][int(row)].strip()
+    return f"{table.path}: row {int(row) + 1}, column {table.labels[name]}: {text!r}"

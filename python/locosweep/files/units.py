@@ -25,6 +25,8 @@ _FORM = re.compile(r"(?:[A-Za-zµμ°Ω]+(?:[\^*]{0,2}-?\d)?[ */·]{0,3}(?![ */�
 _LONGEST = 24
 """Characters of a unit, at most: 'kilogram meter / second' has 23."""
 
+_BRACKETS = re.compile(r"(.*?)\s*[\[(]\s*([^\[\]()]+?)\s*[\])]")
+
 DRIVES = ("N", "N m", "V", "A", "Pa", "1")
 """What a drive column may count in; the gain is the force per unit of it."""
 
@@ -44,9 +46,12 @@ def _base(unit: str) -> tuple[float, str] | None:
     if len(text) > _LONGEST or not _FORM.fullmatch(text):
         return None
     registry = _registry()
+    import pint
+
     try:
         scale, base = registry.get_base_units(registry.parse_units(text))
-    except Exception:  # of many kinds, as the text may be anything
+    # Those of Python as well, for instance where "m-1" is read as a subtraction.
+    except (pint.PintError, AssertionError, TypeError, ValueError):
         return None
     return float(scale), str(base)
 
@@ -61,6 +66,34 @@ def is_unit(text: str) -> bool:
     (True, False, False)
     """
     return text in _USUAL or _base(text) is not None
+
+
+def bracketed(name: str) -> tuple[str, str]:
+    """Return a name without the unit in brackets at its end, and that unit; empty without one.
+
+    Examples
+    --------
+    >>> from locosweep.files.units import bracketed
+    >>> bracketed("x [mm]"), bracketed("x (left)")
+    (('x', 'mm'), ('x (left)', ''))
+    """
+    found = _BRACKETS.fullmatch(name)
+    return (found[1], found[2]) if found and is_unit(found[2]) else (name, "")
+
+
+def alike(unit: str, other: str) -> bool:
+    """Return whether two units measure the same.
+
+    Examples
+    --------
+    >>> from locosweep.files.units import alike
+    >>> alike("mm", "inch"), alike("V", "N")
+    (True, False)
+    """
+    if unit == other:
+        return True
+    one, two = _base(unit), _base(other)
+    return one is not None and two is not None and one[1] == two[1]
 
 
 def factor(column: str, unit: str, allowed: Sequence[str]) -> float:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import polars as pl
     from numpy.typing import NDArray
 
-    from locosweep.files.table import CsvForm
+    from locosweep.files.csv_form import CsvForm
 
 COLUMNS = {
     "run": "label of the run",

@@ -12,7 +12,7 @@ from locosweep import _core
 from locosweep.engine import whole
 from locosweep.errors import InputError
 from locosweep.files.columns import checksum
-from locosweep.files.table import CsvForm
+from locosweep.files.csv_form import CsvForm
 from locosweep.friction_fit.data import read_friction
 from locosweep.friction_fit.prepare import Prepared, fitted_only, prepare
 from locosweep.friction_fit.result import FittedLaw, FittedParameter, FrictionFit

@@ -8,8 +8,9 @@ import numpy as np
 
 from locosweep.errors import InputError
 from locosweep.files import csv_text, stamps
+from locosweep.files.csv_form import DECIMALS
 from locosweep.files.runs import wanted_columns
-from locosweep.files.table import DECIMALS, listed
+from locosweep.files.table import listed
 from locosweep.intake.names import ROLES, fits, points, unit_in
 
 if TYPE_CHECKING:

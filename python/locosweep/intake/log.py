@@ -14,10 +14,11 @@ from locosweep.errors import DataFileError, InputError
 from locosweep.files.bags import is_bag
 from locosweep.files.channels import CHANNELS
 from locosweep.files.columns import check_units, labels_of, number_columns
+from locosweep.files.csv_form import CsvForm
 from locosweep.files.runs import Run, wanted_columns
 from locosweep.files.sources import files_of, names_of
 from locosweep.files.stamps import are_dates
-from locosweep.files.table import CsvForm, Table, listed, read_table, whole_table
+from locosweep.files.table import Table, listed, read_table, whole_table
 from locosweep.files.units import factor
 from locosweep.intake.guess import guess_columns, guess_units, numbers_of
 from locosweep.registry import unknown

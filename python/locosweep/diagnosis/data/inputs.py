@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from locosweep.files.columns import MendStamps
-    from locosweep.files.table import CsvForm
+    from locosweep.files.csv_form import CsvForm
 
 
 def nominal_model(nominal: str | os.PathLike[str] | Robot) -> Robot:
