@@ -1,6 +1,8 @@
 """The command `init`: a rig's own log becomes runs and a first nominal file, in one step."""
 
 import json
+import shlex
+from pathlib import Path
 
 import numpy as np
 import polars as pl
@@ -78,6 +80,30 @@ def test_a_log_becomes_runs_and_a_nominal_file(call, tmp_path):
     assert sorted(path.name for path in (tmp_path / "rig").iterdir()) == [
         "nominal.toml", "runs.csv"
     ]  # fmt: skip
+
+
+def test_the_documentation_shows_what_is_printed(call, tmp_path):
+    page = (Path(__file__).parents[1] / "docs" / "your-data.md").read_text(encoding="utf-8")
+    commands, log, printed = (
+        block.split("\n", 1)[1].splitlines() for block in page.split("```")[1:6:2]
+    )
+    exported(tmp_path / "rig.csv")
+    assert (tmp_path / "rig.csv").read_text("utf-8-sig").splitlines()[: len(log)] == log
+    first, second = (shlex.split(line.removeprefix("$ locosweep ")) for line in commands)
+    code, out, _ = call(*first)
+    assert code == 0
+    assert out.splitlines() == printed
+    assert shlex.split(printed[-1].removeprefix("next: locosweep ")) == second
+
+
+def test_the_next_command_is_one_for_a_shell(call, tmp_path):
+    exported(tmp_path / "rig.csv", count=1, seconds=1.0)
+    code, out, _ = call("init", "rig.csv", "--out", "my rig", *SET)
+    assert code == 0
+    assert out.splitlines()[-1] == (
+        "next: locosweep diagnose 'my rig/runs.csv' --nominal 'my rig/nominal.toml' "
+        "--out 'my rig/report'"
+    )
 
 
 def test_what_is_missing_is_said_and_named_by_the_diagnosis(call, tmp_path):

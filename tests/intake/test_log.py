@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from locosweep.errors import DataFileError, InputError
+from locosweep.files.atomic import write_frame
 from locosweep.files.csv_form import CsvForm
 from locosweep.files.runs import load_runs
 from locosweep.intake.log import read_log
@@ -19,7 +20,7 @@ def written(tmp_path, head, row, name="log.csv", count=COUNT):
 
 def again(log, tmp_path):
     """The runs as a diagnosis reads them from what was written."""
-    log.frame.write_csv(tmp_path / "runs.csv")
+    write_frame(tmp_path / "runs.csv", log.frame)
     return load_runs(tmp_path / "runs.csv")
 
 
@@ -64,9 +65,56 @@ def test_parts_that_are_too_short_are_left_out_and_named(tmp_path):
     file = written(tmp_path, "t,drive,x", lambda k: f"{k * 0.01 + 9 * (k > 24)},0,0")
     log = read_log(file)
     assert log.frame.height == 25
-    assert any("15 samples of 1 are too few for a run: left out" in note for note in log.notes)
+    assert "too few samples for a run, left out: 1 (15)" in log.notes
     with pytest.raises(DataFileError, match="no run of 20 samples"):
-        read_log(written(tmp_path, "t,drive,x", lambda k: f"{k * 9.5},0,0"), pause=1.0)
+        read_log(
+            written(tmp_path, "t,drive,x", lambda k: f"{k * 9.5},0,0"), units={"t": "s"}, pause=1.0
+        )
+
+
+def test_labels_stand_for_runs_wherever_their_rows_are(tmp_path):
+    turns = written(tmp_path, "t,drive,x,run", lambda k: f"{k * 0.01},0,{k},{'ab'[k % 2]}")
+    log = read_log(turns)
+    assert log.frame["run"].unique(maintain_order=True).to_list() == ["a", "b"]
+    assert [run.t.size for run in again(log, tmp_path)[0]] == [20, 20]
+    # A run goes on after a pause, unless one is said to end it; a clock that begins anew does.
+    pause = written(tmp_path, "t,drive,x,run", lambda k: f"{k * 0.01 + 50 * (k > 19)},0,{k},a")
+    assert read_log(pause).runs == 1
+    log = read_log(pause, pause=2.0)
+    assert log.frame["run"].unique(maintain_order=True).to_list() == ["a.0", "a.1"]
+    assert any(
+        "2 runs" in note and "by their labels and cut where time jumps back or pauses for 2 s"
+        in note for note in log.notes
+    )  # fmt: skip
+    back = written(tmp_path, "t,drive,x,run", lambda k: f"{k % 20 * 0.01},0,{k},a")
+    assert read_log(back).runs == 2
+
+
+def test_columns_that_are_not_taken_are_not_read(tmp_path):
+    file = written(tmp_path, "t,drive,x,v,run", lambda k: f"{k * 0.01},0,{k},{'a' if k else 1},{k}")
+    log = read_log(file)
+    assert (log.frame.columns, log.runs) == (["run", "t", "drive", "x"], 1)
+    assert "not used: v, run" in log.notes
+    assert "v is not taken for v: row 2 has 'a', which is no number" in log.notes
+
+
+def test_a_slope_holds_for_a_run(tmp_path):
+    shaking = written(tmp_path, "t,drive,x,tilt_deg", lambda k: f"{k},0,{k},{2 + k % 3 * 0.1}")
+    log = read_log(shaking)
+    assert log.frame["slope_deg"][0] == pytest.approx(2.1)
+    assert "slope_deg of run 0 is 2 to 2.2 deg: 2.1 is taken" in log.notes
+    turned = written(tmp_path, "t,drive,x,tilt_deg", lambda k: f"{k},0,{k},{10 * (k > 19)}")
+    words = "run 0, column tilt_deg: 0 to 10 deg, allowed is one slope per run"
+    with pytest.raises(DataFileError, match=words):
+        read_log(turned)
+
+
+def test_computed_numbers_have_no_noise(tmp_path):
+    smooth = [1.0 + np.sin(1e-3 * k) for k in range(COUNT)]
+    log = read_log(written(tmp_path, "t,drive,x,v", lambda k: f"{k * 0.01},0,{smooth[k]:.17g},1"))
+    assert log.noise["x"].gaussian == 0.0
+    assert "v" not in log.noise
+    assert "v: no noise to be seen, as in computed numbers" in log.notes
 
 
 def test_several_files(tmp_path):
@@ -75,6 +123,7 @@ def test_several_files(tmp_path):
     log = read_log(tmp_path)
     assert log.frame["run"].unique(maintain_order=True).to_list() == ["one", "two"]
     assert log.frame["drive"][0] == 0.5
+    assert log.columns == {"t": "time_ms", "drive": "cmd_mN", "x": "pos_mm"}
 
 
 def test_rows_of_units_angles_and_voltages(tmp_path):
@@ -97,7 +146,7 @@ def test_missing_values_stay_missing(tmp_path):
     log = read_log(file)
     assert log.frame["x"].null_count() == 1
     gone = written(tmp_path, "t,drive,x", lambda k: f"{'' if k == 3 else k * 0.01},0,0")
-    assert any("1 rows of" in note and "no time" in note for note in read_log(gone).notes)
+    assert f"{gone}: rows without a time, left out: 1" in read_log(gone).notes
 
 
 def test_what_is_refused(tmp_path):
@@ -113,8 +162,10 @@ def test_what_is_refused(tmp_path):
     huge = written(tmp_path, "t,drive,x", lambda k: f"{k * 0.01},0,1e300")
     with pytest.raises(DataFileError, match=r"column x has 1e\+300, allowed is up to 1e\+15"):
         read_log(huge)
-    file = written(tmp_path, "t;drive;x", lambda k: f"{k};0;1,234")
+    file = written(tmp_path, "t,drive,x", lambda k: f"{k},0,1")
     with pytest.raises(InputError, match="unknown column 'y'"):
         read_log(file, columns={"y": "x"})
     with pytest.raises(InputError, match="unit of x: kN measures something else"):
-        read_log(file, units={"x": "kN"}, form=CsvForm(decimal="comma"))
+        read_log(file, units={"x": "kN"})
+    with pytest.raises(InputError, match="unit of v: rpm measures something else"):
+        read_log(written(tmp_path, "t,drive,x_mm,v", lambda k: f"{k},0,1,2"), units={"v": "rpm"})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -17,10 +17,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @options.runs_argument
-@click.option(
-    "--nominal", required=True, metavar="NOMINAL.toml", type=options.FILE,
-    help="The model that the runs are held against.",
-)  # fmt: skip
+@options.nominal_option
 @options.out_option("Folder for the report")
 @click.option(
     "--holdout", multiple=True, metavar="RUN,...",
@@ -42,6 +39,7 @@ if TYPE_CHECKING:
 @click.pass_context
 def diagnose(
     ctx: click.Context,
+    /,
     runs: tuple[Path, ...],
     nominal: Path,
     out: Path,
@@ -51,12 +49,8 @@ def diagnose(
     seed: int,
     force: bool,
     quiet: bool,
-    columns: dict[str, str],
-    units: dict[str, str],
-    separator: str | None,
-    decimal: str | None,
-    threads: int | None,
     json_: bool,
+    **reading: Any,
 ) -> None:
     """Say where measured RUNS leave their model, which effect causes it, how far it shrinks.
 
@@ -83,11 +77,7 @@ def diagnose(
         labels=_split(labels),
         max_effects=max_effects,
         seed=seed,
-        columns=columns,
-        units=units,
-        separator=separator,
-        decimal=decimal,
-        threads=threads,
+        **reading,
         progress=bar,
     )
     if bar is not None:

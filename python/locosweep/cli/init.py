@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from typing import TYPE_CHECKING
 
 import click
@@ -31,7 +32,8 @@ _RUNS, _NOMINAL = "runs.csv", "nominal.toml"
     "--pause",
     metavar="SECONDS",
     type=click.FloatRange(min=0.0, min_open=True),
-    help="Time without a sample that ends a run; default 1 s, or 100 samples if that is longer.",
+    help="Time without a sample that ends a run; default 1 s, or 100 samples if that is longer; "
+    "a run that has a label only ends there if this is given.",
 )
 @options.force_option
 @options.json_option
@@ -70,6 +72,7 @@ def init(
         write_frame(folder / _RUNS, log.frame)
         write_text(folder / _NOMINAL, text)
     runs, nominal = out / _RUNS, out / _NOMINAL
+    follow = ["locosweep", "diagnose", runs, "--nominal", nominal, "--out", out / "report"]
     fill = f"fill in {', '.join(missing)} in {nominal}, then: " if missing else "next: "
     report = {
         "files": [runs, nominal],
@@ -80,5 +83,4 @@ def init(
         "notes": log.notes,
         "missing": missing,
     }
-    follow = f"{fill}locosweep diagnose {runs} --nominal {nominal} --out {out / 'report'}"
-    show(json_, report, *log.notes, runs, nominal, follow)
+    show(json_, report, *log.notes, runs, nominal, fill + shlex.join(map(str, follow)))

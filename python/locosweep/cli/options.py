@@ -14,6 +14,7 @@ from click.shell_completion import CompletionItem
 
 from locosweep import registry
 from locosweep.errors import InputError, printable
+from locosweep.files.csv_form import DECIMALS, SEPARATORS
 from locosweep.files.strict_json import as_json
 
 if TYPE_CHECKING:
@@ -247,18 +248,21 @@ unit_option = pair_option(
 
 def csv_options(command: _Command) -> _Command:
     """Add the options that settle what the text of a CSV file leaves open."""
-    separators = "tab", "semicolon", "comma", "bar"
     decimal = click.option(
-        "--decimal", type=click.Choice(["point", "comma"]),
+        "--decimal", type=click.Choice(list(DECIMALS)),
         help="Decimal character of a CSV file; default as its numbers show.",
     )  # fmt: skip
     separator = click.option(
-        "--separator", type=click.Choice(separators),
+        "--separator", type=click.Choice(list(SEPARATORS)),
         help="Character between columns of a CSV file; default as its rows show.",
     )  # fmt: skip
     return separator(decimal(command))
 
 
+nominal_option = click.option(
+    "--nominal", required=True, metavar="NOMINAL.toml", type=FILE,
+    help="The model that the runs are held against.",
+)  # fmt: skip
 force_option = click.option("--force", is_flag=True, help="Write into a folder that is not empty.")
 threads_option = click.option(
     "--threads", metavar="N", type=click.IntRange(min=1), help="Threads; default all processors."

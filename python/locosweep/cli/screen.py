@@ -20,10 +20,7 @@ _LEAST_SHARE = 1e-3
 
 @click.command()
 @options.runs_argument
-@click.option(
-    "--nominal", required=True, metavar="NOMINAL.toml", type=options.FILE,
-    help="The model that the runs are held against.",
-)  # fmt: skip
+@options.nominal_option
 @options.count_option("--pairs", 5, "Pairs of effects to list, at most.")
 @options.column_option
 @options.unit_option
@@ -34,12 +31,8 @@ def screen(
     runs: tuple[Path, ...],
     nominal: Path,
     pairs: int,
-    columns: dict[str, str],
-    units: dict[str, str],
-    separator: str | None,
-    decimal: str | None,
-    threads: int | None,
     json_: bool,
+    **reading: Any,
 ) -> None:
     """Say which effects could explain a gap between measured RUNS and their model.
 
@@ -53,11 +46,7 @@ def screen(
         options.one_or_all(runs),
         nominal,
         pairs=pairs,
-        columns=columns,
-        units=units,
-        separator=separator,
-        decimal=decimal,
-        threads=threads,
+        **reading,
     )
     for warning in found.warnings:
         note(warning)

@@ -28,7 +28,8 @@ MOST_COLUMNS = 1000
 _COMMA = r"^\s*[+-]?\d*,\d+([eE][+-]?\d+)?\s*$"
 _POINT = r"^\s*[+-]?\d*\.\d+([eE][+-]?\d+)?\s*$"
 _GROUPS = r"^\s*[+-]?[1-9]\d{0,2}(,\d{3})+\s*$"
-_GROUPED = r"^\s*[+-]?[1-9]\d{0,2}(,\d{3})+(\.\d*)?([eE][+-]?\d+)?\s*$"
+GROUPED = r"^\s*[+-]?[1-9]\d{0,2}(,\d{3})+(\.\d*)?([eE][+-]?\d+)?\s*$"
+"""Numbers with commas between groups of digits."""
 
 
 @dataclass(frozen=True)
@@ -223,7 +224,7 @@ def _finished(
     table = Table(path, frame, labels, others, wanted, units, notices, refused)
     text = [name for name in found if wanted[name] and frame[name].dtype == pl.String]
     if text and frame.height:
-        below = _units_row(frame, text)
+        below = units_row({name: frame[name] for name in text})
         if below:
             frame = frame.slice(1)
             units.update(below)
@@ -236,9 +237,13 @@ def _finished(
     return replace(table, frame=frame)
 
 
-def _units_row(frame: pl.DataFrame, names: Sequence[str]) -> dict[str, str]:
-    """Return the units that the first row gives; none if it is a row of values."""
-    cells = {name: (frame[name][0] or "").strip().strip("[]()").strip() for name in names}
+def units_row(columns: Mapping[str, pl.Series]) -> dict[str, str]:
+    """Return the units that the first row of texts gives; none if it is a row of values."""
+    cells = {
+        name: column[0].strip().strip("[]()").strip()
+        for name, column in columns.items()
+        if column.len() and isinstance(column[0], str)
+    }
     given = {name: cell for name, cell in cells.items() if cell}
     values = (cell.lower() in csv_text.MISSING or cell[0] in "+-.,0123456789" for cell in
               given.values() if cell not in {"1", "-"})  # fmt: skip
@@ -254,7 +259,7 @@ def _with_points(table: Table, names: Sequence[str], form: CsvForm) -> pl.DataFr
     if not commas:
         return frame
     if (form.decimal or _decimal(table, names, commas)) == "point":
-        return _replaced(frame, commas, _GROUPED, "")
+        return _replaced(frame, commas, GROUPED, "")
     table.notices.append(f"{table.path}: read with decimal commas")
     for name in names:
         points = frame[name].str.contains(_POINT).arg_true()
@@ -288,7 +293,7 @@ def _decimal(table: Table, names: Sequence[str], commas: Sequence[str]) -> str:
         return "comma"
     pointed = any(frame[name].str.contains(_POINT).any() for name in names)
     for name in commas:
-        rows = frame[name].str.contains(_GROUPED).arg_true()
+        rows = frame[name].str.contains(GROUPED).arg_true()
         if not len(rows):
             continue
         where, text = _cell(table, name, rows[0]), frame[name][int(rows[0])].strip()

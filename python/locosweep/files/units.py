@@ -18,7 +18,7 @@ _USUAL = (
 )  # fmt: skip
 """Units that a wrong name is compared with."""
 _SPELT = {"Nm": "N m", "Nmm": "N mm", "%": "percent", "1": "dimensionless", "-": "dimensionless",
-          "sec": "s"}  # fmt: skip
+          "sec": "s", "pct": "percent", "amps": "ampere"}  # fmt: skip
 """Ways of writing that Pint reads as something else or not at all."""
 _FORM = re.compile(r"(?:[A-Za-zµμ°Ω]+(?:[\^*]{0,2}-?\d)?[ */·]{0,3}(?![ */·])){1,6}")
 """Names with exponents of one digit: Pint computes what else stands there."""

@@ -1,4 +1,4 @@
-"""Guesses about the columns of a log: which is which, and in what unit, each with its reason."""
+"""Guesses about the columns of a file: which is which, each with its reason."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ import numpy as np
 
 from locosweep.errors import InputError
 from locosweep.files import csv_text, stamps
+from locosweep.files.columns import LEAST_SAMPLES, shown
 from locosweep.files.csv_form import DECIMALS
 from locosweep.files.runs import wanted_columns
-from locosweep.files.table import listed
-from locosweep.intake.names import ROLES, fits, points, unit_in
+from locosweep.files.table import GROUPED, listed, units_row
+from locosweep.intake.names import ANGLES, ROLES, fits, speaks_for, unit_in, words_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -19,18 +20,18 @@ if TYPE_CHECKING:
     import polars as pl
     from numpy.typing import NDArray
 
-_NEEDED = ("t", "drive", "x")
-_RISES = 0.9
-"""Share of steps forward from which a column may be time: it goes back where a run begins."""
-_LEAST = 20
-"""Samples that a run needs: a column with more labels than that allows names no runs."""
-_STEP, _FAR = 1.0, 10.0
-"""Step of whole-numbered times in s, and span of a position in m, from which they are in
-thousandths: rigs take 20 samples a second or more, and move by less than their own size of 10 m."""
+NEEDED = ("t", "drive", "x")
+_FORWARD, _MOVES = 0.9, 0.5
+"""Shares of steps that do not go back, and that go forward, from which a column may be time: it
+goes back where a run begins, and stands where a logger rounds it."""
 
 
 def guess_columns(
-    names: Sequence[str], frame: pl.DataFrame, columns: Mapping[str, str], path: str
+    names: Sequence[str],
+    frame: pl.DataFrame,
+    columns: Mapping[str, str],
+    units: Mapping[str, str],
+    path: str,
 ) -> tuple[dict[str, tuple[str, str]], list[str]]:
     """Return their name of each column and why, by ours, and what stays open.
 
@@ -40,7 +41,7 @@ def guess_columns(
         Names in the file.
     frame : polars.DataFrame
         Its columns, in the same order.
-    columns : mapping of str to str
+    columns, units : mapping of str to str
         What the user says; it comes first.
     path : str
         What messages call the file.
@@ -48,94 +49,83 @@ def guess_columns(
     Raises
     ------
     InputError
-        No column, or several alike, for time, drive or position: with the option that says it.
+        No column, or several alike, for time, drive or position: with the option that says it,
+        or with the cell that keeps a column from being one.
     """
     found = {role: (name, "as you say") for role, name in columns.items()}
     left = []
     free = [name for name in dict.fromkeys(names) if name not in columns.values()]
     values = dict(zip(names, frame.iter_columns(), strict=True))
-    allowed = wanted_columns()
+    # A row of units below the names says as much as brackets behind them.
+    spelt = {name: _with_unit_below(name, column) for name, column in values.items()}
+    rotary: bool | None = None
     for role in ROLES:
-        if role in found:
-            continue
-        scores = {name: points(name, role, allowed[role]) for name in free}
-        scores = {n: s for n, s in scores.items() if s and _can_be(role, values[n])}
-        best = max(scores.values(), default=0)
-        ahead = [name for name, score in scores.items() if score == best]
-        if role in _NEEDED and len(ahead) > 1:
-            raise InputError(
-                f"{path}: {role} may be {' or '.join(ahead[:5])}: --column {role}={ahead[0]} "
-                "settles it"
-            )
-        if len(ahead) > 1:
-            left.append(f"{role} may be {' or '.join(ahead[:5])}: --column {role}=NAME takes one")
-        elif ahead:
-            found[role] = (ahead[0], "by its name" if ahead[0] != role else "named so")
-            free.remove(ahead[0])
-    if "t" not in found:
-        rising = [name for name in free if _rises(values[name])]
-        if len(rising) == 1:
-            found["t"] = (rising[0], "the only column that rises from row to row")
-            free.remove(rising[0])
-    for role in _NEEDED:
         if role not in found:
-            raise InputError(
-                f"{path}: no column seems to be {role}: --column {role}=NAME says it, there are "
-                f"{listed(free)}"
-            )
+            wanted = wanted_columns(rotary)
+            rank = {name: speaks_for(spelt[name], role, wanted) for name in free}
+            spoken = {name: score for name, score in rank.items() if score is not None}
+            faults = {name: why_not(role, values[name]) for name in spoken}
+            best = max((score for name, score in spoken.items() if not faults[name]), default=None)
+            ahead = [n for n, score in spoken.items() if score == best and not faults[n]]
+            if len(ahead) == 1:
+                name = ahead[0]
+                found[role] = (name, "by its name" if name != role else "named so")
+                free.remove(name)
+            elif role in NEEDED and ahead:
+                raise InputError(
+                    f"{path}: {role} may be {' or '.join(ahead[:5])}: --column {role}={ahead[0]} "
+                    "settles it"
+                )
+            elif ahead:
+                several = " or ".join(ahead[:5])
+                left.append(f"{role} may be {several}: --column {role}=NAME takes one")
+            elif role == "t" and (rising := _only_rising(free, spelt, values)):
+                found[role] = (rising, "the only column that rises from row to row")
+                free.remove(rising)
+            elif role in NEEDED:
+                raise InputError(f"{path}: {_none(role, faults, free)}")
+            else:
+                left += [f"{n} is not taken for {role}: {why}" for n, why in faults.items()]
+        if role == "x":
+            rotary = _is_angle(units.get("x", ""), spelt[found["x"][0]])
     return found, left
 
 
-def guess_units(
-    names: Mapping[str, tuple[str, str]],
-    stated: Mapping[str, str],
-    given: Mapping[str, str],
-    values: Mapping[str, NDArray[np.float64]],
-    *,
-    dates: bool = False,
-) -> dict[str, tuple[str, str]]:
-    """Return the unit of each column of numbers and why, by our names.
+def _with_unit_below(name: str, column: pl.Series) -> str:
+    """Return a name with the unit in brackets that the first row gives before numbers."""
+    unit = units_row({name: column}).get(name)
+    return f"{name} [{unit}]" if unit and np.isfinite(numbers_of(column[1:2])).any() else name
 
-    Parameters
-    ----------
-    names : mapping
-        What `guess_columns` returned.
-    stated : mapping of str to str
-        Units that the file states in brackets or in a row.
-    given : mapping of str to str
-        What the user says.
-    values : mapping of str to array
-        Times and positions as they stand in the file.
-    dates : bool
-        Whether times are dates.
-    """  # fmt: skip
-    found = {}
-    for role, allowed in wanted_columns().items():
-        if role not in names or not allowed:
-            continue
-        unit = unit_in(names[role][0])[1]
-        if role in given:
-            found[role] = (given[role], "as you say")
-        elif role in stated:
-            found[role] = (stated[role], "as the file states")
-        elif unit and fits(role, unit, allowed):
-            found[role] = (unit, "by its name")
-        elif role == "t" and (dates or stamps.is_unix(values["t"])):
-            found[role] = ("s", "dates" if dates else "Unix time")
-        elif role == "t" and (finer := stamps.finer(values["t"])):
-            found[role] = (finer, "as only that makes it Unix time")
-        elif role == "t" and _coarse(values["t"]):
-            found[role] = ("ms", "as whole-numbered steps of 1 s and more are too long for a rig")
-        elif role == "x" and np.ptp(_known(values["x"])) > _FAR:
-            span = float(np.ptp(_known(values["x"])))
-            found[role] = ("mm", f"as a span of {span:.3g} m is too long for a rig")
-        else:
-            found[role] = (allowed[0], "nothing says another: check it")
-    return found
+
+def _none(role: str, faults: Mapping[str, str], free: Sequence[str]) -> str:
+    """Return why no column was found."""
+    if faults:
+        told = "; ".join(f"{name}: {why}" for name, why in list(faults.items())[:3])
+        return f"no column can be {role}: {told}"
+    return f"no column seems to be {role}: --column {role}=NAME says it, there are {listed(free)}"
+
+
+def _is_angle(given: str, name: str) -> bool:
+    """Return whether positions are angles, by their unit or their name."""
+    unit = given or unit_in(name)[1]
+    return fits("x", unit, ["rad"]) if unit else bool(ANGLES & set(words_of(name)))
+
+
+def _only_rising(
+    free: Sequence[str], spelt: Mapping[str, str], values: Mapping[str, pl.Series]
+) -> str:
+    """Return the only column that rises and speaks for nothing; none if it may number rows."""
+    wanted = wanted_columns()
+    nameless = [n for n in free if not any(speaks_for(spelt[n], role, wanted) for role in ROLES)]
+    rising = [name for name in nameless if not why_not("t", values[name])]
+    if len(rising) != 1:
+        return ""
+    known = _known(numbers_of(values[rising[0]]))
+    return "" if bool((np.diff(known) == 1.0).all()) else rising[0]
 
 
 def numbers_of(column: pl.Series) -> NDArray[np.float64]:
-    """Return a column as numbers, NaN for all else; decimal commas are read, too."""
+    """Return a column as numbers, NaN for all else; commas are read, too, whatever they are."""
     import polars as pl
 
     if stamps.are_dates(column):
@@ -143,47 +133,65 @@ def numbers_of(column: pl.Series) -> NDArray[np.float64]:
             return stamps.dates("", column, "")
         except InputError:
             return np.full(column.len(), np.nan)
+    if stamps.is_span(column):
+        return stamps.spans(column)
     if column.dtype == pl.String:
-        text = column.str.strip_chars().str.replace(DECIMALS["comma"], ".", literal=True)
-        column = text.cast(pl.Float64, strict=False)
+        text = column.str.strip_chars()
+        grouped = text.str.contains(GROUPED) & text.str.contains(".", literal=True)
+        plain = pl.select(
+            pl.when(grouped)
+            .then(text.str.replace_all(",", "", literal=True))
+            .otherwise(text.str.replace(DECIMALS["comma"], ".", literal=True))
+        ).to_series()
+        column = plain.cast(pl.Float64, strict=False)
     elif not column.dtype.is_numeric():
         return np.full(column.len(), np.nan)
     values: NDArray[np.float64] = column.cast(pl.Float64).fill_null(np.nan).to_numpy()
     return values
 
 
-def _can_be(role: str, column: pl.Series) -> bool:
-    """Return whether the values of a column allow a role."""
+def why_not(role: str, column: pl.Series) -> str:
+    """Return what keeps a column from a role: its first cell of text, or what its values do."""
     if role == "run":
-        return column.n_unique() * _LEAST <= column.len()
-    if role == "t":
-        return _rises(column)
-    text = column.cast(str).str.strip_chars().str.to_lowercase()
-    given = int((~text.fill_null("").is_in(list(csv_text.MISSING))).sum())
-    known = int(np.isfinite(numbers_of(column)).sum())
-    # The first row may hold units.
-    return known > 0 and known >= given - 1
+        many = column.n_unique()
+        few = many * LEAST_SAMPLES <= column.len()
+        return "" if few else f"it has {many} labels in {column.len()} rows"
+    values = numbers_of(column)
+    if stamps.are_dates(column) and not np.isfinite(values).any():
+        # Reading names the date that is none.
+        return ""
+    wrong = _first_text(column, values)
+    if wrong:
+        dates = f" and no time as in {stamps.ALLOWED_DATES}" if role == "t" else ""
+        return f"{wrong}, which is no number{dates}"
+    if not np.isfinite(values).any():
+        return "it has no numbers"
+    return "it does not rise from row to row" if role == "t" and not _rises(values) else ""
 
 
-def _rises(column: pl.Series) -> bool:
-    known = _known(numbers_of(column))
+def _first_text(column: pl.Series, values: NDArray[np.float64]) -> str:
+    """Return row and text of the first cell that is no number; the first row may hold units."""
+    import polars as pl
+
+    if column.dtype != pl.String:
+        return ""
+    missing = column.str.strip_chars().str.to_lowercase().is_in(csv_text.MISSING)
+    rows = np.flatnonzero(np.isnan(values) & ~missing.fill_null(value=True).to_numpy())
+    above = 1 if rows.size and rows[0] == 0 and units_row({"": column}) else 0
+    rows = rows[above:]
+    return f"row {rows[0] + 1 - above} has {shown(column[int(rows[0])])}" if rows.size else ""
+
+
+def _rises(values: NDArray[np.float64]) -> bool:
+    known = _known(values)
     steps = np.diff(known)
     return bool(
-        known.size >= _LEAST
-        and known.size > 0.5 * column.len()
-        and (steps >= 0.0).mean() > _RISES
-        and (steps > 0.0).mean() > 0.5
+        known.size >= LEAST_SAMPLES
+        and known.size > 0.5 * values.size
+        and (steps >= 0.0).mean() > _FORWARD
+        and (steps > 0.0).mean() > _MOVES
     )
 
 
 def _known(values: NDArray[np.float64]) -> NDArray[np.float64]:
     return values[np.isfinite(values)]
-
-
-def _coarse(t: NDArray[np.float64]) -> bool:
-    """Return whether times are whole numbers with steps that are long for seconds."""
-    known = _known(t)
-    steps = np.diff(known)
-    steps = steps[steps > 0.0]
-    whole = bool((known == np.round(known)).all())
-    return bool(steps.size) and whole and float(np.median(steps)) >= _STEP and not stamps.is_unix(t)

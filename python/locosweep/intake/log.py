@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,16 +10,16 @@ import numpy as np
 from locosweep.diagnosis.data.noise import noise_of
 from locosweep.diagnosis.data.readings.columns import LARGEST
 from locosweep.errors import DataFileError, InputError
-from locosweep.files.bags import is_bag
 from locosweep.files.channels import CHANNELS
-from locosweep.files.columns import check_units, labels_of, number_columns
+from locosweep.files.columns import LEAST_SAMPLES, check_units, number_columns, rows_of
 from locosweep.files.csv_form import CsvForm
 from locosweep.files.runs import Run, wanted_columns
 from locosweep.files.sources import files_of, names_of
-from locosweep.files.stamps import are_dates
-from locosweep.files.table import Table, listed, read_table, whole_table
+from locosweep.files.table import listed
 from locosweep.files.units import factor
-from locosweep.intake.guess import guess_columns, guess_units, numbers_of
+from locosweep.intake.names import fits
+from locosweep.intake.sheet import opened
+from locosweep.intake.units import is_angle, settled_units
 from locosweep.registry import unknown
 
 if TYPE_CHECKING:
@@ -30,14 +29,20 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from locosweep.diagnosis.data.noise import Noise
+    from locosweep.files.table import Table
+    from locosweep.intake.sheet import Sheet
+    from locosweep.intake.units import Reasoned
 
     Floats = NDArray[np.float64]
 
-LEAST = 20
-"""Samples that a run needs."""
 PAUSE, _STEPS = 1.0, 100.0
-"""Least length in s, and in steps, of a pause that ends a run: stretches that a log loses are
-shorter, and a rig that is set up anew takes longer."""
+"""Least length in s, and in usual steps, of a pause that ends a run: stretches that a log loses are
+shorter (a buffer of 100 samples), and a rig that is set up anew takes longer."""
+_LEVEL = 1.0
+"""Degrees by which a slope may vary within a run: so much a tilt sensor shakes."""
+_NO_NOISE = 1e-8
+"""Share of a channel's span below which its noise is that of computed numbers: 26 bits, and no
+sensor of a rig resolves more than 24."""
 
 
 @dataclass(frozen=True)
@@ -57,16 +62,12 @@ class Log:
     @property
     def rotary(self) -> bool:
         """True if positions are angles."""
-        return "x" in self.units and _is_angle(self.units["x"])
+        return "x" in self.units and is_angle(self.units["x"])
 
     @property
     def drive_in_force(self) -> bool:
         """True if the drive counts in N, or N m where positions are angles."""
-        try:
-            factor("drive", self.units["drive"], ["N m" if self.rotary else "N"])
-        except InputError:
-            return False
-        return True
+        return fits("drive", self.units["drive"], ["N m" if self.rotary else "N"])
 
 
 def read_log(
@@ -121,57 +122,56 @@ def read_log(
         if role not in wanted:
             raise InputError(f"column: {unknown('column', role, wanted)}")
     check_units(units, [name for name, allowed in wanted.items() if allowed])
-    parts, notes = [], []
-    seen: tuple[dict[str, str], dict[str, str]] = ({}, {})
-    for path, name in zip(files, names_of(files), strict=True):
-        if is_bag(path):
-            raise InputError(f"{path}: a bag names its topics: locosweep diagnose --map takes it")
-        table, own, said = _read(path, columns, units, form or CsvForm())
-        notes += [note for note in said if note not in notes]
-        for mine, its in zip(seen, own, strict=True):
-            mine.update(its)
-        numbers, _ = number_columns(table, own[1])
-        _check_sizes(table, numbers)
-        notes += [note for note in table.notices if note not in notes]
-        runs, said = _runs(table, numbers, name if len(files) > 1 else "", pause)
+    sheets = [opened(path, columns, units, form or CsvForm()) for path in files]
+    settled = settled_units(sheets, units)
+    parts: list[Run] = []
+    notes: list[str] = []
+    names = names_of(files) if len(files) > 1 else [""]
+    for sheet, own, name in zip(sheets, settled, names, strict=True):
+        _check_wanted(sheet, own)
+        numbers, _ = number_columns(sheet.table, {role: unit for role, (unit, _) in own.items()})
+        _check_sizes(sheet.table, numbers)
+        runs, said = _runs(sheet.table, numbers, name, pause)
         parts += runs
-        notes += said
+        told = [*_guesses(sheet, own), *sheet.table.notices, *said]
+        notes += [note for note in told if note not in notes]
     frame, noise = _joined(parts), _noise(parts)
-    notes += [
-        f"{channel}: noise of {one.gaussian:.2g} {_si(channel, seen[1])}"
-        + (f", steps of {one.step:.2g}" if one.step else "")
-        for channel, one in noise.items()
-    ]
-    return Log(frame, notes, *seen, noise, len(parts))
+    columns = {role: name for sheet in reversed(sheets) for role, name in sheet.names.items()}
+    units = {role: unit for own in reversed(settled) for role, (unit, _) in own.items()}
+    log = Log(frame, notes, columns, units, noise, len(parts))
+    for channel in CHANNELS:
+        if channel in noise:
+            one, unit = noise[channel], CHANNELS[channel].unit_on(rotary=log.rotary)
+            parts_of = {"noise": one.gaussian, "steps": one.step}
+            shown = (f"{what} of {size:.2g} {unit}" for what, size in parts_of.items() if size)
+            notes.append(f"{channel}: {', '.join(shown)}")
+        elif channel in columns:
+            notes.append(f"{channel}: no noise to be seen, as in computed numbers")
+    return log
 
 
-def _read(
-    path: Path, columns: Mapping[str, str], units: Mapping[str, str], form: CsvForm
-) -> tuple[Table, tuple[dict[str, str], dict[str, str]], list[str]]:
-    """Return the columns of a file, their names and units, and why these are what they seem."""
-    wanted = wanted_columns()
-    names, frame = whole_table(path, form)
-    for role, name in columns.items():
-        if name not in names:
-            raise DataFileError(
-                f"{path}: no column {name} (given for {role}): there are {listed(names)}"
-            )
-    there = {name: place for place, name in reversed([*enumerate(names)])}
-    frame = frame.select(frame[str(place)].alias(name) for name, place in there.items())
-    found, left = guess_columns(list(there), frame, columns, str(path))
-    chosen = {role: name for role, (name, _) in found.items()}
-    table = read_table(path, wanted, tuple(chosen), chosen, form)
-    values = {role: numbers_of(table.frame[role]) for role in ("t", "x")}
-    dates = are_dates(table.frame["t"])
-    measured = guess_units(found, table.units, units, values, dates=dates)
+def _guesses(sheet: Sheet, units: Mapping[str, Reasoned]) -> list[str]:
+    """Return what each column is and why, and what is not used."""
     said = []
-    for role, (name, why) in found.items():
-        unit, because = measured.get(role, ("", ""))
-        said.append(f"{role} is {name} ({why})" + (f", in {unit} ({because})" if unit else ""))
-    said += left
-    if table.others:
-        said.append(f"not used: {listed(table.others)}")
-    return table, (chosen, {role: unit for role, (unit, _) in measured.items()}), said
+    for role, name in sheet.names.items():
+        unit, because = units.get(role, ("", ""))
+        measured = f", in {unit} ({because})" if unit else ""
+        said.append(
+            f"{role} is {name or 'the column without a name'} ({sheet.why[role]}){measured}"
+        )
+    if sheet.table.others:
+        said.append(f"not used: {listed([name or '(no name)' for name in sheet.table.others])}")
+    return [*said, *sheet.left]
+
+
+def _check_wanted(sheet: Sheet, units: Mapping[str, Reasoned]) -> None:
+    """Refuse units that measure something else on this kind of rig."""
+    wanted = wanted_columns(rotary=is_angle(units["x"][0]))
+    for role, (unit, _) in units.items():
+        try:
+            factor(role, unit, wanted[role])
+        except InputError as error:
+            raise InputError(f"{sheet.path}: {sheet.names[role]}: {error}") from None
 
 
 def _check_sizes(table: Table, numbers: Mapping[str, Floats]) -> None:
@@ -190,41 +190,65 @@ def _runs(
 ) -> tuple[list[Run], list[str]]:
     """Cut a file into runs: by labels, and where time jumps back or pauses."""
     t = numbers["t"]
-    known = np.flatnonzero(np.isfinite(t))
-    labels = labels_of(table.path, table.frame).to_numpy()
-    steps = np.diff(t[known])
-    usual = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
-    longest = max(PAUSE, _STEPS * usual) if pause is None else pause
-    given = "run" in table.frame.columns
-    new = labels[known][1:] != labels[known][:-1]
-    jumps = (steps < 0.0) | (steps > longest)
-    cuts = new if given else jumps
-    parts = np.split(known, np.flatnonzero(cuts) + 1)
-    notes, runs = [], []
-    if known.size < t.size:
-        notes.append(f"{t.size - known.size} rows of {table.path} have no time: left out")
-    for count, rows in enumerate(parts):
-        label = str(labels[rows[0]]) if given and rows.size else str(count)
-        label = ":".join(part for part in (file, label if given or len(parts) > 1 else "") if part)
-        if rows.size < LEAST:
-            notes.append(
-                f"{rows.size} samples of {label or 'the log'} are too few for a run: left out"
+    labelled = "run" in table.frame.columns
+    groups = {label: rows[np.isfinite(t[rows])] for label, rows in rows_of(table).items()}
+    forward = np.concatenate([np.diff(t[rows]) for rows in groups.values()])
+    forward = forward[forward > 0.0]
+    usual = float(np.median(forward)) if forward.size else 0.0
+    # Labels say where runs end: only a pause that is asked for cuts them.
+    longest = pause or (np.inf if labelled else max(PAUSE, _STEPS * usual))
+    notes, runs, short = [], [], []
+    if untimed := int(np.isnan(t).sum()):
+        notes.append(f"{table.path}: rows without a time, left out: {untimed}")
+    for label, rows in groups.items():
+        steps = np.diff(t[rows])
+        parts = np.split(rows, np.flatnonzero((steps < 0.0) | (steps > longest)) + 1)
+        for count, part in enumerate(parts):
+            own = ".".join(
+                [*([label] if labelled else []), *([str(count)] if len(parts) > 1 else [])]
             )
-            continue
-        channels = {name: numbers[name][rows] for name in CHANNELS if name in numbers}
-        slope = numbers["slope_deg"][rows] if "slope_deg" in numbers else np.array([np.nan])
-        level = slope[np.isfinite(slope)]
-        runs.append(Run(label or "0", t[rows] - t[rows[0]], numbers["drive"][rows], channels,
-                        float(np.median(level)) if level.size else None))  # fmt: skip
+            name = ":".join(word for word in (file, own) if word) or "0"
+            if part.size < LEAST_SAMPLES:
+                short.append(f"{name} ({part.size})")
+                continue
+            channels = {c: numbers[c][part] for c in CHANNELS if c in numbers}
+            slope, said = _slope(table, numbers, part, name)
+            notes += said
+            runs.append(Run(name, t[part] - t[part[0]], numbers["drive"][part], channels, slope))
     if not runs:
-        raise DataFileError(f"{table.path}: no run of {LEAST} samples or more")
-    doubled = [run.label for run in runs]
-    if len(set(doubled)) < len(doubled):
+        raise DataFileError(f"{table.path}: no run of {LEAST_SAMPLES} samples or more")
+    if short:
+        notes.append(f"too few samples for a run, left out: {listed(short)}")
+    names = [run.label for run in runs]
+    if len(set(names)) < len(names):
         runs = [replace(run, label=f"{run.label}.{k}") for k, run in enumerate(runs)]
-    how = "by their labels" if given else f"cut where time jumps back or pauses for {longest:.3g} s"
+    how = ["by their labels"] if labelled else []
+    if not labelled or len(runs) + len(short) > len(groups):
+        pauses = f" or pauses for {longest:.3g} s" if np.isfinite(longest) else ""
+        how.append(f"cut where time jumps back{pauses}")
     if len(runs) > 1:
-        notes.insert(0, f"{len(runs)} runs in {table.path}, {how}")
+        notes.insert(0, f"{len(runs)} runs in {table.path}, {' and '.join(how)}")
     return runs, notes
+
+
+def _slope(
+    table: Table, numbers: Mapping[str, Floats], rows: NDArray[np.intp], run: str
+) -> tuple[float | None, list[str]]:
+    """Return the slope of a run, and what is to be said of it."""
+    if "slope_deg" not in numbers:
+        return None, []
+    known = numbers["slope_deg"][rows]
+    known = known[np.isfinite(known)]
+    if not known.size:
+        return None, []
+    low, high, middle = float(known.min()), float(known.max()), float(np.median(known))
+    if high - low > _LEVEL:
+        raise DataFileError(
+            f"{table.path}: run {run}, column {table.labels['slope_deg']}: {low:.4g} to "
+            f"{high:.4g} deg, allowed is one slope per run, within {_LEVEL:g} deg"
+        )
+    said = f"slope_deg of run {run} is {low:.4g} to {high:.4g} deg: {middle:.4g} is taken"
+    return middle, [said] if high > low else []
 
 
 def _joined(runs: list[Run]) -> pl.DataFrame:
@@ -246,21 +270,17 @@ def _joined(runs: list[Run]) -> pl.DataFrame:
 
 
 def _noise(runs: list[Run]) -> dict[str, Noise]:
+    """Return the noise of each channel that shows some."""
     found = {}
     for name in CHANNELS:
         own = [run for run in runs if name in run.channels]
-        if any(np.isfinite(run.channels[name]).sum() >= LEAST for run in own):
-            found[name] = noise_of(name, own, {})
+        known = [run.channels[name][np.isfinite(run.channels[name])] for run in own]
+        known = [values for values in known if values.size >= LEAST_SAMPLES]
+        span = max((float(np.ptp(values)) for values in known), default=0.0)
+        if span > 0.0:
+            noise = noise_of(name, own, {})
+            if noise.gaussian <= _NO_NOISE * span:
+                noise = replace(noise, gaussian=0.0)
+            if noise.gaussian or noise.step:
+                found[name] = noise
     return found
-
-
-def _si(channel: str, units: Mapping[str, str]) -> str:
-    return CHANNELS[channel].unit_on(rotary=_is_angle(units["x"]))
-
-
-def _is_angle(unit: str) -> bool:
-    try:
-        factor("x", unit, ["rad"])
-    except InputError:
-        return False
-    return True
