@@ -120,7 +120,7 @@ def test_bombs_take_little_memory(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_file_at_the_limit_fits_into_a_gigabyte(tmp_path):
+def test_a_file_at_the_limit_takes_1200_mb_and_some(tmp_path):
     rows = raw.MOST_VALUES // 3
     t = (pl.int_range(rows, eager=True) * 0.001).round(3)
     pl.DataFrame({"t": t, "drive": 0.25, "x": 0.0012345}).write_csv(tmp_path / "r.csv")

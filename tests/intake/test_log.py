@@ -48,12 +48,7 @@ def test_everything_at_once(tmp_path):
         assert words in said
 
 
-def test_runs_by_labels_jumps_and_pauses(tmp_path):
-    def labelled(k):
-        return f"{k % 20 * 0.01},0,{k},{'ab'[k // 20]}"
-
-    log = read_log(written(tmp_path, "t,drive,x_mm,trial", labelled), columns={"x": "x_mm"})
-    assert log.frame["run"].unique(maintain_order=True).to_list() == ["a", "b"]
+def test_runs_by_jumps_and_pauses(tmp_path):
     back = written(tmp_path, "t,drive,x", lambda k: f"{k % 20 * 0.01},0,0")
     assert read_log(back).runs == 2
     pause = written(tmp_path, "t,drive,x", lambda k: f"{k * 0.01 + 0.5 * (k > 19)},0,0")
@@ -73,7 +68,7 @@ def test_parts_that_are_too_short_are_left_out_and_named(tmp_path):
 
 
 def test_labels_stand_for_runs_wherever_their_rows_are(tmp_path):
-    turns = written(tmp_path, "t,drive,x,run", lambda k: f"{k * 0.01},0,{k},{'ab'[k % 2]}")
+    turns = written(tmp_path, "t,drive,x,trial", lambda k: f"{k * 0.01},0,{k},{'ab'[k % 2]}")
     log = read_log(turns)
     assert log.frame["run"].unique(maintain_order=True).to_list() == ["a", "b"]
     assert [run.t.size for run in again(log, tmp_path)[0]] == [20, 20]
