@@ -1,5 +1,7 @@
 """CSV files as loggers and spreadsheets write them."""
 
+import re
+
 import polars as pl
 import pytest
 
@@ -42,6 +44,58 @@ def test_names_in_a_comment_as_numpy_writes_them():
     text, frame = read("# t,x\n0,1\n2,3\n")
     assert text.names == ["t", "x"]
     assert frame.rows() == [("0", "1"), ("2", "3")]
+
+
+def test_names_in_a_comment_as_rostopic_writes_them():
+    text, frame = read(
+        "%time,frame,pos\n1764075181000000000,base,0.5\n1764075181010000000,base,1\n"
+    )
+    assert text.names == ["time", "frame", "pos"]
+    assert frame.rows()[0] == ("1764075181000000000", "base", "0.5")
+    assert read("# 7 runs, rig 3, new\nt,name,x\n0,a,1\n")[0].names == ["t", "name", "x"]
+
+
+@pytest.mark.parametrize(
+    "head", ["% t [s]   F [N]   pos x\n", "t\tF\tx\n", "# t F x\n", "  t  F  x  \n"]
+)
+def test_columns_between_blanks(head):
+    text, frame = read(head + "  0.00  -1.5   2e-3\n   0.01   1     3  \n")
+    assert len(text.names) == 3
+    assert frame.rows() == [("0.00", "-1.5", "2e-3"), ("0.01", "1", "3")]
+
+
+ABOVE = "Device,USB-6001\nRate,100 Hz\n\nChannels,2\n"
+LABVIEW = (
+    "LabVIEW Measurement\t\nDecimal_Separator\t,\n***End_of_Header***\t\n\t\nSamples\t9\t9\t\n"
+    "Date\t2025/11/25\t2025/11/25\t\nY_Unit_Label\tNewton\tMillimeter\t\n***End_of_Header***\t\t\t\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("above", "head", "row", "count"),
+    [
+        (ABOVE, "t,drive,x", "0.5,1,2", 3),
+        (ABOVE, "t,drive,x\ns,N,mm", "0.5,1,2", 3),
+        (LABVIEW, "X_Value\tForce\tPosition\tComment", "0,5\t1,5\t2,5\t", 7),
+        ("Rig v1.2 ready\n", "t;x", "0,5;1,5", 1),
+    ],
+)
+def test_lines_above_the_names_are_left_out(above, head, row, count):
+    text, frame = read(above + head + "\n" + "\n".join([row] * 30))
+    assert ["".join(text.names), text.above] == [
+        "".join(re.split(r"[,;\t]", head.split("\n")[0])), count
+    ]  # fmt: skip
+    assert frame.height == 30 + head.count("\n")
+    # A row that is too long is none of them.
+    with pytest.raises(DataFileError, match="row 30 has"):
+        read(head + "\n" + "\n".join([row] * (29 - head.count("\n"))) + f"\n{row},1;1\t1\n{row}")
+
+
+def test_the_serial_monitor_of_arduino():
+    lines = ["12:53:00.900 -> Rig v1.2 ready", "12:53:00.950 -> millis,pos"]
+    lines += [f"12:53:01.{k:03d} -> {k},0.5" for k in range(30)]
+    text, frame = read("\n".join(lines))
+    assert (text.names, text.above, frame.rows()[7]) == (["millis", "pos"], 1, ("7", "0.5"))
 
 
 def test_a_comma_within_names_is_no_separator():

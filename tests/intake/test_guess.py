@@ -26,6 +26,8 @@ def test_names_and_what_a_user_says():
 
 def test_time_is_what_rises_where_no_name_tells():
     assert guessed(a=T, cmd=0 * T, pos=np.sin(9 * T))[0]["t"] == "a"
+    # pandas writes an index without a name.
+    assert guessed(**{"": T}, cmd=0 * T, pos=T)[0]["t"] == ""
     # A column that is called time but falls is none.
     assert guessed(time=-T, a=T, cmd=0 * T, pos=np.sin(9 * T))[0]["t"] == "a"
 

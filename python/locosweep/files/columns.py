@@ -147,7 +147,7 @@ def scaled(values: NDArray[np.float64], scale: float) -> NDArray[np.float64]:
 def _times(table: Table, scale: float, *, stated: bool) -> tuple[NDArray[np.float64], bool]:
     """Return times in s, and whether they are those of a calendar, then from the first one on."""
     column, label = table.frame["t"], table.labels["t"]
-    since = f"{table.path}: {label} is %s: times count from the start of each run"
+    since = f"{table.path}: {label or '(no name)'} is %s: times count from the start of each run"
     if clock.are_dates(column):
         table.notices.append(since % "a date and time")
         return clock.dates(table.path, column, label), True

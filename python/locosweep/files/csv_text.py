@@ -31,8 +31,14 @@ _CHUNK = 1 << 24
 """Bytes that are looked at together; numbers about them take as much memory again."""
 _LONGEST = 4 << 20
 """Bytes of the line of names: 100 thousand names of 40 characters."""
-_SAMPLE = 50
-"""Rows that a separator has to fit: more say nothing new, and all are counted later."""
+_SAMPLE = 100
+"""Lines that tell separator and line of names: loggers write some dozens above it, and more rows
+say nothing new; all are counted later."""
+_FITTING = 20
+"""Rows that fit names below other lines: a run needs as many."""
+_EDGES = re.compile(rb"^ +| +$", re.MULTILINE)
+_MONITOR = re.compile(rb"^\d\d:\d\d:\d\d\.\d{3} -> ", re.MULTILINE)
+"""What the serial monitor of Arduino puts before each line."""
 _NUMBER = re.compile(r"\s*[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?\s*")
 MISSING = ("", "nan", "na", "null")
 """Cells without a value, in lower case."""
@@ -48,6 +54,8 @@ class Text:
     """The rows, in UTF-8, without comments and blank lines; empty if there are none."""
     comments: int = 0
     """Lines below the names that were left out as comments."""
+    above: int = 0
+    """Lines above the names that were left out: what a logger says of itself."""
 
 
 def parsed(data: bytes, path: str, separator: str | None = None) -> Text:
@@ -75,6 +83,8 @@ def parsed(data: bytes, path: str, separator: str | None = None) -> Text:
     (['t', 'x'], ';', b'0,5;1,5')
     """
     data = _as_utf8(data, path)
+    if _MONITOR.match(data):
+        data = _MONITOR.sub(b"", data)
     given = SEPARATORS.get(separator or "", separator)
     header, body, said, comments = _parts(data)
     if len(header) > _LONGEST:
@@ -84,15 +94,22 @@ def parsed(data: bytes, path: str, separator: str | None = None) -> Text:
     rows = body[: body.find(b"\n", 1 << 20) + 1 or None].split(b"\n", _SAMPLE)[:_SAMPLE]
     sample = [row.decode() for row in rows if row]
     first = header.decode()
-    if said and _all_numbers(first) and not _all_numbers(said.decode()):
-        # NumPy's savetxt writes the names as a comment.
+    if said and _are_names(said.decode(), first):
+        # NumPy's savetxt and rostopic write the names as a comment.
         body = header + b"\n" + body if body else header
-        sample, first = [first, *sample[:-1]], said.decode()
-    char = given or _separator(first, sample, path)
-    names = [name.strip() for name in _fields(first, char)]
+        sample, first = [first, *sample[: _SAMPLE - 1]], said.decode()
     if _all_numbers(first):
         raise DataFileError(f"{path}: its first line holds numbers: allowed is a line of names")
-    return Text(names, char, body, comments)
+    if given is None and (count := _blank_columns(sample)):
+        names = re.split(r"\s{2,}", first.strip())
+        names = names if len(names) == count else first.split()
+        return Text(names, "\t", re.sub(rb" +", b"\t", _EDGES.sub(b"", body)), comments)
+    above = _lines_above(first, sample, [given] if given else list(SEPARATORS.values()))
+    if above:
+        first, sample, body = sample[above - 1], sample[above:], body.split(b"\n", above)[above]
+    char = given or _separator(first, sample, path)
+    names = [name.strip() for name in _fields(first, char)]
+    return Text(names, char, body, comments, above)
 
 
 def frame_of(text: Text, path: str, keep: Sequence[int]) -> pl.DataFrame:
@@ -193,9 +210,46 @@ def _fields(line: str, separator: str) -> list[str]:
         return []
 
 
+def _cells(line: str) -> list[str]:
+    return re.split(r"[;,\t|]", line)
+
+
 def _all_numbers(line: str) -> bool:
     # A decimal comma cuts a number into two numbers.
-    return all(_NUMBER.fullmatch(cell) for cell in re.split(r"[;,\t|]", line))
+    return all(_NUMBER.fullmatch(cell) for part in _cells(line) for cell in part.split() or [""])
+
+
+def _are_names(said: str, first: str) -> bool:
+    """Return whether a comment names the columns of the line below it."""
+    if _all_numbers(said) or _all_numbers(first):
+        return not _all_numbers(said)
+    above, below = _cells(said), _cells(first)
+    return len(above) == len(below) > 1 and (
+        any(map(_NUMBER.fullmatch, below)) and not any(map(_NUMBER.fullmatch, above))
+    )
+
+
+def _blank_columns(rows: list[str]) -> int:
+    """Return the number of columns between blanks; 0 unless all rows are numbers so parted."""
+    counts = {len(row.split()) for row in rows}
+    alone = all(len(_cells(row)) == 1 and _all_numbers(row) for row in rows)
+    return counts.pop() if len(counts) == 1 and alone and counts != {1} else 0
+
+
+def _lines_above(first: str, rows: list[str], separators: Sequence[str]) -> int:
+    """Return how many lines stand above the names: those after which all rows fit their names."""
+    lines = [first, *rows]
+    for above, line in enumerate(lines[:-_FITTING]):
+        below = lines[above + 1 :]
+        for char in separators:
+            names = _fields(line, char)
+            if len(names) > 1 and all(len(_fields(row, char)) == len(names) for row in below):
+                named = sum(map(bool, map(str.strip, names))) > 1
+                # Numbers follow at once, or below a row of units.
+                numbers = named and _numbers(below[1:3], char) > max(0.5, _numbers([line], char))
+                if above == 0 or numbers:
+                    return above
+    return 0
 
 
 def _separator(header: str, rows: list[str], path: str) -> str:

@@ -139,6 +139,8 @@ def _csv(
 ) -> tuple[str, pl.DataFrame, Found, list[str]]:
     # Not by a name: the bytes are let go as soon as the rows are cut out of them.
     text = csv_text.parsed(contents(path), str(path), form.separator)
+    if text.above:
+        notices.append(f"{path}: lines above the names left out: {text.above}")
     if text.comments:
         marks = " or ".join(csv_text.COMMENTS)
         notices.append(f"{path}: lines left out as comments: {text.comments} (begin with {marks})")

@@ -79,7 +79,7 @@ def guess_columns(
             elif ahead:
                 several = " or ".join(ahead[:5])
                 left.append(f"{role} may be {several}: --column {role}=NAME takes one")
-            elif role == "t" and (rising := _only_rising(free, spelt, values)):
+            elif role == "t" and (rising := _only_rising(free, spelt, values)) is not None:
                 found[role] = (rising, "the only column that rises from row to row")
                 free.remove(rising)
             elif role in NEEDED:
@@ -113,15 +113,15 @@ def _is_angle(given: str, name: str) -> bool:
 
 def _only_rising(
     free: Sequence[str], spelt: Mapping[str, str], values: Mapping[str, pl.Series]
-) -> str:
-    """Return the only column that rises and speaks for nothing; none if it may number rows."""
+) -> str | None:
+    """Return the only column that rises and speaks for nothing; None if it may number rows."""
     wanted = wanted_columns()
     nameless = [n for n in free if not any(speaks_for(spelt[n], role, wanted) for role in ROLES)]
     rising = [name for name in nameless if not why_not("t", values[name])]
     if len(rising) != 1:
-        return ""
+        return None
     known = _known(numbers_of(values[rising[0]]))
-    return "" if bool((np.diff(known) == 1.0).all()) else rising[0]
+    return None if bool((np.diff(known) == 1.0).all()) else rising[0]
 
 
 def numbers_of(column: pl.Series) -> NDArray[np.float64]:

@@ -129,7 +129,7 @@ def speaks_for(
     own = bracketed(name)[0] == role
     bare, unit = unit_in(name)
     fit = bool(wanted[role]) and bool(unit_for(name, role, wanted[role]))
-    if unit == _SIDE and not fit:
+    if (unit == _SIDE and not fit) or unit.lower() in COUNTED:
         bare, unit = name, ""
     words = words_of(bare)
     found = [ROLES[role].index(word) for word in words if word in ROLES[role]]

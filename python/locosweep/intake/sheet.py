@@ -53,9 +53,9 @@ def opened(
             raise DataFileError(
                 f"{path}: no column {name} (given for {role}): there are {listed(names)}"
             )
-    there = {name: place for place, name in reversed([*enumerate(names)])}
-    frame = frame.select(frame[str(place)].alias(name) for name, place in there.items())
-    found, left = guess_columns(list(there), frame, columns, units, str(path))
+    there = list(dict.fromkeys(names))
+    frame = frame.select(frame[str(names.index(name))].alias(name) for name in there)
+    found, left = guess_columns(there, frame, columns, units, str(path))
     chosen = {role: name for role, (name, _) in found.items()}
     # Only these: a column of one of our names may have been found to be something else.
     wanted = {role: allowed for role, allowed in wanted_columns().items() if role in chosen}
