@@ -98,6 +98,21 @@ def test_a_row_of_units(tmp_path):
     assert load_runs(file, units={"x": "cm"})[0][0].channels["x"][2] == 0.02
 
 
+@pytest.mark.parametrize(
+    ("cell", "x"), [("{}.5 mm", 3.5e-3), ("{}e1N", None), ("{}e3", 3e3), ("{} mmm", None)]
+)
+def test_units_in_cells(tmp_path, cell, x):
+    file = written(tmp_path, "t,drive,x", lambda k: f"{k},0,{cell.format(k)}")
+    if x is None:
+        with pytest.raises(DataFileError, match=r"is not a number|unit of x: N measures"):
+            load_runs(file)
+        return
+    assert load_runs(file)[0][0].channels["x"][3] == pytest.approx(x)
+    mixed = written(tmp_path, "t,drive,x", lambda k: f"{k},0,{k} {'mm' if k else 'cm'}")
+    with pytest.raises(DataFileError, match="row 1, column x: '0 cm' is not a number"):
+        load_runs(mixed)
+
+
 def test_units_in_brackets_behind_the_names(tmp_path):
     file = written(tmp_path, "t [ms],drive (N),x[mm],note (left)", lambda k: f"{k},0,{k},a")
     (run,), notices = load_runs(file)

@@ -56,6 +56,28 @@ def test_runs_by_jumps_and_pauses(tmp_path):
     assert read_log(pause, pause=0.2).runs == 2
 
 
+def test_rows_that_come_late_are_put_in_their_place(tmp_path):
+    late = {10: 11, 11: 10, 30: 31, 31: 30}
+    file = written(tmp_path, "t,drive,x", lambda k: f"{late.get(k, k) * 0.01},0,{late.get(k, k)}")
+    log = read_log(file)
+    assert log.runs == 1
+    assert log.frame["x"].is_sorted()
+    assert "run 0: rows that came late, put in their place: 2" in log.notes
+
+
+def test_drives_that_miss_are_counted(tmp_path):
+    file = written(tmp_path, "t,drive,x", lambda k: f"{k * 0.01},{'' if k % 4 else 1},{k}")
+    words = "run 0: 30 of 40 rows have no drive: a diagnosis holds the one before"
+    assert words in read_log(file).notes
+
+
+def test_units_in_cells(tmp_path):
+    row = lambda k: f"{k * 10} ms,{k % 2}.5 N,{k}mm"  # noqa: E731
+    log = read_log(written(tmp_path, "Time,MotorCmd,HeadPos", row))
+    assert log.units == {"t": "ms", "drive": "N", "x": "mm"}
+    assert (log.frame["t"][3], log.frame["drive"][1], log.frame["x"][3]) == (0.03, 1.5, 0.003)
+
+
 def test_parts_that_are_too_short_are_left_out_and_named(tmp_path):
     file = written(tmp_path, "t,drive,x", lambda k: f"{k * 0.01 + 9 * (k > 24)},0,0")
     log = read_log(file)

@@ -19,6 +19,7 @@ def role_of(name):
     ("name", "role"),
     [
         ("t", "t"), ("Zeit [s]", "t"), ("time_ms", "t"), ("Timestamp", "t"), ("t_unix_ms", "t"),
+        ("millis", "t"),
         ("x", "x"), ("Position_mm", "x"), ("Weg/mm", "x"), ("Istposition_mm", "x"),
         ("headDisplacement (mm)", "x"), ("theta_deg", "x"), ("x_rear", "x_rear"),
         ("pos_rear_mm", "x_rear"), ("body position", "x_rear"), ("drive", "drive"),

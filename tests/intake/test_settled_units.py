@@ -41,6 +41,11 @@ def test_times_by_size(tmp_path, t, unit):
     assert one(tmp_path, time=t, cmd=T, pos=T)["t"] == unit
 
 
+def test_times_by_name(tmp_path):
+    assert one(tmp_path, millis=T, cmd=T, pos=T)["t"] == "ms"
+    assert one(tmp_path, time_us=T, cmd=T, pos=T)["t"] == "us"
+
+
 @pytest.mark.parametrize(
     ("name", "x", "unit"),
     [("pos", T, "m"), ("pos", 40.0 * T, "mm"), ("theta", T, "rad"), ("angle", 40.0 * T, "deg")],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
 MOST_COLUMNS = 1000
 """Columns of a file of which all are looked at; logs have some dozens."""
+_WITH_UNIT = re.compile(r"[+-]?[\d.,]+(?:[eE][+-]?\d+)?\s*([A-Za-zµ°%][A-Za-zµ°%/]*)")
 _COMMA = r"^\s*[+-]?\d*,\d+([eE][+-]?\d+)?\s*$"
 _POINT = r"^\s*[+-]?\d*\.\d+([eE][+-]?\d+)?\s*$"
 _GROUPS = r"^\s*[+-]?[1-9]\d{0,2}(,\d{3})+\s*$"
@@ -226,6 +228,10 @@ def _finished(
     table = Table(path, frame, labels, others, wanted, units, notices, refused)
     text = [name for name in found if wanted[name] and frame[name].dtype == pl.String]
     if text and frame.height:
+        for name in text:
+            if unit := unit_in_cells(frame[name]):
+                frame = frame.with_columns(without_unit(frame[name], unit))
+                units[name] = unit
         below = units_row({name: frame[name] for name in text})
         if below:
             frame = frame.slice(1)
@@ -237,6 +243,21 @@ def _finished(
     if frame.height == 0:
         raise refused(f"{path}: no rows")
     return replace(table, frame=frame)
+
+
+def unit_in_cells(column: pl.Series) -> str:
+    """Return the unit that ends every text of a column, as in MATLAB's ``0.01 sec``; or nothing."""
+    text = column.str.strip_chars()
+    known = text.filter(~text.str.to_lowercase().is_in(csv_text.MISSING))
+    found = _WITH_UNIT.fullmatch(known[0]) if known.len() else None
+    if not found or not is_unit(found[1]) or not known.str.ends_with(found[1]).all():
+        return ""
+    return found[1]
+
+
+def without_unit(column: pl.Series, unit: str) -> pl.Series:
+    """Return texts without the unit that ends them."""
+    return column.str.strip_chars().str.strip_suffix(unit).str.strip_chars()
 
 
 def units_row(columns: Mapping[str, pl.Series]) -> dict[str, str]:

@@ -11,7 +11,7 @@ from locosweep.files import csv_text, stamps
 from locosweep.files.columns import LEAST_SAMPLES, shown
 from locosweep.files.csv_form import DECIMALS
 from locosweep.files.runs import wanted_columns
-from locosweep.files.table import GROUPED, listed, units_row
+from locosweep.files.table import GROUPED, listed, unit_in_cells, units_row, without_unit
 from locosweep.intake.names import ANGLES, ROLES, fits, speaks_for, unit_in, words_of
 
 if TYPE_CHECKING:
@@ -92,9 +92,13 @@ def guess_columns(
 
 
 def _with_unit_below(name: str, column: pl.Series) -> str:
-    """Return a name with the unit in brackets that the first row gives before numbers."""
-    unit = units_row({name: column}).get(name)
-    return f"{name} [{unit}]" if unit and np.isfinite(numbers_of(column[1:2])).any() else name
+    """Return a name with the unit in brackets that all cells or the first one give."""
+    import polars as pl
+
+    unit = unit_in_cells(column) if column.dtype == pl.String else ""
+    if not unit and np.isfinite(numbers_of(column[1:2])).any():
+        unit = units_row({name: column}).get(name, "")
+    return f"{name} [{unit}]" if unit else name
 
 
 def _none(role: str, faults: Mapping[str, str], free: Sequence[str]) -> str:
@@ -136,7 +140,7 @@ def numbers_of(column: pl.Series) -> NDArray[np.float64]:
     if stamps.is_span(column):
         return stamps.spans(column)
     if column.dtype == pl.String:
-        text = column.str.strip_chars()
+        text = without_unit(column, unit_in_cells(column))
         grouped = text.str.contains(GROUPED) & text.str.contains(".", literal=True)
         plain = pl.select(
             pl.when(grouped)

@@ -38,6 +38,9 @@ if TYPE_CHECKING:
 PAUSE, _STEPS = 1.0, 100.0
 """Least length in s, and in usual steps, of a pause that ends a run: stretches that a log loses are
 shorter (a buffer of 100 samples), and a rig that is set up anew takes longer."""
+_LATE = 3.0
+"""Usual steps by which rows may go back and belong to the same run: packets overtake each other by
+so much. A clock that begins anew goes back by a run, which has 20 samples or more."""
 _LEVEL = 1.0
 """Degrees by which a slope may vary within a run: so much a tilt sensor shakes."""
 _NO_NOISE = 1e-8
@@ -202,18 +205,27 @@ def _runs(
         notes.append(f"{table.path}: rows without a time, left out: {untimed}")
     for label, rows in groups.items():
         steps = np.diff(t[rows])
-        parts = np.split(rows, np.flatnonzero((steps < 0.0) | (steps > longest)) + 1)
+        ends = (steps < -_LATE * usual) | (steps > longest)
+        parts = np.split(rows, np.flatnonzero(ends) + 1)
         for count, part in enumerate(parts):
             own = ".".join(
                 [*([label] if labelled else []), *([str(count)] if len(parts) > 1 else [])]
             )
             name = ":".join(word for word in (file, own) if word) or "0"
+            late = int((np.diff(t[part]) < 0.0).sum())
+            part = part[np.argsort(t[part], kind="stable")]
             if part.size < LEAST_SAMPLES:
                 short.append(f"{name} ({part.size})")
                 continue
             channels = {c: numbers[c][part] for c in CHANNELS if c in numbers}
             slope, said = _slope(table, numbers, part, name)
             notes += said
+            if late:
+                notes.append(f"run {name}: rows that came late, put in their place: {late}")
+            undriven = int(np.isnan(numbers["drive"][part]).sum())
+            if undriven:
+                gone = f"{undriven} of {part.size} rows have no drive"
+                notes.append(f"run {name}: {gone}: a diagnosis holds the one before")
             runs.append(Run(name, t[part] - t[part[0]], numbers["drive"][part], channels, slope))
     if not runs:
         raise DataFileError(f"{table.path}: no run of {LEAST_SAMPLES} samples or more")

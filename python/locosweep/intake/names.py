@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 ROLES: dict[str, tuple[str, ...]] = {
     "run": ("run", "trial", "experiment", "versuch", "lauf", "series", "repeat"),
     "t": ("t", "time", "zeit", "timestamp", "stamp", "datetime", "date", "elapsed", "uhrzeit",
-          "epoch", "clock", "datum"),
+          "epoch", "clock", "datum", "millis", "micros"),
     "drive": ("drive", "command", "cmd", "setpoint", "soll", "sollwert", "duty", "pwm", "u",
               "voltage", "spannung", "current", "strom", "tau", "torque", "effort", "input",
               "stellwert", "antrieb", "actuation"),
@@ -35,9 +35,9 @@ COUNTED = {"encoder", "count", "counts", "tick", "ticks", "adc"}
 """Words of readings that may be plain counts."""
 WORD_UNITS = {
     **dict.fromkeys(("voltage", "spannung"), "V"), **dict.fromkeys(("current", "strom"), "A"),
-    **dict.fromkeys(("duty", "pwm"), "1"), "torque": "N m",
+    **dict.fromkeys(("duty", "pwm"), "1"), "torque": "N m", "millis": "ms", "micros": "us",
 }  # fmt: skip
-"""Units of drives whose name says what they are."""
+"""Units of drives and times whose name says what they are."""
 _UNIT_WORDS = """
 m cm mm um µm km inch mps mmps s ms us µs ns sec secs msec usec seconds millis micros rpm Hz kHz
 N mN kN newton newtons Nm mNm Nmm V mV volt volts A mA amp amps W mW kW Pa kPa bar g kg degC

@@ -76,9 +76,9 @@ def _said(sheet: Sheet, given: Mapping[str, str]) -> dict[str, Reasoned]:
             found[role] = (sheet.table.units[role], "as the file states")
         elif unit := unit_for(name, role, allowed):
             found[role] = (unit, "by its name")
-        elif role == "drive":
+        elif role in ("t", "drive"):
             unit = next((WORD_UNITS[word] for word in words_of(name) if word in WORD_UNITS), "")
-            if unit:
+            if unit and fits(role, unit, allowed):
                 found[role] = (unit, "by its name")
     return found
 
