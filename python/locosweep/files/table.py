@@ -247,17 +247,20 @@ def _finished(
 
 def unit_in_cells(column: pl.Series) -> str:
     """Return the unit that ends every text of a column, as in MATLAB's ``0.01 sec``; or nothing."""
-    text = column.str.strip_chars()
-    known = text.filter(~text.str.to_lowercase().is_in(csv_text.MISSING))
-    found = _WITH_UNIT.fullmatch(known[0]) if known.len() else None
-    if not found or not is_unit(found[1]) or not known.str.ends_with(found[1]).all():
+    cells = (cell.strip() for cell in column if cell is not None)
+    first = next((cell for cell in cells if cell.lower() not in csv_text.MISSING), "")
+    found = _WITH_UNIT.fullmatch(first)
+    if not found or not is_unit(found[1]):
         return ""
-    return found[1]
+    text = column.str.strip_chars()
+    without = text.str.to_lowercase().is_in(csv_text.MISSING) | text.str.ends_with(found[1])
+    return found[1] if without.all() else ""
 
 
 def without_unit(column: pl.Series, unit: str) -> pl.Series:
     """Return texts without the unit that ends them."""
-    return column.str.strip_chars().str.strip_suffix(unit).str.strip_chars()
+    text = column.str.strip_chars()
+    return text.str.strip_suffix(unit).str.strip_chars() if unit else text
 
 
 def units_row(columns: Mapping[str, pl.Series]) -> dict[str, str]:
