@@ -62,6 +62,7 @@ PYTHON_ORDER = [
 LAZY = {
     ("result", "plot"),
     ("result", "files"),
+    ("run_folder", "plot"),
     ("simulation", "plot"),
     # A sweep into a folder is asked for like one into memory.
     ("engine", "run_folder"),

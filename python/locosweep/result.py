@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
+    from locosweep.plot.explorer.page import Explorer
     from locosweep.plot.heatmap import Plotter
 
 
@@ -144,6 +145,34 @@ class Result:
         from locosweep.plot.heatmap import Plotter
 
         return Plotter(self)
+
+    def explore(self, *, limit: int | None = None) -> Explorer:
+        """Return a page with the map of any two axes, sliders for the others, values to point at.
+
+        A notebook displays it; ``.save("page.html")`` writes it. It needs no network.
+
+        Parameters
+        ----------
+        limit : int, optional
+            Bytes that the page may have, default 8 MB. Where more cells are there, values are
+            rounded to 16 bits, then evenly chosen along the longest axes; the page says so.
+
+        Raises
+        ------
+        InputError
+            No axis has more than one value, or the limit is too small for any cells.
+
+        Examples
+        --------
+        >>> import locosweep as ls
+        >>> r = ls.sweep("mean_velocity", mu_static=0.5, mu_coulomb=0.3,
+        ...              slope_deg=[0, 10, 20], segments=range(2, 9))
+        >>> "mean velocity" in r.explore().html
+        True
+        """
+        from locosweep.plot.explorer.page import LARGEST, explorer
+
+        return explorer(self, limit=LARGEST if limit is None else limit)
 
     def output(self, name: str | None = None) -> Output:
         """Return one output's record, by name; the first one without."""

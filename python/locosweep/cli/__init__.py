@@ -19,6 +19,7 @@ from locosweep.cli.blind_check import blind_check
 from locosweep.cli.diagnose import diagnose
 from locosweep.cli.distinguish import distinguish
 from locosweep.cli.examples import epilog
+from locosweep.cli.explore import explore
 from locosweep.cli.export import export
 from locosweep.cli.friction import friction
 from locosweep.cli.gait import gait
@@ -71,7 +72,7 @@ def group() -> None:
 
 
 for _command in (
-    heatmap, sweep, status, verify, merge, export, simulate, gait, init, screen, diagnose,
+    heatmap, explore, sweep, status, verify, merge, export, simulate, gait, init, screen, diagnose,
     distinguish, friction, blind_check, optimum, plot, reproduce, quantities, parameters, laws,
     drives, effects, gaits, methods, reductions, statuses,
 ):  # fmt: skip

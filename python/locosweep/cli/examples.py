@@ -5,6 +5,8 @@ from __future__ import annotations
 EXAMPLES = {
     "heatmap": "locosweep heatmap mean_velocity --x slope_deg=0:25:100 --y mu_static=0.1:1:100 "
     "--set mu_coulomb=0.3 --best-over segments=2:64 --out map.png",
+    "explore": "locosweep explore mean_velocity --axis mu_static=0.3:0.6:31 "
+    "--axis slope_deg=0:20:41 --axis segments=2:20 --set mu_coulomb=0.3 --out page.html",
     "sweep": "locosweep sweep mean_velocity peak_power --axis segments=2:20 "
     "--axis slope_deg=0:20:41 --set mu_static=0.5 --set mu_coulomb=0.3 --out sweep.parquet",
     "status": "locosweep status run",

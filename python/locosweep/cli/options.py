@@ -162,6 +162,7 @@ AXIS = _Axis()
 PICTURE = _Output("png", "svg", "pdf")
 TABLE = _Output("parquet")
 CURVES = _Output("csv", "parquet")
+PAGE = _Output("html")
 
 
 class SweepCommand(click.Command):

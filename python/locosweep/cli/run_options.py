@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -10,8 +11,6 @@ from locosweep.cli import options
 from locosweep.run_folder.name import is_file_name
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from click.shell_completion import CompletionItem
 
 
@@ -44,6 +43,25 @@ class _QuantityOrSpec(click.ParamType[str]):
         return options.QUANTITY.shell_complete(ctx, param, incomplete)
 
 
+class _Shown(_QuantityOrSpec):
+    """A quantity, or in its place a sweep file, a saved result or a run folder."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """Let a name pass that ends as a result does, or is a folder's."""
+        text = str(value)
+        return text if is_result(text) or is_run(text) else super().convert(text, param, ctx)
+
+
+def is_result(text: str) -> bool:
+    """Return whether an argument is the name of a saved result."""
+    return text.endswith(".parquet")
+
+
+def is_run(text: str) -> bool:
+    """Return whether an argument is a run folder: one that is there, or a name with a slash."""
+    return ("/" in text and not is_file_name(text)) or Path(text).is_dir()
+
+
 class _Shard(click.ParamType["tuple[int, int]"]):
     """A share of the chunks of a run."""
 
@@ -66,6 +84,7 @@ _DIGITS = 18
 """More are refused before they cost time."""
 
 QUANTITY_OR_SPEC = _QuantityOrSpec()
+SHOWN = _Shown()
 TABLE_OR_RUN = _FolderOrTable()
 SHARD = _Shard()
 run_argument = click.argument("run", metavar="RUN/", type=options.FILE)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from locosweep.plot import style
-from locosweep.registry import drive, law, parameter, quantity
+from locosweep.registry import Status, drive, law, parameter, quantity
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable
@@ -33,7 +33,17 @@ def better_when_larger(output: Output) -> bool:
 
 
 def fixed_settings(result: Result, output: Output, shown: Collection[str]) -> list[str]:
-    """Return symbol, value and unit of what a result holds fixed and an output hangs on.
+    """Return symbol, value and unit of what a result holds fixed and an output hangs on."""
+    words = [style.setting(*one) for one in fixed_values(result, output, shown)]
+    if result.over is not None and result.rivals is not None and result.rivals.size:
+        record = parameter(result.over)
+        low, high = float(result.rivals.min()), float(result.rivals.max())
+        words.append(f"${record.symbol}$ from {low:g} to {style.with_unit(high, record.unit)}")
+    return words
+
+
+def fixed_values(result: Result, output: Output, shown: Collection[str]) -> list[tuple[str, float]]:
+    """Return name and value of what a result holds fixed and an output hangs on.
 
     Parameters at a default that leaves something out (0, infinity, a factor of 1) are not
     named, nor those in `shown`.
@@ -43,7 +53,7 @@ def fixed_settings(result: Result, output: Output, shown: Collection[str]) -> li
         records += law(result.how["law"]).parameters
     if "drive" in result.how:
         records += drive(result.how["drive"]).parameters
-    words = []
+    found = []
     for name in dict.fromkeys(record.name for record in records):
         value = result.fixed.get(name)
         if value is None or name in shown:
@@ -52,12 +62,18 @@ def fixed_settings(result: Result, output: Output, shown: Collection[str]) -> li
         idle = default in (0.0, float("inf")) or (default == 1.0 and unit == "1")
         idle = idle or name in _BOUNDS
         if value != default or not idle:
-            words.append(style.setting(name, value))
-    if result.over is not None and result.rivals is not None and result.rivals.size:
-        record = parameter(result.over)
-        low, high = float(result.rivals.min()), float(result.rivals.max())
-        words.append(f"${record.symbol}$ from {low:g} to {style.with_unit(high, record.unit)}")
-    return words
+            found.append((name, value))
+    return found
+
+
+def reason(result: Result, status: Status) -> str:
+    """Say why there is no value; of a reduction, with the name and range of its axis."""
+    over, rivals = result.over, result.rivals
+    if status is not Status.NONE_FEASIBLE or over is None or rivals is None or not rivals.size:
+        return status.sentence
+    words = over.removesuffix("_deg").replace("_", " ")
+    low, high = float(rivals.min()), style.with_unit(float(rivals.max()), parameter(over).unit)
+    return f"no value of {words} from {low:g} to {high} works"
 
 
 def title(cut: Iterable[str], fixed: Iterable[str], note: str = "") -> str:

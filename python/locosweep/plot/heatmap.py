@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from locosweep.errors import InputError
 from locosweep.grid import few, index_of
 from locosweep.plot import cells, style
-from locosweep.plot.caption import better_when_larger, fixed_settings, title
+from locosweep.plot.caption import better_when_larger, fixed_settings, reason, title
 from locosweep.plot.current import current_axes
 from locosweep.plot.legends import dress
 from locosweep.registry import Status, parameter, unknown
@@ -170,7 +171,7 @@ class Plotter:
             star.set_zorder(6)
             cells.keep_inside(star, (x_edges[0], x_edges[-1]), (y_edges[0], y_edges[-1]))
             handles.append(star)
-        handles += cells.hatch_cells(ax, codes, x_edges, y_edges, self._reason)
+        handles += cells.hatch_cells(ax, codes, x_edges, y_edges, partial(reason, self.result))
         fixed = fixed_settings(self.result, output, self.result.axes)
         dress(ax, title(cut, fixed, note), handles)
         cells.name_axis(ax.xaxis, x, xs)
@@ -273,7 +274,9 @@ class Plotter:
             star.set(markersize=13, markerfacecolor="white", markeredgecolor="black")
             handles.append(star)
         gaps = [
-            Line2D([], [], ls="none", label=style.wrapped(f"gap: {self._reason(Status(code))}"))
+            Line2D(
+                [], [], ls="none", label=style.wrapped(f"gap: {reason(self.result, Status(code))}")
+            )
             for code in sorted(seen - {0})
         ]
         fixed = fixed_settings(self.result, output, self.result.axes)
@@ -340,15 +343,6 @@ class Plotter:
             if name != hide:
                 words.append(style.setting(name, float(axis[at_index])))
         return tuple(index), [*filter(None, [style.simulated(self.result)]), *words]
-
-    def _reason(self, status: Status) -> str:
-        """Say why there is no value; of a reduction, with the name and range of its axis."""
-        over, rivals = self.result.over, self.result.rivals
-        if status is not Status.NONE_FEASIBLE or over is None or rivals is None or not rivals.size:
-            return status.sentence
-        words = over.removesuffix("_deg").replace("_", " ")
-        low, high = float(rivals.min()), style.with_unit(float(rivals.max()), parameter(over).unit)
-        return f"no value of {words} from {low:g} to {high} works"
 
     def _slice(
         self, output: Output, index: tuple[int | slice, ...]

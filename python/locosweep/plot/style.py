@@ -85,14 +85,15 @@ def wrapped(text: str) -> str:
     return textwrap.fill(text, 76)
 
 
-def _unit(unit: str) -> str:
+def unit_text(unit: str) -> str:
+    """Return a unit of the registry with raised exponents; nothing for 1."""
     return "" if unit == "1" else unit.replace("^2", "²").replace("^3", "³")
 
 
 def with_unit(value: float, unit: str) -> str:
     """Return a number for people, with its unit."""
     number = "∞" if value == np.inf else f"{value:.4g}".replace("-", "−")
-    return f"{number} {_unit(unit)}".rstrip()
+    return f"{number} {unit_text(unit)}".rstrip()
 
 
 def setting(name: str, value: float) -> str:
@@ -108,13 +109,18 @@ def simulated(result: Result) -> str:
     )
 
 
+def words_of(name: str) -> str:
+    """Words of a parameter: the beginning of its meaning, or its name."""
+    words = re.split(r"[,:;(]", parameter(name).meaning)[0].strip()
+    if not 3 <= len(words) <= 50:
+        words = name.removesuffix("_deg").replace("_", " ")
+    return words
+
+
 def axis_label(name: str) -> str:
     """Words, symbol and unit of a parameter."""
     record = parameter(name)
-    words = re.split(r"[,:;(]", record.meaning)[0].strip()
-    if not 3 <= len(words) <= 50:
-        words = name.removesuffix("_deg").replace("_", " ")
-    return _label(words, record.symbol, record.unit)
+    return _label(words_of(name), record.symbol, record.unit)
 
 
 def output_label(output: Output) -> str:
@@ -124,7 +130,7 @@ def output_label(output: Output) -> str:
 
 def _label(words: str, symbol: str, unit: str) -> str:
     text = f"{words} ${symbol}$"
-    return f"{text} [{_unit(unit)}]" if _unit(unit) else text
+    return f"{text} [{unit_text(unit)}]" if unit_text(unit) else text
 
 
 @dataclass(frozen=True)
@@ -145,7 +151,7 @@ def colours(
     cmap: Colormap | str | None = None,
 ) -> Colours:
     """Choose colours for finite values: classes, one-signed or around zero."""
-    signed = bool(values.size) and _both_signs(float(values.min()), float(values.max()))
+    signed = bool(values.size) and both_signs(float(values.min()), float(values.max()))
     picked = _cmap(cmap or (DIVERGING if signed and norm is None else SEQUENTIAL))
     picked = picked.with_extremes(bad=NO_VALUE)
     if norm is not None:
@@ -160,7 +166,7 @@ def colours(
     return Colours(_norm("linear", values), picked)
 
 
-def _both_signs(low: float, high: float) -> bool:
+def both_signs(low: float, high: float) -> bool:
     """Return whether zero becomes the middle of the colours: not for a trace of one sign."""
     return low < 0 < high and min(-low, high) > 0.01 * max(-low, high)
 

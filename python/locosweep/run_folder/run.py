@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     import polars as pl
     import xarray as xr
 
+    from locosweep.plot.explorer.page import Explorer
+
 
 class Run:
     """A sweep in a folder. Nothing but the manifest and the logs is read until it is asked for.
@@ -162,6 +164,16 @@ class Run:
             self.outputs, axes, self.fixed, values, over=self.cells.request.over,
             rivals=self.cells.rivals, q=self.cells.request.q, statuses=codes, how=self.cells.how,
         )  # fmt: skip
+
+    def explore(self, *, limit: int | None = None) -> Explorer:
+        """Return a page on which the run is looked at, as `Result.explore` does.
+
+        Only the cells that the page holds are read. With `allow_missing`, those that are not
+        computed yet are hatched.
+        """
+        from locosweep.plot.explorer.page import LARGEST, explorer
+
+        return explorer(self, limit=LARGEST if limit is None else limit)
 
     def scan(self) -> pl.LazyFrame:
         """Return a Polars LazyFrame of the long table: axis columns, outputs, statuses.
