@@ -62,6 +62,15 @@ class TestCommand:
                            "separator": None, "decimal": None}  # fmt: skip
         assert (tmp_path / "d" / "report.html").is_file()
 
+    def test_markdown_is_printed_alone_and_stands_in_the_folder(self, call, tmp_path, found):
+        given = ("r", "--nominal", "n", "--out", "d", "--format", "md")
+        code, out, _, _ = call(*given)
+        assert code == 0
+        assert out == found.to_markdown() == (tmp_path / "d" / "report.md").read_text()
+        code, out, err, _ = call(*given, "--json", "--force")
+        assert (code, out) == (2, "")
+        assert "--json is given beside --format md" in err
+
     def test_several_files(self, call):
         given = ("--nominal", "n", "--out", "d")
         code, _, _, asked = call("a.csv", "b.csv", *given)

@@ -8,6 +8,7 @@ import click
 
 from locosweep.cli import options
 from locosweep.cli.options import called, meter, note, show
+from locosweep.errors import InputError
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -31,6 +32,10 @@ if TYPE_CHECKING:
 @options.count_option("--seed", 0, "Start of the random numbers.")
 @options.force_option
 @click.option("--quiet", is_flag=True, help="Print the verdict only, and no steps.")
+@click.option(
+    "form", "--format", type=click.Choice(["text", "md"]), default="text", show_default=True,
+    help="What is printed: a few lines, or the report in short as Markdown, for a pull request.",
+)  # fmt: skip
 @options.map_option
 @options.unit_option
 @options.csv_options
@@ -49,6 +54,7 @@ def diagnose(
     seed: int,
     force: bool,
     quiet: bool,
+    form: str,
     json_: bool,
     **reading: Any,
 ) -> None:
@@ -60,9 +66,11 @@ def diagnose(
     Or a ROS 2 bag (.mcap, .db3 or its folder), with --map drive=/cmd.effort[0] --map
     x=/joint_states.position[0].
 
-    Writes report.html (for people), report.json, augmented.toml (the model with
-    the effects that were found, for locosweep simulate) and the pictures.
+    Writes report.html (for people), report.md (the same in short), report.json, augmented.toml
+    (the model with the effects that were found, for locosweep simulate) and the pictures.
     """
+    if form == "md" and json_:
+        raise InputError("--json is given beside --format md: allowed is one of them")
     from locosweep.files.folder import check_folder
 
     check_folder(out, force=force)
@@ -88,6 +96,9 @@ def diagnose(
     if not quiet:
         for warning in found.warnings:
             note(warning)
+    if form == "md":
+        click.echo(found.to_markdown(), nl=False)
+        return
     more = () if quiet else (advice(found.report) or None, out / "report.html")
     show(json_, {"verdict": found.report["verdict"], "out": out}, *_verdict(found), *more)
 

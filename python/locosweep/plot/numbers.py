@@ -6,7 +6,7 @@ import math
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from matplotlib.ticker import Formatter, ScalarFormatter
+from matplotlib.ticker import Formatter, LogLocator, NullLocator, ScalarFormatter
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 _PLAIN = (1e-4, 1e6)
 """Numbers between these are written without a power of ten: six digits are still read."""
+_FEW, _MANY = 3, 12
+"""Ticks that tell a logarithmic scale, and those that a picture has room for."""
 _MOST = 15
 """Digits that a float has."""
 
@@ -75,6 +77,23 @@ def _decimals(ticks: list[float], step: float) -> int:
         if all(abs(round(tick, count) - tick) < 1e-3 * step for tick in ticks):
             return count
     return _MOST
+
+
+def log_axis(axis: Axis) -> None:
+    """Give a logarithmic axis as many ticks as its span asks for, in plain numbers.
+
+    Labels of whole powers alone would leave a narrow axis without one, and those of every digit
+    run into each other.
+    """
+    low, high = sorted(axis.get_view_interval())
+    for digits in ((1,), (1, 3), (1, 2, 5), range(1, 10)):
+        powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+        ticks = [float(f"{d}e{p}") for p in powers for d in digits]
+        if len([tick for tick in ticks if low <= tick <= high]) >= _FEW:
+            break
+    axis.set_major_locator(LogLocator(subs=list(digits), numticks=_MANY))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_locator(NullLocator())
 
 
 def plain_axis(axis: Axis) -> None:

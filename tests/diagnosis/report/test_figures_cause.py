@@ -68,7 +68,7 @@ class TestParameters:
         figure = parameters(own)
         assert figure is not None
         (ax,) = figure.axes
-        assert ax.get_xlabel().endswith(" less 0.6 N/m [µN/m]")
+        assert ax.get_xlabel().endswith(" − 0.6 N/m [µN/m]")
         (ends,) = ax.collections[0].get_segments()
         np.testing.assert_allclose(ends[:, 0], [-1.96, 1.96])
         assert ax.get_title(loc="right") == "0.6000000 ± 2e-06 N/m"

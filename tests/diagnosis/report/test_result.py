@@ -19,7 +19,7 @@ from locosweep.files import folder
 @pytest.mark.whole
 class TestSave:
     def test_everything_is_there_and_nothing_else(self, saved):
-        names = {"report.json", "report.html", "augmented.toml", *FILES}
+        names = {"report.json", "report.html", "report.md", "augmented.toml", *FILES}
         assert {path.name for path in saved.iterdir()} == names
         assert {path.name for path in saved.parent.iterdir()} == {"report"}
 

@@ -175,6 +175,8 @@ def assemble(found: Findings, source: Source) -> Diagnosis:
         "noise": {c: n.sd for c, n in problem.noise.items()},
         "force_view": localization.force_view(found.whole, found.nominal, problem.nominal["mass"]),
         "free_runs": errors_by_length(comparison, later, gap["channel"]),
+        # The last one is the augmented model.
+        "stages": {name: one.readings[0] for name, one in list(later.items())[:-1]},
     }
     # Not in the report: the same input gives the same report.
     details["made"] = _today()

@@ -9,7 +9,8 @@ import numpy as np
 from locosweep.diagnosis.report import figures_style as style
 from locosweep.diagnosis.report.figures_motion import gap_channel
 from locosweep.diagnosis.report.units import rounded, scale
-from locosweep.plot.numbers import plain_axis
+from locosweep.diagnosis.report.written import rest_of
+from locosweep.plot.numbers import log_axis, plain_axis
 from locosweep.plot.style import LINES, figure
 from locosweep.simulation.replay import effect
 
@@ -44,7 +45,7 @@ def candidates(diagnosis: Diagnosis) -> Figure | None:
         left.barh(y, row["probability"], height=0.62, edgecolor="black", linewidth=0.6,
                   color=style.AUGMENTED["color"] if chosen else "0.75")  # fmt: skip
         sure = row["probability"]
-        left.annotate(f"{sure:.2f}" if sure >= 0.005 else "< 0.01", (sure, y), xytext=(3, 0),
+        left.annotate(_sure(sure), (sure, y), xytext=(3, 0),
                       textcoords="offset points", va="center", fontsize=8)  # fmt: skip
         if row["shrink"] is None:
             right.annotate("unknown", (0.0, y), va="center", fontsize=8)
@@ -64,8 +65,15 @@ def candidates(diagnosis: Diagnosis) -> Figure | None:
     return made
 
 
+def _sure(value: float) -> str:
+    """Return a probability of two digits, of which none claims to be certain."""
+    if value > 0.995:
+        return "> 0.99"
+    return f"{value:.2f}" if value >= 0.005 else "< 0.01"
+
+
 def contributions(diagnosis: Diagnosis) -> Figure | None:
-    """Show what each cause takes away of the gap on unseen data, and what nobody has explained."""
+    """Show what each cause takes away of the gap on unseen data, and what is left."""
     rows = diagnosis.contributions
     if not rows:
         return None
@@ -85,7 +93,7 @@ def contributions(diagnosis: Diagnosis) -> Figure | None:
         ax.annotate(f"{row['share']:.0%}{alone}", (max(end, 0.0), y), xytext=(5, 0),
                     textcoords="offset points", va="center", fontsize=9)  # fmt: skip
     if left is not None:
-        names.append("nobody has\nexplained")
+        names.append(rest_of(diagnosis).replace(" ", "\n", 1))
         ax.barh(len(rows), left, height=0.6, color="white", edgecolor="black", hatch="////",
                 linewidth=0.6)  # fmt: skip
         ax.annotate(f"{left:.0%}", (left, len(rows)), xytext=(5, 0), textcoords="offset points",
@@ -138,7 +146,7 @@ def parameters(diagnosis: Diagnosis) -> Figure | None:
         if room < _NARROW * abs(value):
             near = float(f"{value:.5g}")
             factor, small = scale(room, unit)
-            label = f"${symbol}$ less {near:.5g} {unit} [{small}]".replace(" 1 [", " [")
+            label = f"${symbol}$ − {near:.5g} {unit} [{small}]".replace(" 1 [", " [")
             at = factor * (value - near)
             room, half = factor * room, factor * half
         ax.errorbar(at, 0.0, xerr=half or None, fmt="o", color=style.AUGMENTED["color"],
@@ -182,6 +190,7 @@ def horizons(diagnosis: Diagnosis) -> Figure | None:
     what = ", restarted from the measured state" if restarted else ""
     ax.set(yscale="log", xlabel=f"length of the free run{what} [s]",
            ylabel=f"rmse of ${info.symbol}$ [{unit}]")  # fmt: skip
+    log_axis(ax.yaxis)
     if restarted:
         ax.set_xscale("log")
         ax.set_xticks(seconds, [f"{one:g}" for one in seconds])

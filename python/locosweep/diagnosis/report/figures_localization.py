@@ -13,7 +13,7 @@ from locosweep.diagnosis.data.regimes import REGIMES
 from locosweep.diagnosis.report import figures_style as style
 from locosweep.diagnosis.report.figures_motion import gap_channel, residual
 from locosweep.diagnosis.report.units import is_rotary
-from locosweep.plot.numbers import PlainNumbers, plain_numbers
+from locosweep.plot.numbers import PlainNumbers, log_axis, plain_numbers
 from locosweep.plot.style import figure
 
 if TYPE_CHECKING:
@@ -170,6 +170,7 @@ def shares(diagnosis: Diagnosis) -> Figure:
                        ha="center", va="bottom", fontsize=8)  # fmt: skip
     if known:
         right.set_xscale("log")
+        log_axis(right.xaxis)
     kept = set(diagnosis.gap["held_out"])
     names = [style.run_label(row["run"], kept=row["run"] in kept) for row in runs]
     right.set_yticks(range(len(runs)), names, fontsize=8)

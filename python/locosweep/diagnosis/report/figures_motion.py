@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 _SMALL = 24
 """Runs that a page of small pictures shows."""
 
-_BAND = 2.0
+NOISE_BAND = 2.0
 """Standard deviations of noise that the band around zero is wide on either side."""
 
 
@@ -61,11 +61,11 @@ def residual_over_time(
     line = style.AUGMENTED if after else style.NOMINAL
     left = residual(trace, model, name)
     noise = diagnosis.details.get("noise", {}).get(name)
-    factor, unit = info.scale(max(style.reach([left]), _BAND * (noise or 0.0)))
+    factor, unit = info.scale(max(style.reach([left]), NOISE_BAND * (noise or 0.0)))
     if noise:
-        band = _BAND * noise * factor
+        band = NOISE_BAND * noise * factor
         ax.axhspan(-band, band, color="0.8", linewidth=0, zorder=0,
-                   label=f"noise, ±{_BAND:g} standard deviations")  # fmt: skip
+                   label=f"noise, ±{NOISE_BAND:g} standard deviations")  # fmt: skip
     ax.plot(trace.t, factor * left, **{**line, "linestyle": "-", "linewidth": 0.8})
     ax.axhline(0.0, color="0.4", linewidth=0.6)
     ax.set_ylabel(f"measured −\n{'augmented' if after else 'nominal'} ${info.symbol}$ [{unit}]")

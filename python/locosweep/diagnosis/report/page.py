@@ -10,20 +10,25 @@ import jinja2
 import numpy as np
 
 from locosweep import _core
+from locosweep.diagnosis.report.curves import curves
 from locosweep.diagnosis.report.figures_cause import leading
-from locosweep.diagnosis.report.figures_motion import gap_channel, runs_small
-from locosweep.diagnosis.report.figures_style import channel, unit_text, words
+from locosweep.diagnosis.report.figures_motion import runs_small
+from locosweep.diagnosis.report.figures_style import unit_text, words
 from locosweep.diagnosis.report.sentences import advice
 from locosweep.diagnosis.report.units import is_rotary, rotary_unit, rounded
+from locosweep.diagnosis.report.written import HEADLINES, interval, number, percent, plain, sizes
+from locosweep.plot.explorer.page import digest_of, json_block, script_of
 from locosweep.plot.html import picture_of
 from locosweep.simulation.replay import effect
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
 
     from locosweep.diagnosis.report.result import Diagnosis
 
 _WIDE = 1.96
+_BESIDE = ("runs_large.png",)
+"""Pictures that stand beside the page only, as its script draws the same."""
 _OPTIONS = {
     "holdout": "runs kept from the fit on request",
     "labels": "runs that take part",
@@ -32,25 +37,20 @@ _OPTIONS = {
     "units": "units of the file",
 }
 
-HEADLINES = {
-    "explained": "Cause found",
-    "ambiguous": "Cause narrowed down, not settled",
-    "partial": "Main cause found, a rest is left",
-    "none": "No gap beyond the noise",
-    "unexplained": "A gap that no known effect explains",
-}
-
 
 def page(diagnosis: Diagnosis, shown: Mapping[str, bytes], command: str | None = None) -> str:
     """Return report.html with pictures (PNG) by file name; those that are missing are left out.
 
-    `command` is what was typed. The page has no scripts and no links to other files. Text that
-    comes from the runs and from their file is escaped.
+    `command` is what was typed. The page has one script, its own, and no links to other files.
+    Text that comes from the runs and from their file is escaped.
     """
+    runs, numbers = curves(diagnosis)
+    script = script_of("canvas.js", "curves.js")
     template = _environment().get_template("page.html.jinja")
     pictures = {
         name.removesuffix(".png"): "data:image/png;base64," + base64.b64encode(data).decode()
         for name, data in shown.items()
+        if name not in _BESIDE
     }
     return template.render(
         d=diagnosis,
@@ -60,12 +60,17 @@ def page(diagnosis: Diagnosis, shown: Mapping[str, bytes], command: str | None =
         parameters=_parameters(diagnosis),
         version=_core.version(),
         samples=sum(trace.t.size for trace in diagnosis.traces),
-        interval=_interval(diagnosis),
-        sized=_sized(diagnosis),
+        interval=interval(diagnosis.gap["shrink_ci"]),
+        sized=sizes(diagnosis),
         settings=_settings(diagnosis, command),
         made=f" on {made}" if (made := diagnosis.details.get("made")) else "",
         todo=advice(diagnosis.report),
         model=[*_model(diagnosis)],
+        curves=json_block(runs) if runs["runs"] else "",
+        numbers=numbers,
+        restarted=diagnosis.details.get("free_runs", {}).get("restarted", False),
+        script=script,
+        digest=digest_of(script),
     )
 
 
@@ -91,32 +96,11 @@ def _environment() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    made.filters |= {"number": _number, "percent": _percent, "words": words, "meaning": _meaning,
-                     "plain": _plain, "names": _names, "sure": _sure}  # fmt: skip
+    made.filters |= {"number": number, "percent": percent, "words": words, "meaning": _meaning,
+                     "plain": plain, "names": _names, "sure": _sure}  # fmt: skip
     # Text from a file may hold characters that are not seen but turn text round.
-    made.finalize = lambda value: _plain(value) if type(value) is str else value
+    made.finalize = lambda value: plain(value) if type(value) is str else value
     return made
-
-
-def _plain(text: object) -> str:
-    shown = str(text)
-    if shown.isprintable():
-        return shown
-    return "".join(c if c.isprintable() or c in "\n\t" else "□" for c in shown)
-
-
-def _number(value: float | None, digits: int = 3) -> str:
-    if value is None or not np.isfinite(value):
-        return "unknown"
-    return f"{value:.{digits}g}".replace("-", "−")
-
-
-def _percent(value: float | None) -> str:
-    if value is None or not np.isfinite(value):
-        return "unknown"
-    # 99.95 % is not 100 %.
-    digits = 1 if 0.99 < abs(value) < 1.0 or 0.0 < abs(value) < 0.01 else 0
-    return f"{100 * value:.{digits}f} %".replace("-", "−")
 
 
 def _sure(value: float) -> str:
@@ -145,10 +129,10 @@ def _parameters(diagnosis: Diagnosis) -> list[dict[str, str]]:
             known = value is not None and std is not None
             half = _WIDE * std if known else None
             ends = () if half is None else (value - half, value + half)
-            interval = " to ".join(_rounded(end, half) for end in ends) or "unknown"
+            between = " to ".join(_rounded(end, half) for end in ends) or "unknown"
             meaning = records[key].meaning if key in records else ""
             rows.append({"effect": name, "key": key, "value": _rounded(value, half),
-                         "interval": interval, "unit": unit_text(entry["unit"]),
+                         "interval": between, "unit": unit_text(entry["unit"]),
                          "meaning": meaning})  # fmt: skip
     return rows
 
@@ -183,30 +167,12 @@ def _settings(diagnosis: Diagnosis, command: str | None) -> dict[str, str]:
     if rest and rest["deviations"] is not None and rest["channel"]:
         found["most unlike noise, of what is left"] = (
             f"means over {rest['samples']} samples of {rest['channel']}, "
-            f"{_number(rest['deviations'], 2)} standard deviations off"
+            f"{number(rest['deviations'], 2)} standard deviations off"
         )
     labels = given.pop("start_speed_free", [])
     if labels:
         found["runs whose start speed was fitted"] = _line(labels)
     return found | {words(key): _line(value) for key, value in given.items()}
-
-
-def _interval(diagnosis: Diagnosis) -> str:
-    low, high = diagnosis.gap["shrink_ci"] or (None, None)
-    return "" if low is None or high is None else f"{_percent(low)} to {_percent(high)}"
-
-
-def _sized(diagnosis: Diagnosis) -> Callable[..., str]:
-    """Return what writes an error of a channel in a unit that reads well."""
-
-    def written(value: float | None, name: str | None = None) -> str:
-        if value is None or not np.isfinite(value):
-            return "unknown"
-        of = channel(name or gap_channel(diagnosis), diagnosis.nominal)
-        factor, unit = of.scale(abs(value))
-        return f"{_number(factor * value)} {unit}"
-
-    return written
 
 
 def _line(value: Any) -> str:
@@ -228,9 +194,9 @@ def _model(diagnosis: Diagnosis) -> list[tuple[str, str, str]]:
         unit = records[name].unit
         # Gravity acts along the ground on any rig.
         unit = rotary_unit(unit) if rotary and name != "gravity" else unit
-        rows.append((".".join(key) if key else name, _number(value, 6), unit_text(unit)))
+        rows.append((".".join(key) if key else name, number(value, 6), unit_text(unit)))
     for dotted, given in diagnosis.nominal.other.items():
-        text = given if isinstance(given, str) else _number(given, 6)
+        text = given if isinstance(given, str) else number(given, 6)
         unit = others[dotted].unit if dotted in others else ""
         rows.append((dotted, text, unit_text(rotary_unit(unit) if rotary else unit)))
     return rows

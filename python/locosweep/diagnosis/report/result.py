@@ -72,7 +72,9 @@ class Diagnosis:
         Further tables for pictures: ``force_view`` maps a variable (v, x, t,
         drive, distance) to centres, residual force in N and half width of its
         95 % interval; ``noise`` a channel to its standard deviation; ``free_runs`` the error
-        in x over the length of free runs, by model; ``made`` the day of the diagnosis;
+        in x over the length of free runs, by model; ``stages`` the readings by cause, channel
+        and run that the model predicts with the causes up to this one, the last one (the
+        augmented model) left out; ``made`` the day of the diagnosis;
         ``nominal_text`` the text of the nominal file.
     """
 
@@ -171,7 +173,7 @@ class Diagnosis:
     def save(
         self, out: str | os.PathLike[str], *, force: bool = False, command: str | None = None
     ) -> None:
-        """Write report.json, augmented.toml, report.html and the pictures.
+        """Write report.json, augmented.toml, report.html, report.md and the pictures.
 
         Parameters
         ----------
@@ -193,17 +195,28 @@ class Diagnosis:
         from locosweep.files.folder import filling
         from locosweep.plot.save import save_figure
 
-        names = ("report.json", "augmented.toml", "report.html", *FILES)
+        names = ("report.json", "augmented.toml", "report.html", "report.md", *FILES)
         with filling(out, names, force=force) as folder:
             shown = {}
             for name, figure in pictures(self).items():
                 save_figure(figure, folder / name, command=command)
                 shown[name] = (folder / name).read_bytes()
             for name, text in (("report.json", report_text(self.report)),
-                               ("report.html", page(self, shown, command))):  # fmt: skip
+                               ("report.html", page(self, shown, command)),
+                               ("report.md", self.to_markdown())):  # fmt: skip
                 (folder / name).write_text(text, encoding="utf-8", newline="\n")
             given = self.details.get("nominal_text")
             write_augmented(self.augmented, folder / "augmented.toml", given)
+
+    def to_markdown(self) -> str:
+        """Return the report in short as Markdown, for a pull request or an issue.
+
+        The verdict, what to do, what each cause takes away, the gap before and after, warnings
+        and where all comes from. ``save`` writes it as report.md.
+        """
+        from locosweep.diagnosis.report.markdown import markdown
+
+        return markdown(self)
 
     def __repr__(self) -> str:
         from locosweep.diagnosis.report.sentences import advice
