@@ -198,9 +198,23 @@ def _one(kind: str, name: str, known: dict[str, _Record]) -> _Record:
     return known[name]
 
 
+def words_of_name(name: str) -> str:
+    """Return a name of the registry as words.
+
+    Examples
+    --------
+    >>> from locosweep.registry import words_of_name
+    >>> words_of_name("slope_deg"), words_of_name("mean_velocity")
+    ('slope', 'mean velocity')
+    """
+    return name.removesuffix("_deg").replace("_", " ")
+
+
 def unknown(kind: str, given: str, known: Iterable[str]) -> InputError:
     """Build the error for an unknown name, with the nearest known ones; few are named all."""
     names = list(known)
+    if not names:
+        return InputError(f"unknown {kind} '{given}': there is none")
     near = _core.nearest(given, names)
     hint = f"did you mean '{near}'? Known are " if near else "known are "
     if len(names) <= _MOST_NAMED:

@@ -9,8 +9,8 @@ import numpy as np
 
 from locosweep import _core, memory
 from locosweep.errors import InputError
-from locosweep.grid import index_of
-from locosweep.registry import Status, parameter, quantity, unknown
+from locosweep.grid import few, index_of
+from locosweep.registry import Status, parameter, quantity, unknown, words_of_name
 
 if TYPE_CHECKING:
     import os
@@ -23,6 +23,10 @@ if TYPE_CHECKING:
 
     from locosweep.plot.explorer.page import Explorer
     from locosweep.plot.heatmap import Plotter
+
+
+OF_AXIS = ("argmax", "argmin", "last_feasible")
+"""Reductions that give a value of the axis that they fold away."""
 
 
 @dataclass(frozen=True)
@@ -41,19 +45,19 @@ class Output:
     def of(cls, name: str, reduce: str | None, over: str | None) -> Output:
         """Name, unit and label from the registry."""
         info = quantity(name)
+        words = words_of_name(name)
         if reduce is None or over is None:
-            words = name.removesuffix("_deg").replace("_", " ")
             return cls(name, name, None, info.unit, info.symbol, words, info.integer)
         axis = parameter(over)
         full = f"{name}_{reduce}"
-        words = name.replace("_", " ")
-        if reduce in ("argmax", "argmin", "last_feasible"):
+        along = words_of_name(over)
+        if reduce in OF_AXIS:
             which = {"argmax": "highest", "argmin": "lowest"}.get(reduce, "last feasible")
-            label = f"{over.removesuffix('_deg').replace('_', ' ')} of {which} {words}"
+            label = f"{along} of {which} {words}"
             return cls(full, name, reduce, axis.unit, axis.symbol, label, axis.integer)
         if reduce == "count":
-            return cls(full, name, reduce, "1", "n", f"feasible {over.replace('_', ' ')}", True)
-        label = f"{reduce} {words} over {over.replace('_', ' ')}"
+            return cls(full, name, reduce, "1", "n", f"feasible {along}", True)
+        label = f"{reduce} {words} over {along}"
         # The highest of whole numbers is one; their mean is none.
         whole = info.integer and reduce in ("max", "min")
         return cls(full, name, reduce, info.unit, info.symbol, label, whole)
@@ -246,6 +250,8 @@ class Result:
                 continue
             some = np.arange(len(axis))
             if name in at:
+                if not len(wanted):
+                    raise InputError(f"{name} is empty: allowed is a value or more, {few(axis)}")
                 some = np.array([index_of(name, axis, one, nearest=near) for one in wanted], int)
             index.append(some)
             axes[name] = axis[some]

@@ -169,9 +169,7 @@ def _text(
     for name, fact in facts.items():
         number = "none" if fact["status"] != "ok" else f"{fact['value']:.6g}"
         unit = "" if fact["unit"] == "1" or number == "none" else f" {fact['unit']}"
-        rows.append(
-            (name.removesuffix("_deg").replace("_", " "), number + unit, str(fact["meaning"]))
-        )
+        rows.append((registry.words_of_name(name), number + unit, str(fact["meaning"])))
         if name == _CONTINUOUS and number != "none":
             # Beside the whole number that stands above it.
             rows[-1] = (*rows[-1][:2], f"{fact['meaning']}, which may lie below all whole ones")

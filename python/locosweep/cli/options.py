@@ -142,7 +142,8 @@ class _Output(click.ParamType[Path]):
         path = Path(value)
         if path.suffix[1:].lower() not in self.kinds:
             allowed = ", ".join(f".{kind}" for kind in self.kinds)
-            self.fail(f"'{value}' ends in '{path.suffix}': allowed are {allowed}", param, ctx)
+            ends = f"ends in '{path.suffix}'" if path.suffix else "has no ending"
+            self.fail(f"'{value}' {ends}: allowed are {allowed}", param, ctx)
         try:
             check_file_name(path)
         except InputError as error:

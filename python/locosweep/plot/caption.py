@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from locosweep.plot import style
-from locosweep.registry import Status, drive, law, parameter, quantity
+from locosweep.registry import Status, drive, law, parameter, quantity, words_of_name
+from locosweep.result import OF_AXIS
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable
@@ -29,7 +30,10 @@ def better_when_larger(output: Output) -> bool:
     >>> [better_when_larger(output) for output in r.outputs]
     [True, False]
     """
-    return not output.integer and quantity(output.quantity).larger_is_better
+    if output.integer or output.reduce in OF_AXIS:
+        # Where along an axis something is best says nothing about how good it is.
+        return False
+    return quantity(output.quantity).larger_is_better
 
 
 def fixed_settings(result: Result, output: Output, shown: Collection[str]) -> list[str]:
@@ -71,9 +75,8 @@ def reason(result: Result, status: Status) -> str:
     over, rivals = result.over, result.rivals
     if status is not Status.NONE_FEASIBLE or over is None or rivals is None or not rivals.size:
         return status.sentence
-    words = over.removesuffix("_deg").replace("_", " ")
     low, high = float(rivals.min()), style.with_unit(float(rivals.max()), parameter(over).unit)
-    return f"no value of {words} from {low:g} to {high} works"
+    return f"no value of {words_of_name(over)} from {low:g} to {high} works"
 
 
 def title(cut: Iterable[str], fixed: Iterable[str], note: str = "") -> str:

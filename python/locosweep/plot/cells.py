@@ -12,6 +12,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, MaxNLocator
 from matplotlib.transforms import offset_copy
 
+from locosweep.errors import InputError
 from locosweep.plot import style
 from locosweep.plot.numbers import PlainNumbers, plain_axis
 from locosweep.registry import Status, parameter
@@ -37,6 +38,8 @@ _ROUNDING = 1e-9
 thousands of operations on 64 bits."""
 _PLAIN = 0.02
 """Share of the cells from which equal values are a plain: a line crosses fewer."""
+_MOST_LEVELS = 100
+"""Contours that can be told apart in a picture of 600 dots."""
 _RIM = 0.03
 """Share of an axis at whose ends half a mark would stand outside."""
 
@@ -109,6 +112,7 @@ def contours(
 ) -> None:
     """Draw labelled contours inside the range of the values, none of rounding errors."""
     counted = levels is None or isinstance(levels, int | np.integer)
+    _check_levels(levels)
     if min(values.shape) < 2 or (counted and output.integer):
         return
     largest = float(np.nanmax(np.abs(values)))
@@ -141,6 +145,22 @@ def contours(
     )
     for text in texts or ():
         text.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
+
+
+def _check_levels(levels: object) -> None:
+    """Refuse what is neither a count that a picture has room for, nor numbers."""
+    if levels is None:
+        return
+    if isinstance(levels, int | np.integer) and not isinstance(levels, bool):
+        if not 0 <= levels <= _MOST_LEVELS:
+            raise InputError(f"levels is {levels}: allowed is a count from 0 to {_MOST_LEVELS}")
+        return
+    try:
+        given = np.asarray(levels, np.float64)
+    except (TypeError, ValueError):
+        given = np.empty(())
+    if isinstance(levels, str | bool) or np.ndim(given) != 1 or not np.isfinite(given).all():
+        raise InputError(f"levels is {levels!r}: allowed is a count, or several finite numbers")
 
 
 def _is_plain(values: Floats, level: float, largest: float) -> bool:

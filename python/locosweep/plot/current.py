@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from locosweep.errors import InputError
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -34,6 +36,9 @@ def current_axes(ax: Axes | None, width: float, height: float) -> Axes:
     >>> plt.close("all")
     """
     if ax is not None:
+        if not hasattr(ax, "pcolormesh"):
+            kind = type(ax).__name__
+            raise InputError(f"ax is of type {kind}: allowed is one Axes, as plt.subplots() gives")
         return ax
     import matplotlib.pyplot as plt
 

@@ -290,7 +290,7 @@ class Plotter:
 
     def _check_axis(self, name: str) -> None:
         if name not in self.result.axes:
-            raise unknown("axis", name, self.result.axes)
+            raise unknown("axis", str(name), self.result.axes)
 
     def _two(self, x: str | None, y: str | None, at: Mapping[str, object]) -> tuple[str, str]:
         """Both axes of a heat map, the defaults filled in."""

@@ -6,7 +6,7 @@ import math
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from matplotlib.ticker import Formatter, LogLocator, NullLocator, ScalarFormatter
+from matplotlib.ticker import FixedLocator, Formatter, MaxNLocator, NullLocator, ScalarFormatter
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 _PLAIN = (1e-4, 1e6)
 """Numbers between these are written without a power of ten: six digits are still read."""
-_FEW, _MANY = 3, 12
-"""Ticks that tell a logarithmic scale, and those that a picture has room for."""
+_FEW, _MANY = 3, 8
+"""Ticks that tell a logarithmic scale, and those that a narrow picture has room for."""
 _MOST = 15
 """Digits that a float has."""
 
@@ -88,10 +88,12 @@ def log_axis(axis: Axis) -> None:
     low, high = sorted(axis.get_view_interval())
     for digits in ((1,), (1, 3), (1, 2, 5), range(1, 10)):
         powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
-        ticks = [float(f"{d}e{p}") for p in powers for d in digits]
-        if len([tick for tick in ticks if low <= tick <= high]) >= _FEW:
+        every = [float(f"{d}e{p}") for p in powers for d in digits]
+        ticks = [tick for tick in every if low <= tick <= high]
+        if len(ticks) >= _FEW:
             break
-    axis.set_major_locator(LogLocator(subs=list(digits), numticks=_MANY))
+    many = len(ticks) // _MANY + 1
+    axis.set_major_locator(FixedLocator(ticks[::many]) if len(ticks) > 1 else MaxNLocator(_FEW))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_locator(NullLocator())
 

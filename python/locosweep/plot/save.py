@@ -61,7 +61,8 @@ def save_figure(
     kind = path.suffix[1:].lower()
     if kind not in _KINDS:
         allowed = ", ".join(f".{k}" for k in _KINDS)
-        raise InputError(f"{path}: a picture cannot end in '{path.suffix}': allowed are {allowed}")
+        ends = f"cannot end in '{path.suffix}'" if path.suffix else "needs an ending"
+        raise InputError(f"{path}: a picture {ends}: allowed are {allowed}")
     root = figure.figure if isinstance(figure, Axes) else figure
     while isinstance(root, SubFigure):
         root = root.figure

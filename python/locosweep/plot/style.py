@@ -15,7 +15,7 @@ from matplotlib.ticker import MaxNLocator
 
 from locosweep.errors import InputError
 from locosweep.plot.numbers import plain_numbers
-from locosweep.registry import parameter
+from locosweep.registry import parameter, words_of_name
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -113,7 +113,7 @@ def words_of(name: str) -> str:
     """Words of a parameter: the beginning of its meaning, or its name."""
     words = re.split(r"[,:;(]", parameter(name).meaning)[0].strip()
     if not 3 <= len(words) <= 50:
-        words = name.removesuffix("_deg").replace("_", " ")
+        words = words_of_name(name)
     return words
 
 

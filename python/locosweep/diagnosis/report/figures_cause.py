@@ -8,7 +8,7 @@ import numpy as np
 
 from locosweep.diagnosis.report import figures_style as style
 from locosweep.diagnosis.report.figures_motion import gap_channel
-from locosweep.diagnosis.report.units import rounded, scale
+from locosweep.diagnosis.report.units import WIDE, rounded, scale
 from locosweep.diagnosis.report.written import rest_of
 from locosweep.plot.numbers import log_axis, plain_axis
 from locosweep.plot.style import LINES, figure
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.report.result import Diagnosis
 
 _MOST = 12
-_WIDE = 1.96
-"""Standard deviations to either end of a 95 % interval."""
 _AFTER: tuple[dict[str, Any], ...] = (
     {"color": LINES[2][0], "linestyle": LINES[2][1], "linewidth": 1.3},
     {"color": LINES[3][0], "linestyle": LINES[3][1], "linewidth": 1.3},
@@ -138,7 +136,7 @@ def parameters(diagnosis: Diagnosis) -> Figure | None:
     axes = made.subplots(len(fitted), 1, squeeze=False).ravel()
     for ax, (name, key, entry) in zip(axes, fitted, strict=True):
         value, std = entry["value"], entry["std"]
-        half = _WIDE * std if std else 0.0
+        half = WIDE * std if std else 0.0
         symbol = {p.name: p.symbol for p in effect(name).parameters}.get(key, key)
         room = 2.5 * half or 0.1 * abs(value) or 1.0
         unit = style.unit_text(entry["unit"])

@@ -189,7 +189,7 @@ def _bars(ax: Axes, names: Sequence[str], values: Sequence[float | None], what: 
                     va="center", fontsize=8)  # fmt: skip
     ax.set_yticks(range(len(names)), [style.words(name) for name in names], fontsize=8)
     ax.set_ylim(max(len(names), 5) - 0.4, -0.6)
-    ax.set(xlim=(0, 1.18), xlabel="share of the squared residual [1]", ylabel=what)
+    ax.set(xlim=(0, 1.28), xlabel="share of the squared residual [1]", ylabel=what)
     style.finish(ax)
 
 

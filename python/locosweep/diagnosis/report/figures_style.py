@@ -11,6 +11,9 @@ from matplotlib.font_manager import FontProperties, findfont, get_font
 from locosweep.diagnosis.report.units import is_rotary, scale
 from locosweep.files.channels import CHANNELS
 from locosweep.plot import style as plot_style
+from locosweep.registry import words_of_name
+
+words = words_of_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -59,11 +62,6 @@ def reach(fields: Iterable[Floats]) -> float:
     """Largest finite magnitude."""
     sizes = [float(np.abs(f[np.isfinite(f)]).max(initial=0.0)) for f in fields]
     return max(sizes, default=0.0)
-
-
-def words(name: str) -> str:
-    """Return a canonical name as words."""
-    return name.removesuffix("_deg").replace("_", " ")
 
 
 def unit_text(unit: str) -> str:

@@ -10,6 +10,7 @@ from scipy.ndimage import uniform_filter1d
 
 from locosweep.diagnosis.data.regimes import REGIMES, regimes_of
 from locosweep.diagnosis.estimate.free_run import equal_cuts, free_errors
+from locosweep.diagnosis.report.units import WIDE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -222,6 +223,6 @@ def force_view(problem: Problem, point: Point, mass: float) -> dict[str, Any]:
         bins = np.array_split(order, min(12, max(3, order.size // 6)))
         centres = np.array([table[b, k].mean() for b in bins])
         means = np.array([table[b, 0].mean() for b in bins])
-        halves = np.array([1.96 * table[b, 0].std(ddof=1) / np.sqrt(b.size) for b in bins])
+        halves = np.array([WIDE * table[b, 0].std(ddof=1) / np.sqrt(b.size) for b in bins])
         view[name] = (centres, means, halves)
     return view

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from locosweep.diagnosis.report.figures_style import unit_text, words
 from locosweep.diagnosis.report.sentences import advice
-from locosweep.diagnosis.report.units import rounded
+from locosweep.diagnosis.report.units import WIDE, rounded
 from locosweep.diagnosis.report.written import (
     HEADLINES,
     interval,
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.report.result import Diagnosis
 
-_WIDE = 1.96
-"""Standard deviations to either end of a 95 % interval."""
 _MARKS = re.compile(r"([\\`*_\[\]|#~])")
 
 
@@ -116,7 +114,7 @@ def _value(key: str, entry: dict[str, Any]) -> str:
     unit = "" if entry["unit"] == "1" else f" {unit_text(entry['unit'])}"
     if value is None:
         return f"`{key}` unknown"
-    half = None if std is None else _WIDE * std
+    half = None if std is None else WIDE * std
     spread = "" if not half else f" ± {half:.2g}"
     return f"`{key}` = {rounded(value, half)}{spread}{unit}".replace("-", "−")
 

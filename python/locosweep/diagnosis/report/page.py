@@ -15,7 +15,7 @@ from locosweep.diagnosis.report.figures_cause import leading
 from locosweep.diagnosis.report.figures_motion import runs_small
 from locosweep.diagnosis.report.figures_style import unit_text, words
 from locosweep.diagnosis.report.sentences import advice
-from locosweep.diagnosis.report.units import is_rotary, rotary_unit, rounded
+from locosweep.diagnosis.report.units import WIDE, is_rotary, rotary_unit, rounded
 from locosweep.diagnosis.report.written import HEADLINES, interval, number, percent, plain, sizes
 from locosweep.plot.explorer.page import digest_of, json_block, script_of
 from locosweep.plot.html import picture_of
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
     from locosweep.diagnosis.report.result import Diagnosis
 
-_WIDE = 1.96
 _BESIDE = ("runs_large.png",)
 """Pictures that stand beside the page only, as its script draws the same."""
 _OPTIONS = {
@@ -127,7 +126,7 @@ def _parameters(diagnosis: Diagnosis) -> list[dict[str, str]]:
         for key, entry in table.items():
             value, std = entry["value"], entry["std"]
             known = value is not None and std is not None
-            half = _WIDE * std if known else None
+            half = WIDE * std if known else None
             ends = () if half is None else (value - half, value + half)
             between = " to ".join(_rounded(end, half) for end in ends) or "unknown"
             meaning = records[key].meaning if key in records else ""

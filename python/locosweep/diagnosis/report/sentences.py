@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from locosweep.diagnosis.report.localization import by_run, windows
-from locosweep.diagnosis.report.units import rounded, sized
+from locosweep.diagnosis.report.units import WIDE, rounded, sized
 from locosweep.simulation.replay import effect
 
 if TYPE_CHECKING:
@@ -19,8 +19,6 @@ _UNUSUAL = 3.0
 """Error of a run over the median of all runs, from which it is unusual."""
 _RESTING = 0.01
 """Part of a run's steps beyond the noise, below which its head hardly ever moves."""
-_WIDE = 1.96
-"""Standard deviations to either end of a 95 % interval."""
 _MOST, _MANY = 0.4, 20
 """Share of the squared error that one window of so many should not hold."""
 
@@ -127,7 +125,7 @@ def advice(report: dict[str, Any]) -> str:
 
 def _advised(entry: dict[str, Any]) -> str:
     """Return a value of three digits, or fewer where its interval lets no more stand."""
-    half = 0.0 if entry["std"] is None else _WIDE * entry["std"]
+    half = 0.0 if entry["std"] is None else WIDE * entry["std"]
     text = rounded(entry["value"], max(half, 1e-3 * abs(entry["value"])))
     text = f"{float(text):.3g}"
     return text if entry["unit"] == "1" else f"{text} {entry['unit']}"

@@ -14,6 +14,8 @@ _TURNING = {"N": "N m", "kg": "kg m^2", "m": "rad"}
 _PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 _WHOLE = ("kg", "deg")
 """Units that take no further prefix."""
+WIDE = 1.96
+"""Standard deviations to either end of a 95 % interval."""
 _MOST = 12
 """Digits that an interval may ask for."""
 

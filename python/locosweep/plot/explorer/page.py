@@ -16,6 +16,7 @@ import numpy as np
 from matplotlib.colors import to_hex
 
 from locosweep import _core
+from locosweep.engine import whole
 from locosweep.errors import InputError
 from locosweep.files.atomic import write_text
 from locosweep.plot import style
@@ -63,7 +64,8 @@ class Explorer:
         """Write the page to a file that ends in ``.html``; a browser opens it by a double click."""
         path = Path(path)
         if path.suffix.lower() not in (".html", ".htm"):
-            raise InputError(f"{path}: a page cannot end in '{path.suffix}': allowed is .html")
+            ends = f"cannot end in '{path.suffix}'" if path.suffix else "needs an ending"
+            raise InputError(f"{path}: a page {ends}: allowed is .html")
         write_text(path, self.html)
 
     def __repr__(self) -> str:
@@ -103,6 +105,7 @@ def explorer(
     InputError
         Nothing was swept, or the cells of a run cannot be read.
     """
+    limit = whole("limit", limit) or LARGEST
     longer = [name for name, axis in shown.axes.items() if len(axis) > 1]
     if not longer or not all(shown.shape):
         raise InputError("nothing to explore: no axis has more than one value")
