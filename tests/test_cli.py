@@ -94,7 +94,7 @@ class TestLists:
             for part in (record.meaning, record.source, record.unit, "drive_limit"):
                 assert part in words["text"]
 
-    @pytest.mark.parametrize("command", ["parameters", "reductions", "statuses"])
+    @pytest.mark.parametrize("command", ["parameters", "reductions", "reasons"])
     def test_others(self, tmp_path, command):
         lines = ok(command, cwd=tmp_path).splitlines()
         records = json.loads(ok(command, "--json", cwd=tmp_path))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
 import os
-import resource
 import sys
 from pathlib import Path
 
@@ -47,12 +47,14 @@ def _system() -> int:
 def _address_space() -> int:
     """Return what `ulimit -v` leaves: an allocation beyond it may end the process."""
     try:
+        # Not every system has it.
+        resource = importlib.import_module("resource")
         soft, _ = resource.getrlimit(resource.RLIMIT_AS)
         if soft == resource.RLIM_INFINITY:
             return sys.maxsize
         pages = int(Path("/proc/self/statm").read_text().split()[0])
-        return soft - pages * resource.getpagesize()
-    except (OSError, ValueError, IndexError):
+        return int(soft) - pages * int(resource.getpagesize())
+    except (ImportError, OSError, ValueError, IndexError):
         return sys.maxsize
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import logging
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -82,6 +83,15 @@ def other_run(client: Any, folder: Path) -> dict[str, Any]:
     return {"error": None}
 
 
+def again(client: Any, folder: Path) -> dict[str, Any]:
+    """Another run under the name of one that is gone, by workers that knew that one."""
+    ls.sweep(**CLOSED, chunk=12, out=folder, client=client)
+    shutil.rmtree(folder)
+    run = ls.sweep(**CLOSED, chunk=30, out=folder, client=client)
+    return {"complete": run.complete, "same": same(run, ls.sweep(**CLOSED)),
+            "faults": len(verify(folder).faults)}  # fmt: skip
+
+
 def command(client: Any, folder: Path) -> dict[str, Any]:
     folder.parent.joinpath("s.toml").write_text(
         'format = "locosweep.sweep/1"\nquantities = ["mean_velocity"]\n[axes]\n'
@@ -106,7 +116,13 @@ def main(mode: str, folder: Path) -> None:
         ) as cluster,
         Client(cluster) as client,
     ):
-        jobs = {"fill": fill, "kill": kill_one, "fail": other_run, "command": command}
+        jobs = {
+            "fill": fill,
+            "kill": kill_one,
+            "fail": other_run,
+            "command": command,
+            "again": again,
+        }
         sys.stdout.write(json.dumps(jobs[mode](client, folder)) + "\n")
 
 

@@ -15,7 +15,10 @@ import pytest
 from run_cases import CLOSED, data_files, partials
 
 import locosweep as ls
+from locosweep.run_folder import commit
 from locosweep.run_folder.commit import host
+from locosweep.run_folder.log import _line
+from locosweep.run_folder.overview import overview
 
 DRIVER = Path(__file__).with_name("crash_driver.py")
 SPEC: dict[str, Any] = {**CLOSED, "chunk": 30}
@@ -151,6 +154,42 @@ def test_other_lines_of_a_log_lose_nothing(change: str, tmp_path: Path) -> None:
     assert ls.sweep(**SPEC, out=run.folder).complete
 
 
+@pytest.mark.parametrize(
+    "record",
+    [
+        "text",
+        3,
+        {"at": "now"},
+        {"at": float("inf")},
+        {"chunk": float("inf"), "files": {}, "counts": {}, "seconds": 0, "at": 0},
+        {"chunk": 0, "files": {}, "counts": {}, "seconds": 0, "at": 0},
+        {"counts": {}},
+        {"counts": {"mean_velocity": {"0": 1}, "peak_power": {"250": 1}}},
+        {"counts": {"mean_velocity": {"0": 1}, "peak_power": {"x": 1}}},
+    ],
+)
+def test_a_line_that_says_what_cannot_be_counts_as_altered(record: Any, tmp_path: Path) -> None:
+    """With a checksum that is right, as another program would write it."""
+    run = ls.sweep(**SPEC, out=tmp_path / "run")
+    (log,) = (run.folder / "log").iterdir()
+    lines = log.read_bytes().splitlines(keepends=True)
+    if isinstance(record, dict) and record.keys() == {"counts"}:
+        record = json.loads(lines[-1].rpartition(b"\t")[0]) | record
+    log.write_bytes(b"".join([*lines, _line(record)]))
+    found = overview(run.folder)
+    assert found.done == run.manifest.plan.count
+    assert sum(w.dropped for w in found.writers) == 1
+    assert ls.sweep(**SPEC, out=run.folder).complete
+
+
+def test_a_clock_beyond_the_calendar_is_no_error(tmp_path: Path) -> None:
+    run = ls.sweep(**SPEC, out=tmp_path / "run")
+    (log,) = (run.folder / "log").iterdir()
+    last = json.loads(log.read_bytes().splitlines()[-1].rpartition(b"\t")[0])
+    log.write_bytes(log.read_bytes() + _line(last | {"at": 1e18}))
+    assert overview(run.folder).writers[0].last == "at no time"
+
+
 def test_files_that_nobody_logged_are_not_trusted(tmp_path: Path) -> None:
     run = ls.sweep(**SPEC, out=tmp_path / "run")
     wanted = data_files(run.folder)
@@ -179,3 +218,21 @@ def test_only_what_dead_writers_of_this_machine_left_is_removed(tmp_path: Path) 
     assert not gone.exists()
     assert all(path.exists() for path in kept)
     assert ls.open_run(run.folder).complete
+
+
+def test_a_system_without_folders_to_open_or_processes_to_ask(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As on Windows, where signal 0 is Ctrl-C to the process that is asked for."""
+    run = ls.sweep(**SPEC, out=tmp_path / "other")
+    left = run.folder / "data.zarr" / f"zarr.json.{host()}-1-00ff.partial"
+    left.write_bytes(b"half")
+    killed: list[int] = []
+    with monkeypatch.context() as windows:
+        windows.delattr(commit.os, "O_DIRECTORY")
+        windows.setattr(commit.os, "kill", lambda pid, _: killed.append(pid))
+        windows.setattr(commit.os, "name", "nt")
+        commit.sync_folders([run.folder])
+        assert commit.sweep_stale([run.folder / "data.zarr"]) == 0
+    assert killed == []
+    assert left.exists()

@@ -57,6 +57,11 @@ def test_a_worker_that_cannot_write_says_where(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_workers_see_that_a_folder_was_made_anew(tmp_path: Path) -> None:
+    assert drive("again", tmp_path / "run") == {"complete": True, "same": True, "faults": 0}
+
+
+@pytest.mark.slow
 def test_the_command_takes_the_address_of_a_scheduler(tmp_path: Path) -> None:
     assert drive("command", tmp_path / "run") == {
         "code": 0, "out": "run/\n", "err": "", "complete": True

@@ -49,6 +49,11 @@ def test_parts_are_those_of_the_whole(whole: Path) -> None:
     assert np.array_equal(data, result["peak_power"][[4, 0], 1, :], equal_nan=True)
     with pytest.raises(ls.InputError, match="unknown axis 'mass'"):
         run.to_result(mass=slice(1))
+    for odd in (3, None, [1, 2]):
+        with pytest.raises(ls.InputError, match=r"segments is .* allowed is a slice"):
+            run.to_result(segments=odd)
+    nothing = run.to_result(mu_static=slice(2, 2))
+    assert nothing.values.shape == (0, 3, 7)
 
 
 def test_a_scan_gives_the_table(whole: Path) -> None:

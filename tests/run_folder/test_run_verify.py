@@ -80,7 +80,7 @@ def test_an_altered_chunk_is_found_refused_and_repaired(
     found = verify(folder)
     assert {fault.chunk for fault in found.faults} == ({0, SECOND} if name == "swapped" else {0})
     assert all(fault.file.startswith(f"data.zarr/{array}/c.") for fault in found.faults)
-    with pytest.raises(ls.InputError, match=r"chunk \d+ is damaged.*verify FOLDER --repair"):
+    with pytest.raises(ls.InputError, match=r"chunk \d+ is damaged.*verify \S+ --repair"):
         ls.open_run(folder).to_xarray()[array].to_numpy()
     with pytest.raises(ls.InputError, match="is damaged"):
         ls.open_run(folder).to_result()

@@ -36,8 +36,8 @@ from locosweep.cli.registry_lists import (
     methods,
     parameters,
     quantities,
+    reasons,
     reductions,
-    statuses,
 )
 from locosweep.cli.reproduce import reproduce
 from locosweep.cli.screen import screen
@@ -74,7 +74,7 @@ def group() -> None:
 for _command in (
     heatmap, explore, sweep, status, verify, merge, export, simulate, gait, init, screen, diagnose,
     distinguish, friction, blind_check, optimum, plot, reproduce, quantities, parameters, laws,
-    drives, effects, gaits, methods, reductions, statuses,
+    drives, effects, gaits, methods, reductions, reasons,
 ):  # fmt: skip
     if _command.name:
         _command.epilog = epilog(_command.name)

@@ -35,7 +35,7 @@ EXAMPLES = {
     "gaits": "locosweep gaits --json",
     "methods": "locosweep methods",
     "reductions": "locosweep reductions",
-    "statuses": "locosweep statuses",
+    "reasons": "locosweep reasons",
 }
 """By the name of the command."""
 

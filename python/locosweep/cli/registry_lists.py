@@ -179,7 +179,7 @@ def methods(json_: bool) -> None:
 
 @click.command()
 @json_option
-def statuses(json_: bool) -> None:
+def reasons(json_: bool) -> None:
     """List the reasons for which a point has no value."""
     rows = [(str(int(s)), s.name.lower(), s.sentence) for s in registry.Status]
     records = [{"code": int(code), "name": name, "sentence": text} for code, name, text in rows]

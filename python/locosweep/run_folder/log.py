@@ -8,24 +8,24 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import os
 import secrets
 import time
 import zlib
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from locosweep.errors import InputError
-from locosweep.run_folder.commit import host, sync_folders
+from locosweep.run_folder.commit import WRITING, host, sync_folders
 from locosweep.run_folder.faults import step
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 
-@dataclass(frozen=True)
-class Done:
+class Done(NamedTuple):
     """One finished chunk.
 
     Attributes
@@ -79,8 +79,7 @@ class Log:
         name = f"{host()}-{os.getpid()}-{time.strftime('%Y%m%dT%H%M%S', time.gmtime())}"
         self._path = self._folder / f"{name}-{secrets.token_hex(2)}.jsonl"
         try:
-            flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND
-            self._handle = os.open(self._path, flags, 0o666)
+            self._handle = os.open(self._path, WRITING | os.O_APPEND, 0o666)
         except OSError as error:
             raise InputError(f"{self._path}: cannot write: {error.strerror or error}") from None
         sync_folders([self._folder])
@@ -148,19 +147,26 @@ def _take(line: bytes, writer: Writer) -> None:
         writer.dropped += 1
         return
     try:
-        record = json.loads(text)
+        record = json.loads(text.decode())
         if "chunk" not in record:
-            writer.about = record
+            writer.about = {**record, "at": _finite(record.get("at", 0.0))}
             return
-        files = {str(n): (str(sha), int(size)) for n, (sha, size) in record["files"].items()}
+        files = {n: (str(sha), int(size)) for n, (sha, size) in record["files"].items()}
         counts = {
-            str(name): {str(code): int(n) for code, n in codes.items()}
+            name: {code: int(n) for code, n in codes.items()}
             for name, codes in record["counts"].items()
         }
         done = Done(
-            int(record["chunk"]), files, counts, float(record["seconds"]), float(record["at"])
+            int(record["chunk"]), files, counts, _finite(record["seconds"]), _finite(record["at"])
         )
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError):
         writer.dropped += 1
         return
     writer.done.append(done)
+
+
+def _finite(value: Any) -> float:
+    number = float(value)
+    if not math.isfinite(number):
+        raise ValueError(value)
+    return number

@@ -14,7 +14,7 @@ from locosweep.run_folder.log import Done, Log
 from locosweep.run_folder.manifest import LOGS, NAME, read
 from locosweep.run_folder.name import check_run_name
 from locosweep.run_folder.run import Run
-from locosweep.run_folder.state import State, keeping
+from locosweep.run_folder.state import State, altered, keeping
 from locosweep.run_folder.writer import about
 
 if TYPE_CHECKING:
@@ -104,9 +104,7 @@ def _copy(source: Path, theirs: State, folder: Path, chunk: int) -> Done:
             raise DataFileError(f"{path}: {error.strerror or error}") from None
         digest = hashlib.sha256(content).hexdigest()
         if digest not in theirs.hashes(chunk, name):
-            raise DataFileError(
-                f"{path} was altered: locosweep verify {source} --repair computes it again"
-            )
+            raise DataFileError(altered(source, chunk, f"{path} was altered"))
         write_file(folder / arrays.STORE / name / key, [content])
         files[name] = (digest, len(content))
     sync_folders(folder / arrays.STORE / name for name in theirs.array_names)

@@ -11,7 +11,6 @@ import threading
 import time
 from contextlib import closing
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -54,12 +53,15 @@ class Task:
         Threads of one chunk.
     allow_drift : bool
         Whether a worker may compute other bits than the version that began the run.
+    call : str
+        Which call gave it: a folder of the same name may be another one by the next call.
     """
 
     folder: str
     spec_sha256: str
     threads: int
     allow_drift: bool
+    call: str
 
 
 class _Site:
@@ -76,18 +78,22 @@ class _Site:
         self.log = Log(self.folder / LOGS, about(task.threads, dask=True))
 
 
-_site_lock = threading.Lock()
-
-
-@lru_cache(maxsize=4)
-def _cached_site(task: Task) -> _Site:
-    return _Site(task)
+_sites: dict[str, tuple[Task, _Site]] = {}
+"""Of each folder the last task and what the worker knows for it."""
+_sites_lock = threading.Lock()
 
 
 def _site(task: Task) -> _Site:
     # Threads of one worker that begin at once would otherwise make a log each.
-    with _site_lock:
-        return _cached_site(task)
+    with _sites_lock:
+        known, site = _sites.get(task.folder, (None, None))
+        if site is not None and known == task:
+            return site
+        if site is not None:
+            with site.lock:
+                site.log.close()
+        _sites[task.folder] = task, _Site(task)
+        return _sites[task.folder][1]
 
 
 def compute_chunk(task: Task, chunk: int) -> tuple[int, int]:
@@ -115,7 +121,8 @@ def fill_over_dask(
 ) -> None:
     """Have workers compute all that is missing; raise what stopped it, with chunks kept."""
     # Dask gives a worker as many tasks as it has threads.
-    task = Task(str(folder.absolute()), found.spec_sha256, threads or 1, allow_drift)
+    call = secrets.token_hex(4)
+    task = Task(str(folder.absolute()), found.spec_sha256, threads or 1, allow_drift, call)
     missing = State(folder, found).missing
     work = WorkDone(found.cells, found.plan, missing, progress)
     try:
@@ -131,7 +138,7 @@ def _answers(client: Any, task: Task, chunks: list[int]) -> Generator[tuple[int,
     """Give chunks to the workers, so many at a time, and yield their answers as they come."""
     distributed = arrays.need("distributed", "dask")
     # New names: a scheduler remembers the answers of a call that is still open elsewhere.
-    prefix = f"locosweep-{task.spec_sha256[:8]}-{secrets.token_hex(4)}"
+    prefix = f"locosweep-{task.spec_sha256[:8]}-{task.call}"
     left = iter(chunks)
 
     def some(count: int) -> list[Any]:

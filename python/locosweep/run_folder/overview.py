@@ -84,11 +84,17 @@ def overview(folder: Path) -> Overview:
 
 
 def _pace(writer: Writer, plan: Plan) -> Pace:
-    begin = float(writer.about.get("at", 0.0))
-    last = max([begin, *(one.at for one in writer.done)])
-    known = [one for one in writer.done if 0 <= one.chunk < plan.count]
+    known = writer.done
+    begin = writer.about.get("at", known[0].at if known else 0.0)
+    last = max([begin, *(one.at for one in known)])
     # The log begins with its first chunk, whose computation came before.
     taken = last - begin + (known[0].seconds if known else 0.0)
     rate = sum(plan.cells(one.chunk) for one in known) / taken if taken > 0 else None
-    stamp = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(last))
-    return Pace(writer.name, len(known), rate, stamp, writer.dropped)
+    return Pace(writer.name, len(known), rate, _stamp(last), writer.dropped)
+
+
+def _stamp(seconds: float) -> str:
+    try:
+        return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(seconds))
+    except (ValueError, OverflowError, OSError):
+        return "at no time"

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-
-import numpy as np
+from functools import cached_property
 
 MOST_BYTES = 64 << 20
 """Of a chunk's arrays together: files large enough for the full rate of a disk, few enough for a
-file system, and six of them within 512 MB beside the interpreter."""
+file system, and those that are held, two of them filled up to their shape in a copy, within 512 MB
+beside the interpreter."""
 HELD = 4
 """Chunks that one process has in memory: one computed, two written, one that waits."""
 MOST_SECONDS = 30.0
@@ -36,19 +36,23 @@ class Plan:
     shape: tuple[int, ...]
     chunk: tuple[int, ...]
 
-    @property
+    @cached_property
     def parts(self) -> tuple[int, ...]:
         """Chunks along each axis."""
         return tuple(-(-n // c) for n, c in zip(self.shape, self.chunk, strict=True))
 
-    @property
+    @cached_property
     def count(self) -> int:
         """Chunks in all."""
         return math.prod(self.parts)
 
     def place(self, chunk: int) -> tuple[int, ...]:
         """Return where a chunk stands among the chunks, by axis."""
-        return tuple(int(i) for i in np.unravel_index(chunk, self.parts)) if self.shape else ()
+        places = []
+        for count in reversed(self.parts):
+            chunk, place = divmod(chunk, count)
+            places.append(place)
+        return tuple(reversed(places))
 
     def slices(self, chunk: int) -> tuple[slice, ...]:
         """Return the cells of a chunk along each axis."""
@@ -68,11 +72,15 @@ class Plan:
         places = [int(word) for word in words]
         if any(p >= n for p, n in zip(places, parts, strict=True)):
             return None
-        return int(np.ravel_multi_index(places, parts)) if parts else 0
+        chunk = 0
+        for place, count in zip(places, parts, strict=True):
+            chunk = chunk * count + place
+        return chunk
 
     def cells(self, chunk: int) -> int:
         """Return how many cells a chunk holds."""
-        return math.prod(s.stop - s.start for s in self.slices(chunk))
+        places = zip(self.place(chunk), self.chunk, self.shape, strict=True)
+        return math.prod(min(c, n - p * c) for p, c, n in places)
 
 
 def cut(shape: tuple[int, ...], cells: int) -> Plan:

@@ -13,7 +13,7 @@ from locosweep.errors import InputError
 from locosweep.registry import Status, parameter, unknown
 from locosweep.result import Output, Result
 from locosweep.run_folder import arrays, manifest
-from locosweep.run_folder.state import State
+from locosweep.run_folder.state import State, altered
 
 if TYPE_CHECKING:
     import polars as pl
@@ -75,12 +75,11 @@ class Run:
     def status_counts(self, name: str | None = None) -> dict[Status, int]:
         """Count the cells of each status that occurs in the finished chunks; reads logs only."""
         name = self.output(name).name
-        total: dict[Status, int] = {}
+        total: dict[str, int] = {}
         for known in self.state.done.values():
             for code, count in known[0].counts[name].items():
-                status = Status(int(code))
-                total[status] = total.get(status, 0) + count
-        return dict(sorted(total.items()))
+                total[code] = total.get(code, 0) + count
+        return dict(sorted((Status(int(code)), count) for code, count in total.items()))
 
     def summary(self) -> dict[str, Any]:
         """Describe outputs, axes and what is done, from manifest and logs, for JSON."""
@@ -104,10 +103,7 @@ class Run:
     def _check_whole(self) -> None:
         if self.state.damaged:
             chunk, what = next(iter(self.state.damaged.items()))
-            raise InputError(
-                f"{self.folder}: chunk {chunk} is damaged ({what}): "
-                "locosweep verify FOLDER --repair computes it again"
-            )
+            raise InputError(altered(self.folder, chunk, what))
         if not (self.allow_missing or self.complete):
             count = self.manifest.plan.count
             raise InputError(
@@ -150,6 +146,8 @@ class Run:
         for name in at:
             if name not in self.axes:
                 raise unknown("axis", name, self.axes)
+            if not isinstance(at[name], slice):
+                raise InputError(f"{name} is {at[name]!r}: allowed is a slice of its indices")
         key = tuple(at.get(name, slice(None)) for name in self.axes)
         axes = {n: a[part] for (n, a), part in zip(self.axes.items(), key, strict=True)}
         cells = int(np.prod([len(axis) for axis in axes.values()], dtype=object))

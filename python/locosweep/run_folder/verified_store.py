@@ -12,7 +12,7 @@ from zarr.storage import LocalStore
 
 from locosweep.errors import DataFileError
 from locosweep.run_folder import arrays, manifest
-from locosweep.run_folder.state import State
+from locosweep.run_folder.state import State, altered
 
 if TYPE_CHECKING:
     from zarr.abc.store import ByteRequest
@@ -79,10 +79,7 @@ class VerifiedStore(LocalStore):
         return content
 
     def _altered(self, what: str, chunk: int) -> DataFileError:
-        return DataFileError(
-            f"{self._folder}: chunk {chunk} is damaged ({what}): "
-            "locosweep verify FOLDER --repair computes it again"
-        )
+        return DataFileError(altered(self._folder, chunk, what))
 
     async def exists(self, key: str) -> bool:
         """Return whether a file counts."""
