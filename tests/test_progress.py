@@ -2,6 +2,7 @@
 
 import io
 import itertools
+import json
 import sys
 from types import SimpleNamespace
 
@@ -12,7 +13,7 @@ import locosweep as ls
 from locosweep import progress
 from locosweep.files.runs import Run
 from locosweep.paper.reproduce import reproduce
-from locosweep.progress import Meter, Steps, progress_of
+from locosweep.progress import JsonLines, Meter, Steps, progress_of
 from locosweep.replay import replay_runs
 
 ROBOT = ls.Robot({"mass": 0.2, "mu_coulomb": 0.3, "gravity": 9.81, "segments": 4.0})
@@ -133,6 +134,46 @@ def test_a_terminal_shows_the_name_of_a_step_and_how_many_are_done(monkeypatch):
     step("rivals")
     assert "diagnose: rivals, 1 of 2 steps done [" in terminal.getvalue()
     step.end()
+
+
+KEYS = ["event", "what", "unit", "step", "done", "total", "rate", "eta_s", "failures"]
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_every_long_call_takes_lines_of_json(name, tmp_path, capsys):
+    LONG[name](JsonLines(name), tmp_path)
+    lines = [json.loads(line) for line in capsys.readouterr().err.splitlines()]
+    assert all(list(line) == KEYS and line["what"] == name for line in lines)
+    assert lines[-1]["done"] == lines[-1]["total"] > 0
+    assert lines[-1]["eta_s"] == 0.0
+
+
+def test_lines_of_json_tell_rate_time_left_steps_and_failures(capsys, seconds):
+    seconds(4.0)
+    lines = JsonLines("check", "cases")
+    lines.fail(2)
+    lines(3, 9)
+    lines(3, 9, 1.5)
+    lines(0, 9)
+    steps = JsonLines("diagnose", "steps")
+    steps.say("reading")
+    steps(1, 4)
+    told = [list(json.loads(line).values())[3:] for line in capsys.readouterr().err.splitlines()]
+    assert told == [
+        [None, 3, 9, 0.75, 8.0, 2], [None, 3, 9, 1.5, 4.0, 2], [None, 0, 9, 0.0, None, 2],
+        ["reading", None, None, None, None, None], ["reading", 1, 4, 0.25, None, None],
+    ]  # fmt: skip
+
+
+def test_lines_of_json_are_few(capsys, seconds):
+    seconds(0.01)
+    lines = JsonLines("verify", "chunks")
+    for done in range(1, 101):
+        lines(done, 100)
+    told = [json.loads(line)["done"] for line in capsys.readouterr().err.splitlines()]
+    assert len(told) < 30
+    assert told[0] == 1
+    assert told[-1] == 100
 
 
 def test_a_log_gets_a_line_now_and_then(capsys, seconds):

@@ -3,11 +3,13 @@
 Every long call has ``progress=``. None and False show nothing. True shows a bar on a terminal or
 below the cell of a notebook, and elsewhere, in a log for instance, plain lines on standard error.
 A callable receives numbers (`Progress`); if it has a method ``say``, that receives the name
-of each step of a call that goes through steps.
+of each step of a call that goes through steps, and a method ``fail`` receives how many cells or
+cases have failed so far, where a call counts them. `JsonLines` is such a callable for programs.
 """
 
 from __future__ import annotations
 
+import json
 import sys
 import time
 from typing import TYPE_CHECKING, Any, Protocol
@@ -19,6 +21,10 @@ if TYPE_CHECKING:
 
 _PAUSE = 10.0
 """Seconds between lines of a log, so that an hour of work leaves some hundreds."""
+
+
+_LEAST_PAUSE = 0.1
+"""Seconds between lines for programs, those of ten calls a second."""
 
 
 class Progress(Protocol):
@@ -149,6 +155,11 @@ class Meter:
         if self._bar is not None:
             self._bar.set_postfix_str(text, refresh=False)
 
+    def fail(self, failures: int) -> None:
+        """Show how many have failed, if any."""
+        if failures:
+            self.note(f"{failures} failed")
+
     def close(self) -> None:
         """Erase what is not finished."""
         if self._bar is not None:
@@ -188,6 +199,79 @@ class Meter:
     def _line(self, text: str) -> None:
         sys.stderr.write(f"{self.label}: {text}\n")
         sys.stderr.flush()
+
+
+class JsonLines:
+    """A line of JSON on standard error for each event, ten a second at most, for programs.
+
+    Each line has ``event`` (progress or step), ``what``, ``unit``, ``step``, ``done``,
+    ``total``, ``rate`` (in 1/s), ``eta_s`` (in s) and ``failures``; null is what is not known.
+
+    Parameters
+    ----------
+    what : str
+        What is done.
+    unit : str
+        Plural of what is counted; of steps, which take unlike times, no time left is told.
+
+    Examples
+    --------
+    >>> import contextlib, io, json
+    >>> from locosweep.progress import JsonLines
+    >>> with contextlib.redirect_stderr(io.StringIO()) as told:
+    ...     JsonLines("sweep")(30, 90, 20.0)
+    >>> line = json.loads(told.getvalue())
+    >>> line["event"], line["done"], line["total"], line["rate"], line["eta_s"]
+    ('progress', 30, 90, 20.0, 3.0)
+    """
+
+    def __init__(self, what: str, unit: str = "evaluations") -> None:
+        self.what = what
+        self.unit = unit
+        self._begun = time.perf_counter()
+        self._written = -_LEAST_PAUSE
+        self._step: str | None = None
+        self._failures: int | None = None
+        self._state: tuple[int | None, int | None, float | None] = (None, None, None)
+
+    def __call__(self, done: int, total: int, rate: float = 0.0, /) -> None:
+        """Write what is done; without a rate it is that since the begin."""
+        rate = rate or done / max(time.perf_counter() - self._begun, 1e-9)
+        self._state = (int(done), int(total), float(rate))
+        now = time.perf_counter()
+        if done >= total or now - self._written >= _LEAST_PAUSE:
+            self._written = now
+            self._write("progress")
+
+    def say(self, text: str) -> None:
+        """Write the name of the step that begins."""
+        self._step = text
+        self._write("step")
+
+    def fail(self, failures: int) -> None:
+        """Take how many have failed, for the next line."""
+        self._failures = failures
+
+    def close(self) -> None:
+        """End; every line is whole."""
+
+    def _write(self, event: str) -> None:
+        done, total, rate = self._state
+        left = None
+        if done is not None and total is not None and (done >= total or self.unit != "steps"):
+            left = 0.0 if done >= total else (total - done) / rate if rate else None
+        line = {
+            "event": event, "what": self.what, "unit": self.unit, "step": self._step,
+            "done": done, "total": total, "rate": _digits(rate), "eta_s": _digits(left),
+            "failures": self._failures,
+        }  # fmt: skip
+        sys.stderr.write(json.dumps(line, separators=(",", ":")) + "\n")
+        sys.stderr.flush()
+
+
+def _digits(value: float | None) -> float | None:
+    """Return six digits, more than a clock is worth."""
+    return None if value is None else float(f"{value:.6g}")
 
 
 def _draws() -> bool:

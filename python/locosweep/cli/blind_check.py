@@ -48,6 +48,7 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @click.option("--quiet", is_flag=True, help="Show no progress.")
 @options.threads_option
+@options.progress_option
 @options.json_option
 @click.pass_context
 def blind_check(

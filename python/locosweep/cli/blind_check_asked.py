@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
 
-    from locosweep.progress import Meter
+    from locosweep.progress import JsonLines, Meter
     from locosweep.validation.check import Outcome
 
 
@@ -44,7 +44,7 @@ class Asked:
 
         make_folder(check_folder(self.out, force=self.force))
 
-    def meter(self, doing: str) -> Meter | None:
+    def meter(self, doing: str) -> Meter | JsonLines | None:
         """Return the progress of one step, None where nobody looks at it."""
         return meter(doing, "cases", quiet=self.quiet)
 

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 @options.unit_option
 @options.csv_options
 @options.threads_option
+@options.progress_option
 @options.json_option
 @click.pass_context
 def diagnose(

@@ -59,6 +59,7 @@ _MOST_RIVALS = 4
 @click.option("plot_file", "--plot", type=options.PICTURE, help="Picture of the matrix.")
 @click.option("--quiet", is_flag=True, help="Show no progress.")
 @options.threads_option
+@options.progress_option
 @options.json_option
 @click.pass_context
 def distinguish(

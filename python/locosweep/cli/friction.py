@@ -41,6 +41,7 @@ def _labels(option: str, given: str | None) -> list[str]:
 @options.force_option
 @click.option("--quiet", is_flag=True, help="Print nothing but errors.")
 @options.threads_option
+@options.progress_option
 @options.json_option
 @click.pass_context
 def friction(

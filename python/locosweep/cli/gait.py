@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import called, show
+from locosweep.cli.options import called, meter, show
 from locosweep.errors import InputError, SolveError
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ _SPEED = "mean_velocity"
 @options.out_option("Folder for pictures and tables")
 @options.force_option
 @options.count_option("--samples", 1201, "Times at which the motion is kept.", least=2)
+@options.progress_option
 @options.json_option
 @click.pass_context
 def gait(ctx: click.Context, spec: Path, out: Path, force: bool, samples: int, json_: bool) -> None:
@@ -36,15 +37,21 @@ def gait(ctx: click.Context, spec: Path, out: Path, force: bool, samples: int, j
     summary.csv and trace.parquet.
     """
     from locosweep.files.folder import check_folder
+    from locosweep.progress import Steps
     from locosweep.specs.gait import GaitSpec
 
     given = GaitSpec.load(spec)
     check_folder(out, force=force)
+    bar = meter("gait", "steps")
+    step = Steps(bar, ["simulating", "drawing"])
+    step("simulating")
     try:
         run = given.run(samples=samples)
     except (InputError, SolveError) as error:
         raise type(error)(f"{spec}: {error}") from None
+    step("drawing")
     files = _write(ctx, spec, run, out)
+    step.end()
     summary = _summary(run)
     beside = _closed_form(run)
     record = {"files": files, "summary": summary, **run.results}

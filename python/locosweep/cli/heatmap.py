@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import fixed, on_terminal, save_picture, show, summary
+from locosweep.cli.options import fixed, meter, save_picture, show, summary
 from locosweep.cli.simulation_options import refuse_idle, simulation_options
 
 if TYPE_CHECKING:
@@ -53,6 +53,7 @@ if TYPE_CHECKING:
 )
 @click.option("--data", type=options.TABLE, help="Also write the numbers.")
 @options.threads_option
+@options.progress_option
 @options.json_option
 @click.pass_context
 def heatmap(
@@ -85,7 +86,7 @@ def heatmap(
     refuse_idle(dict(axes), [quantity], simulation)
     values = fixed(robot, settings, dict(axes))
     spec = Spec((quantity,), axes, values, over, reduce, simulation=simulation)
-    result = spec.run(threads=threads, progress=on_terminal())
+    result = spec.run(threads=threads, progress=meter(quantity))
     figure = _heatmap(result, x[0], y[0], robot, best)
     if data is not None:
         result.save(data)

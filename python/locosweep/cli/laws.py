@@ -33,6 +33,7 @@ _LAW = ("name", "kind", "formula", "parameters", "source", "limits", "meaning", 
 )
 @options.robot_option
 @options.set_option
+@options.progress_option
 @options.json_option
 @click.pass_context
 def laws(

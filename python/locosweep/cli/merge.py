@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from locosweep.cli.options import FILE, json_option, meter, show
+from locosweep.cli.options import FILE, json_option, meter, progress_option, show
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     "--out", required=True, metavar="FOLDER/", type=str,
     help="A new folder, or one of the same sweep, which gets what it lacks.",
 )  # fmt: skip
+@progress_option
 @json_option
 def merge(runs: tuple[Path, ...], out: str, json_: bool) -> None:
     """Copy the finished chunks of run folders of one sweep into one.

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from locosweep.progress import Meter
+    from locosweep.progress import JsonLines, Meter
     from locosweep.result import Result
     from locosweep.specs.span import Span
 
@@ -269,6 +269,19 @@ force_option = click.option("--force", is_flag=True, help="Write into a folder t
 threads_option = click.option(
     "--threads", metavar="N", type=click.IntRange(min=1), help="Threads; default all processors."
 )
+_PROGRESS = "locosweep.progress"
+"""What `--progress` says, in the context of the command."""
+
+
+def _take_progress(ctx: click.Context, _: click.Parameter, given: str) -> None:
+    ctx.meta[_PROGRESS] = given
+
+
+progress_option = click.option(
+    "--progress", type=click.Choice(["auto", "json", "none"]), default="auto", show_default=True,
+    expose_value=False, callback=_take_progress,
+    help="Progress on standard error: as people see it, as lines of JSON, or none.",
+)  # fmt: skip
 json_option = click.option("--json", "json_", is_flag=True, help="Print JSON.")
 
 
@@ -352,19 +365,19 @@ def fixed(
 
 def meter(
     label: str, unit: str = "evaluations", *, quiet: bool = False, log: bool = False
-) -> Meter | None:
-    """Return a bar for a terminal, None where nobody looks at one.
+) -> Meter | JsonLines | None:
+    """Return a bar for a terminal, None where nobody looks at one; what `--progress` says counts.
 
     With `log`, lines stand in for it elsewhere: for commands that take minutes.
     """
-    from locosweep.progress import Meter
+    from locosweep.progress import JsonLines, Meter
 
-    return Meter(label, unit) if (log or on_terminal()) and not quiet else None
-
-
-def on_terminal() -> bool:
-    """Return whether progress is shown."""
-    return sys.stderr.isatty()
+    context = click.get_current_context(silent=True)
+    wanted = "auto" if context is None else context.meta.get(_PROGRESS, "auto")
+    if wanted == "json":
+        return JsonLines(label, unit)
+    shown = (log or sys.stderr.isatty()) and not quiet and wanted != "none"
+    return Meter(label, unit) if shown else None
 
 
 def summary(result: Result) -> dict[str, object]:

@@ -6,7 +6,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from locosweep.cli.options import json_option, meter, out_option, robot_option, show
+from locosweep.cli.options import (
+    json_option,
+    meter,
+    out_option,
+    progress_option,
+    robot_option,
+    show,
+)
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -16,6 +23,7 @@ if TYPE_CHECKING:
 @click.argument("figures", default="all", metavar="[2|3|4|5|7|8|9|10|11|12|13|all|gap]")
 @out_option("Folder for pictures and tables")
 @robot_option
+@progress_option
 @json_option
 def reproduce(figures: str, out: Path, robot: Path | None, json_: bool) -> None:
     """Draw the paper's figures and check the numbers it states.

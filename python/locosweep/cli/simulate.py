@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import called, fixed, on_terminal, show, values_of
+from locosweep.cli.options import called, fixed, meter, show, values_of
 from locosweep.cli.simulate_runs import replay
 from locosweep.cli.simulation_options import refuse_beside, refuse_idle, simulation_options
 from locosweep.errors import InputError, SolveError
@@ -62,6 +62,7 @@ _MOST_CURVES = 8
 @options.unit_option
 @options.csv_options
 @options.threads_option
+@options.progress_option
 @options.json_option
 @click.pass_context
 def simulate(
@@ -130,7 +131,7 @@ def simulate(
         **simulation.options(),
         samples=samples,
         threads=threads,
-        progress=on_terminal(),
+        progress=meter("simulate", "trajectories"),
     )
     open_share = _open_share(run, simulation, threads)
     about = _summary(run)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import on_terminal, show, summary
+from locosweep.cli.options import meter, show, summary
 from locosweep.cli.run_options import QUANTITY_OR_SPEC, SHARD, TABLE_OR_RUN
 from locosweep.cli.sweep_options import sweep_options
 from locosweep.errors import InputError
@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     help="Resume a folder although this version computes other bits.",
 )  # fmt: skip
 @options.threads_option
+@options.progress_option
 @options.json_option
 def sweep(
     quantities: tuple[str, ...],
@@ -75,15 +76,16 @@ def sweep(
         check_file_name(save_spec)
         # Refused now rather than when the file is run.
         spec.grid()
+    bar = meter(", ".join(spec.quantities))
     if isinstance(out, str):
         with cluster(dask) as client:
             run = spec.run(
-                out=out, threads=threads, progress=on_terminal(), shard=shard, chunk=chunk,
+                out=out, threads=threads, progress=bar, shard=shard, chunk=chunk,
                 allow_drift=allow_drift, client=client,
             )  # fmt: skip
         report |= {"file": run.folder, **run.summary()}
     elif out is not None:
-        result = spec.run(threads=threads, progress=on_terminal())
+        result = spec.run(threads=threads, progress=bar)
         result.save(out)
         report |= {"file": out, **summary(result)}
     if save_spec is not None:

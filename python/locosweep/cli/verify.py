@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from locosweep.cli.options import json_option, meter, show, threads_option
+from locosweep.cli.options import json_option, meter, progress_option, show, threads_option
 from locosweep.cli.run_options import run_argument
 
 if TYPE_CHECKING:
@@ -20,6 +20,7 @@ _DAMAGED = 1
 @run_argument
 @click.option("--repair", "mend", is_flag=True, help="Compute damaged chunks again.")
 @threads_option
+@progress_option
 @json_option
 @click.pass_context
 def verify(ctx: click.Context, run: Path, mend: bool, threads: int | None, json_: bool) -> None:

@@ -13,12 +13,14 @@ from locosweep.files.folder import filling
 from locosweep.registry import Status
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
     from pathlib import Path
 
     import polars as pl
 
     from locosweep.run_folder.run import Run
+
+    Told = Callable[[int, int, float], object]
 
 _ROWS = 1 << 20
 """Rows of a part: 50 to 100 MB with a few axes and outputs."""
@@ -41,23 +43,33 @@ def _status_name(run: Run, output: str) -> str:
     return "status" if len(run.outputs) == 1 else f"{output}_status"
 
 
-def frames(run: Run, wanted: list[str] | None = None) -> Iterator[pl.DataFrame]:
-    """Yield the rows of finished chunks, a million at a time; each file is read once."""
+def frames(
+    run: Run, wanted: list[str] | None = None, told: Told | None = None
+) -> Iterator[pl.DataFrame]:
+    """Yield the rows of finished chunks, a million at a time; each file is read once.
+
+    `told` receives the chunks that are read, and all.
+    """
     plan = run.manifest.plan
     names = list(columns(run)) if wanted is None else wanted
     for chunk in range(plan.count):
-        if run.allow_missing and chunk not in run.state.done:
-            continue
-        cells = plan.slices(chunk)
-        blocks = {}
-        for output in run.outputs:
-            label = _status_name(run, output.name)
-            for name, path in ((output.name, output.name), (label, f"{output.name}_status")):
-                if name in names:
-                    blocks[name] = np.asarray(run.array(path)[cells])
-        axes = [axis[part] for axis, part in zip(run.axes.values(), cells, strict=True)]
-        for part in _split(tuple(slice(0, len(axis)) for axis in axes)):
-            yield _frame(run, axes, blocks, part, names)
+        if not run.allow_missing or chunk in run.state.done:
+            yield from _rows(run, chunk, names)
+        if told is not None:
+            told(chunk + 1, plan.count, 0.0)
+
+
+def _rows(run: Run, chunk: int, names: list[str]) -> Iterator[pl.DataFrame]:
+    cells = run.manifest.plan.slices(chunk)
+    blocks = {}
+    for output in run.outputs:
+        label = _status_name(run, output.name)
+        for name, path in ((output.name, output.name), (label, f"{output.name}_status")):
+            if name in names:
+                blocks[name] = np.asarray(run.array(path)[cells])
+    axes = [axis[part] for axis, part in zip(run.axes.values(), cells, strict=True)]
+    for part in _split(tuple(slice(0, len(axis)) for axis in axes)):
+        yield _frame(run, axes, blocks, part, names)
 
 
 def _frame(
@@ -97,10 +109,13 @@ def _split(cells: tuple[slice, ...]) -> Iterator[tuple[slice, ...]]:
         yield from _split((*cells[:axis], part, *cells[axis + 1 :]))
 
 
-def scan(run: Run, faults: list[LocosweepError] | None = None) -> pl.LazyFrame:
+def scan(
+    run: Run, faults: list[LocosweepError] | None = None, told: Told | None = None
+) -> pl.LazyFrame:
     """Return a LazyFrame that reads the chunks of a run as a query takes them.
 
-    `faults` gets what goes wrong on reading, which Polars wraps into an error of its own.
+    `faults` gets what goes wrong on reading, which Polars wraps into an error of its own; `told`
+    as in `frames`.
     """
     from polars.io.plugins import register_io_source
 
@@ -116,7 +131,7 @@ def scan(run: Run, faults: list[LocosweepError] | None = None) -> pl.LazyFrame:
         del batch_size
         left = n_rows
         try:
-            for rows in frames(run, with_columns):
+            for rows in frames(run, with_columns, told):
                 if left is not None and left <= 0:
                     return
                 found = rows if left is None else rows.head(left)
@@ -131,15 +146,16 @@ def scan(run: Run, faults: list[LocosweepError] | None = None) -> pl.LazyFrame:
     return register_io_source(read, schema=columns(run))
 
 
-def export(run: Run, out: Path) -> int:
+def export(run: Run, out: Path, progress: Told | None = None) -> int:
     """Write the table as Parquet: one file, or a folder of files; return how many.
 
-    A file name ends in ``.parquet``. A folder appears as a whole.
+    A file name ends in ``.parquet``. A folder appears as a whole. `progress` receives the chunks
+    that are read, and all, and 0.
     """
     _ = run.store
     if out.suffix.lower() == ".parquet":
         with replacing(out) as temporary:
-            _sink(run, temporary, out)
+            _sink(run, temporary, out, progress)
         return 1
     if out.suffix:
         raise InputError(f"{out} ends in {out.suffix}: allowed are .parquet, and a folder")
@@ -147,17 +163,17 @@ def export(run: Run, out: Path) -> int:
         raise InputError(f"{out} is not empty: allowed is a new folder, or an empty one")
     count = 0
     with filling(out, []) as folder:
-        for count, rows in enumerate(frames(run), 1):
+        for count, rows in enumerate(frames(run, told=progress), 1):
             write_frame(folder / f"part-{count - 1:06d}.parquet", rows, csv=False)
     return count
 
 
-def _sink(run: Run, path: Path, name: Path) -> None:
+def _sink(run: Run, path: Path, name: Path, told: Told | None) -> None:
     """Write all rows as they are read."""
     import polars as pl
 
     faults: list[LocosweepError] = []
     try:
-        scan(run, faults).sink_parquet(path)
+        scan(run, faults, told).sink_parquet(path)
     except (pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
         raise (faults or [InputError(f"{name}: cannot write: {error}")])[0] from None

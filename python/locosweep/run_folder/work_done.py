@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
-from locosweep.progress import Meter
+from locosweep.progress import Meter, progress_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -33,8 +33,9 @@ class WorkDone:
         self._total = sum(plan.cells(chunk) for chunk in missing) * self._per_cell
         self._done = self._seen = self._without = 0
         self._begin = time.perf_counter()
-        self._meter = Meter(", ".join(cells.request.quantities)) if shown is True else None
-        self._call = self._meter or (shown if callable(shown) else None)
+        self._call = progress_of(shown, ", ".join(cells.request.quantities))
+        self._meter = self._call if isinstance(self._call, Meter) else None
+        self._fail = None if self._meter else getattr(self._call, "fail", None)
         self.within: Callable[[int, int, float], object] | None = None
         if self._call is not None:
             self.within = self._within
@@ -48,10 +49,12 @@ class WorkDone:
         """Count a chunk that was computed, with the cells of its first output without a value."""
         cells = self._plan.cells(chunk)
         self._done = min(self._done + cells * self._per_cell, self._total)
+        self._seen += cells
+        self._without += without
         if self._meter is not None:
-            self._seen += cells
-            self._without += without
             self._meter.note(f"{self._without / self._seen:.1%} without a value")
+        elif self._fail is not None:
+            self._fail(self._without)
         self._show(0)
 
     def _show(self, within: int) -> None:
