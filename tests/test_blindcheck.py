@@ -366,15 +366,17 @@ def test_a_small_check_from_end_to_end(tmp_path: Path, capsys: pytest.CaptureFix
         "case_0000", "case_0001", "case_0002", "free_0000", "free_0001",
     ]  # fmt: skip
     assert not any(case["error"] for case in found["cases"])
-    assert main(given) == 2
-    assert "--force" in capsys.readouterr().err
     # What is there of the same code is kept, and says the same.
     kept = {path: path.stat().st_mtime_ns for path in out.rglob("outcome.json")}
     assert len(kept) == 5
-    assert main([*given, "--force", "--quiet"]) == 0
+    assert main([*given, "--quiet"]) == 0
     assert capsys.readouterr().err == ""
     assert {path: path.stat().st_mtime_ns for path in out.rglob("outcome.json")} == kept
     assert json.loads((out / "metrics.json").read_text())["figures"] == found["figures"]
+    assert main([*given, "--seed", "12"]) == 2
+    assert capsys.readouterr().err == (
+        f"locosweep: {out} was begun with seed 11, here it is 12: name another folder\n"
+    )
 
 
 def test_nothing_to_draw_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

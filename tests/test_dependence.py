@@ -45,7 +45,7 @@ PYTHON_ORDER = [
     {"simulation"},
     {"specs"},
     {"run_folder"},
-    {"virtual_grid"},
+    {"virtual_grid", "kept_work"},
     {"plot"},
     {"diagnosis.data"},
     {"diagnosis.effects"},
@@ -54,7 +54,7 @@ PYTHON_ORDER = [
     {"diagnosis.report"},
     {"diagnosis.design"},
     {"diagnosis.pipeline", "diagnosis.screening"},
-    {"friction_fit", "intake", "validation"},
+    {"diagnosis.batch", "friction_fit", "intake", "validation"},
     {"paper"},
     {"cli"},
 ]

@@ -11,6 +11,7 @@ from locosweep.cli.blind_check_asked import Asked
 from locosweep.cli.blind_check_rig import RigCheck, check_rig, refuse_mixture, rig_options
 from locosweep.cli.blind_check_strata import StratumCheck, check_stratum
 from locosweep.cli.options import called
+from locosweep.cli.run_options import SHARD, without_shard
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -43,8 +44,13 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @click.option("--draw-only", is_flag=True, help="Draw and seal the cases, diagnose nothing.")
 @click.option(
+    "--shard", type=SHARD,
+    help="Take every N-th case first, from the I-th on, then what others have not done.",
+)  # fmt: skip
+@click.option(
     "--force", is_flag=True,
-    help="Write into a folder that is not empty; what is there of the same code is kept.",
+    help="Begin in a folder that is not empty. The same check goes on without it: what is there "
+    "of the same code is kept.",
 )  # fmt: skip
 @click.option("--quiet", is_flag=True, help="Show no progress.")
 @options.threads_option
@@ -66,6 +72,7 @@ def blind_check(
     out: Path,
     experiments: int,
     draw_only: bool,
+    shard: tuple[int, int] | None,
     force: bool,
     quiet: bool,
     threads: int | None,
@@ -87,7 +94,8 @@ def blind_check(
     from locosweep.validation.tables import as_json, as_text, wrong_cases
 
     refuse_mixture(ctx)
-    asked = Asked(seed, out, draw_only, force, quiet, threads, json_, called(ctx))
+    command = without_shard(called(ctx))
+    asked = Asked(seed, out, draw_only, force, quiet, threads, json_, command, shard)
     if rig is not None:
         check_rig(asked, RigCheck(rig, nominal, calibrate, labels, sizes))
         return
@@ -97,10 +105,10 @@ def blind_check(
         return
     if cases + gap_free == 0:
         raise InputError("--cases and --gap-free are both 0: allowed is at least one case")
-    asked.make_folder()
+    asked.make_folder(only=None)
     names = draw_cases(
         out, cases, seed, gap_free=gap_free, processes=asked.processes,
-        progress=asked.meter("drawing"),
+        progress=asked.meter("drawing"), shard=asked.shard,
     )  # fmt: skip
     outcomes = asked.diagnosed(names)
     if outcomes is None:

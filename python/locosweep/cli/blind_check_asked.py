@@ -30,6 +30,7 @@ class Asked:
     threads: int | None
     json_: bool
     command: str
+    shard: tuple[int, int] | None = None
 
     @cached_property
     def processes(self) -> int:
@@ -38,11 +39,13 @@ class Asked:
 
         return _core.threads_to_use(self.threads)
 
-    def make_folder(self) -> None:
-        """Make the folder of the check, or refuse it."""
-        from locosweep.files.folder import check_folder, make_folder
+    def make_folder(self, **cases: object) -> None:
+        """Make the folder of the check, or go on in one with the same seed and kind of cases."""
+        from locosweep.kept_work.begun import begin
+        from locosweep.kept_work.staged import sweep_staged
 
-        make_folder(check_folder(self.out, force=self.force))
+        begin(self.out, {"seed": self.seed, **cases}, force=self.force)
+        sweep_staged(self.out / "diagnoses")
 
     def meter(self, doing: str) -> Meter | JsonLines | None:
         """Return the progress of one step, None where nobody looks at it."""
@@ -62,7 +65,7 @@ class Asked:
             return None
         return diagnose_cases(
             self.out, names, seed=self.seed, processes=self.processes,
-            progress=self.meter("diagnosing"),
+            progress=self.meter("diagnosing"), shard=self.shard,
         )  # fmt: skip
 
     @property
@@ -94,6 +97,6 @@ class Asked:
 
     @property
     def _sealed(self) -> str:
-        from locosweep.validation.records import digest
+        from locosweep.kept_work.records import digest
 
         return digest(self._seal)

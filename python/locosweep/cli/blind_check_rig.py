@@ -89,18 +89,19 @@ def check_rig(asked: Asked, wanted: RigCheck) -> None:
     if not sizes or min(sizes) <= 1.0:
         raise InputError(f"--sizes is {wanted.sizes}: allowed are numbers above 1")
     labels = [label for label in wanted.labels.split(",") if label]
-    asked.make_folder()
+    asked.make_folder(only="rig", runs=sorted(labels), sizes=sizes)
     nominal = _nominal(asked, wanted, wanted.nominal, labels)
     names, skipped = draw_semi_real(
         wanted.runs, nominal, asked.out, chosen=labels, sizes=sizes, seed=asked.seed,
-        processes=asked.processes, progress=asked.meter("drawing"),
+        processes=asked.processes, progress=asked.meter("drawing"), shard=asked.shard,
     )  # fmt: skip
     outcomes = asked.diagnosed(names, skipped=skipped)
     if outcomes is None:
         return
     plainly = baselines(
-        asked.out, names, processes=asked.processes, progress=asked.meter("baseline")
-    )
+        asked.out, names, processes=asked.processes, progress=asked.meter("baseline"),
+        shard=asked.shard,
+    )  # fmt: skip
     judged = judge_semi_real(asked.out, outcomes, plainly)
     asked.write(as_json(judged, skipped, asked.about), as_text(judged, skipped))
 
@@ -113,8 +114,8 @@ def _nominal(asked: Asked, wanted: RigCheck, given: Path, labels: list[str]) -> 
     from locosweep.errors import InputError
     from locosweep.files.robot import load_robot
     from locosweep.files.runs import load_runs
+    from locosweep.kept_work.records import digest, keep, kept
     from locosweep.validation.calibration import calibrate
-    from locosweep.validation.records import digest, keep, kept
     from locosweep.validation.semi_files import rig_of
 
     there = [run.label for run in load_runs(wanted.runs)[0]]

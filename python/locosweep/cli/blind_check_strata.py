@@ -40,10 +40,11 @@ def check_stratum(asked: Asked, wanted: StratumCheck) -> None:
     if wanted.cases == 0:
         raise InputError("--cases is 0: allowed is at least one case")
     chosen_families(STRATA[name], wanted.families)
-    asked.make_folder()
+    asked.make_folder(only=name, families=sorted(wanted.families))
     names = draw_stratum(
         asked.out, STRATA[name], wanted.cases, asked.seed, families=wanted.families,
         processes=asked.processes, progress=asked.meter("drawing"),
+        shard=asked.shard,
     )  # fmt: skip
     outcomes = asked.diagnosed(names)
     if outcomes is None:

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from locosweep.cli import options
+from locosweep.cli.diagnose_batch import diagnose_list
 from locosweep.cli.options import called, meter, note, show
+from locosweep.cli.run_options import SHARD
 from locosweep.errors import InputError
 
 if TYPE_CHECKING:
@@ -17,8 +19,20 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@options.runs_argument
-@options.nominal_option
+@click.argument("runs", metavar="RUNS...", nargs=-1, type=options.FILE)
+@click.option(
+    "--nominal", metavar="NOMINAL.toml", type=options.FILE,
+    help="The model that the runs are held against.",
+)  # fmt: skip
+@click.option(
+    "--batch", metavar="LIST.csv", type=options.FILE,
+    help="Many rigs in place of RUNS and --nominal: a row each, with columns runs, nominal and, "
+    "where needed, name and options. The same command goes on where it ended.",
+)  # fmt: skip
+@click.option(
+    "--shard", type=SHARD,
+    help="Of a batch, take every N-th rig first, from the I-th on, then what others have not done.",
+)  # fmt: skip
 @options.out_option("Folder for the report")
 @click.option(
     "--holdout", multiple=True, metavar="RUN,...",
@@ -47,17 +61,16 @@ def diagnose(
     ctx: click.Context,
     /,
     runs: tuple[Path, ...],
-    nominal: Path,
+    nominal: Path | None,
+    batch: Path | None,
+    shard: tuple[int, int] | None,
     out: Path,
-    holdout: tuple[str, ...],
-    labels: tuple[str, ...],
-    max_effects: int,
-    seed: int,
     force: bool,
     quiet: bool,
     form: str,
+    threads: int | None,
     json_: bool,
-    **reading: Any,
+    **_: Any,
 ) -> None:
     """Say where measured RUNS leave their model, which effect causes it, how far it shrinks.
 
@@ -72,6 +85,19 @@ def diagnose(
     """
     if form == "md" and json_:
         raise InputError("--json is given beside --format md: allowed is one of them")
+    if batch is not None:
+        if runs or nominal is not None:
+            raise InputError("--batch is given beside RUNS or --nominal: allowed is either")
+        if form == "md":
+            raise InputError("--format md is given beside --batch: each rig's folder has report.md")
+        diagnose_list(ctx, batch, _options_of)
+        return
+    if shard is not None:
+        raise InputError("--shard: allowed only with --batch")
+    if not runs:
+        raise click.UsageError("Missing argument 'RUNS...'.", ctx)
+    if nominal is None:
+        raise click.UsageError("Missing option '--nominal'.", ctx)
     from locosweep.files.folder import check_folder
 
     check_folder(out, force=force)
@@ -80,14 +106,7 @@ def diagnose(
 
     bar = meter("locosweep: diagnose", "steps", quiet=quiet, log=True)
     found = diagnose_runs(
-        options.one_or_all(runs),
-        nominal,
-        holdout=_split(holdout),
-        labels=_split(labels),
-        max_effects=max_effects,
-        seed=seed,
-        **reading,
-        progress=bar,
+        options.one_or_all(runs), nominal, **_options_of(ctx), threads=threads, progress=bar
     )
     if bar is not None:
         bar.say("writing the report")
@@ -102,6 +121,16 @@ def diagnose(
         return
     more = () if quiet else (advice(found.report) or None, out / "report.html")
     show(json_, {"verdict": found.report["verdict"], "out": out}, *_verdict(found), *more)
+
+
+def _options_of(ctx: click.Context) -> dict[str, Any]:
+    """Return the options of `locosweep.diagnose` that a command was given."""
+    same = ("max_effects", "seed", "columns", "units", "separator", "decimal")
+    return {
+        "holdout": _split(ctx.params["holdout"]),
+        "labels": _split(ctx.params["labels"]),
+        **{name: ctx.params[name] for name in same},
+    }
 
 
 def _split(given: tuple[str, ...]) -> list[str] | None:

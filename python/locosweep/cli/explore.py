@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import called, on_terminal, show
+from locosweep.cli.options import called, meter, show
 from locosweep.cli.run_options import SHOWN, is_result, is_run
 from locosweep.cli.sweep_options import refuse_options, sweep_options
 from locosweep.errors import InputError
@@ -81,5 +81,5 @@ def _computed(spec: Spec, threads: int | None, command: str) -> Explorer:
     some = shown_of(full, len(spec.quantities) * max(1, len(spec.reduce)))
     axes = tuple((name, tuple(some[name].tolist()) if name in some else values)
                  for name, values in spec.axes)  # fmt: skip
-    result = replace(spec, axes=axes).run(threads=threads, progress=on_terminal())
+    result = replace(spec, axes=axes).run(threads=threads, progress=meter("explore", "points"))
     return explorer(result, command=command, full=full)

@@ -274,7 +274,9 @@ _PROGRESS = "locosweep.progress"
 
 
 def _take_progress(ctx: click.Context, _: click.Parameter, given: str) -> None:
-    ctx.meta[_PROGRESS] = given
+    # Commands that others are made of have a context of their own and share this.
+    if ctx.get_parameter_source("progress") is not click.core.ParameterSource.DEFAULT:
+        ctx.meta[_PROGRESS] = given
 
 
 progress_option = click.option(

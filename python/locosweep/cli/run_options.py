@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -88,3 +89,20 @@ SHOWN = _Shown()
 TABLE_OR_RUN = _FolderOrTable()
 SHARD = _Shard()
 run_argument = click.argument("run", metavar="RUN/", type=options.FILE)
+
+
+def without_shard(command: str) -> str:
+    """Return a command as it says what a folder holds, whichever process filled it.
+
+    Examples
+    --------
+    >>> from locosweep.cli.run_options import without_shard
+    >>> without_shard("locosweep blind-check --shard 1/4 --out 'a b'")
+    "locosweep blind-check --out 'a b'"
+    """
+    words = shlex.split(command)
+    found = [
+        word for before, word in zip(["", *words], words, strict=False)
+        if "--shard" not in (before, word) and not word.startswith("--shard=")
+    ]  # fmt: skip
+    return shlex.join(found)

@@ -6,6 +6,7 @@ import contextlib
 import os
 import re
 import secrets
+import shutil
 import socket
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -32,7 +33,7 @@ def write_file(
     path: Path, parts: Sequence[bytes | memoryview], stop: Callable[[], bool] | None = None
 ) -> None:
     """Write a file beside its name, bring it to the disk and rename it; the folder is not yet."""
-    partial = _partial(path)
+    partial = beside(path)
     with _refusing(path, parts):
         try:
             step("write")
@@ -45,7 +46,8 @@ def write_file(
             raise
 
 
-def _partial(path: Path) -> Path:
+def beside(path: Path) -> Path:
+    """Return a name beside a path that tells who writes there, for `sweep_stale`."""
     return path.with_name(f"{path.name}.{host()}-{os.getpid()}-{secrets.token_hex(4)}.partial")
 
 
@@ -85,7 +87,7 @@ def _write(
 
 def write_first(path: Path, content: bytes) -> None:
     """Write a file that stays as the first of several writers at once left it."""
-    partial = _partial(path)
+    partial = beside(path)
     with _refusing(path, [content]):
         try:
             _write(partial, [content], None)
@@ -116,7 +118,7 @@ def sync_folders(folders: Iterable[Path]) -> None:
 
 
 def sweep_stale(folders: Iterable[Path]) -> int:
-    """Remove what dead writers of this machine left half-written; return how many files."""
+    """Remove what dead writers of this machine left half-written; return how many."""
     removed = 0
     for folder in folders:
         with contextlib.suppress(OSError), os.scandir(folder) as entries:
@@ -124,7 +126,10 @@ def sweep_stale(folders: Iterable[Path]) -> int:
                 found = _PARTIAL.search(entry.name)
                 if found and found["host"] == host() and not _is_alive(int(found["pid"])):
                     with contextlib.suppress(OSError):
-                        Path(entry.path).unlink()
+                        if entry.is_dir(follow_symlinks=False):
+                            shutil.rmtree(entry.path)
+                        else:
+                            Path(entry.path).unlink()
                         removed += 1
     return removed
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from locosweep.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from locosweep.run_folder.state import State
 
@@ -24,6 +24,33 @@ def check_shard(shard: tuple[int, int] | None) -> None:
     if not right:
         text = "/".join(map(str, shard)) if isinstance(shard, tuple) else repr(shard)
         raise InputError(f"shard is {text}: allowed is I/N with I from 0 to N - 1")
+
+
+def from_end(others: Sequence[int], shard: tuple[int, int]) -> list[int]:
+    """Turn what is of others, so that several shards that are done begin at different ones.
+
+    Examples
+    --------
+    >>> from locosweep.run_folder.shards import from_end
+    >>> from_end([9, 6, 3, 0], (1, 2))
+    [3, 0, 9, 6]
+    """
+    turn = len(others) * shard[0] // shard[1]
+    return [*others[turn:], *others[:turn]]
+
+
+def dealt(count: int, shard: tuple[int, int]) -> list[int]:
+    """Return all of so many in the order of one shard: its own, then others from the end.
+
+    Examples
+    --------
+    >>> from locosweep.run_folder.shards import dealt
+    >>> dealt(6, (1, 2))
+    [1, 3, 5, 2, 0, 4]
+    """
+    index, of = shard
+    others = [i for i in reversed(range(count)) if i % of != index]
+    return [*range(index, count, of), *from_end(others, shard)]
 
 
 class Order:
@@ -51,9 +78,7 @@ class Order:
                 mine.add(chunk)
                 yield chunk
         if self._of > 1:
-            others = self._rest(mine)
-            turn = len(others) * self._index // self._of
-            for chunk in others[turn:] + others[:turn]:
+            for chunk in from_end(self._rest(mine), (self._index, self._of)):
                 if not self._state.is_there(chunk):
                     mine.add(chunk)
                     yield chunk

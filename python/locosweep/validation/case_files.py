@@ -12,8 +12,8 @@ from locosweep.errors import DataFileError
 from locosweep.files import toml
 from locosweep.files.atomic import replacing
 from locosweep.files.channels import CHANNELS
+from locosweep.kept_work.records import digest
 from locosweep.validation.experiment import FINE, Experiment, World
-from locosweep.validation.records import digest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

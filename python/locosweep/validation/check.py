@@ -7,13 +7,14 @@ import time
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from locosweep.kept_work.processes import code_digest, over_processes
+from locosweep.kept_work.records import digest, keep, kept
+from locosweep.kept_work.staged import staged
 from locosweep.validation.bad_readings import BadJudged, judge_bad
 from locosweep.validation.case_files import SEAL, read_truth, runs_file
 from locosweep.validation.fresh_runs import fresh_reduction
 from locosweep.validation.judge import NAMING, Judged, judge
 from locosweep.validation.next_run import NextRun, carried_out
-from locosweep.validation.processes import code_digest, over_processes
-from locosweep.validation.records import digest, keep, kept
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -50,8 +51,11 @@ def _diagnose(folder: Path, into: Path, seed: int, code: str) -> Outcome:
     seconds = time.process_time() - begin
     if not error:
         made = [into / "report.json", into / "augmented.toml"]
-        made[0].write_text(json.dumps(found.report, allow_nan=False))
-        write_augmented(found.augmented, made[1], nominal.read_text())
+        with staged(into.parent) as place:
+            (place / into.name).mkdir()
+            report = json.dumps(found.report, allow_nan=False)
+            (place / into.name / made[0].name).write_text(report)
+            write_augmented(found.augmented, place / into.name / made[1].name, nominal.read_text())
     keep(record, key, made, seconds=seconds, error=error)
     return Outcome(folder.name, seconds, error)
 
@@ -63,13 +67,14 @@ def diagnose_cases(
     seed: int = 0,
     processes: int = 1,
     progress: Callable[[int, int], object] | None = None,
+    shard: tuple[int, int] | None = None,
 ) -> list[Outcome]:
     """Diagnose sealed cases; they must have been sealed before."""
     if not (out / SEAL).exists():
         raise FileNotFoundError(out / SEAL)
     code = code_digest("diagnosis", "files", "simulation", engine=True)
     calls = [(out / name, out / "diagnoses" / name, seed, code) for name in names]
-    return over_processes(_diagnose, calls, processes, progress)
+    return over_processes(_diagnose, calls, processes, progress, shard)
 
 
 def _judge(out: Path, outcome: Outcome) -> Judged:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from locosweep.kept_work.processes import code_digest, over_processes
+from locosweep.kept_work.records import keep, kept
+from locosweep.kept_work.staged import staged
 from locosweep.validation.case_files import case_name, files_of, seal, write_case
 from locosweep.validation.cases import draw_case
-from locosweep.validation.processes import code_digest, over_processes
-from locosweep.validation.records import keep, kept
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -21,7 +22,6 @@ _DRAWING = (
     "drives",
     "experiment",
     "laws",
-    "records",
     "rigs",
     "rivals",
     "sizes",
@@ -35,7 +35,8 @@ def _draw(seed: int, index: int, gap_free: bool, out: Path, code: str) -> str:
     key = {"seed": seed, "index": index, "gap_free": gap_free, "code": code}
     if kept(record, key) is None:
         case = draw_case(seed, index, gap_free=gap_free)
-        write_case(case, name, out, [seed, int(gap_free), index])
+        with staged(out, name, f"sealed/{name}") as place:
+            write_case(case, name, place, [seed, int(gap_free), index])
         keep(record, key, files_of(out, name))
     return name
 
@@ -55,11 +56,12 @@ def draw_cases(
     gap_free: int = 0,
     processes: int = 1,
     progress: Callable[[int, int], object] | None = None,
+    shard: tuple[int, int] | None = None,
 ) -> list[str]:
     """Draw cases into a folder and seal their truths; those that are there are kept."""
     wanted = [(i, False) for i in range(cases)] + [(i, True) for i in range(gap_free)]
     code = drawing_code()
     calls = [(seed, index, free, out, code) for index, free in wanted]
-    names = over_processes(_draw, calls, processes, progress)
+    names = over_processes(_draw, calls, processes, progress, shard)
     seal(out, names)
     return names

@@ -7,10 +7,10 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from locosweep.files.strict_json import plain
+from locosweep.kept_work.processes import code_digest, over_processes
+from locosweep.kept_work.records import digest, keep, kept
 from locosweep.validation.baseline import baseline
 from locosweep.validation.case_files import read_truth
-from locosweep.validation.processes import code_digest, over_processes
-from locosweep.validation.records import digest, keep, kept
 from locosweep.validation.semi_files import rig_of
 
 if TYPE_CHECKING:
@@ -100,11 +100,12 @@ def baselines(
     *,
     processes: int = 1,
     progress: Callable[[int, int], object] | None = None,
+    shard: tuple[int, int] | None = None,
 ) -> list[dict[str, Any]]:
     """Ask the plain baseline about each case; answers of the same code are kept."""
     code = code_digest("validation/baseline.py", "validation/rig_problem.py", engine=False)
     calls = [(out / name, out / "baselines" / f"{name}.json", code) for name in names]
-    return over_processes(_baseline, calls, processes, progress)
+    return over_processes(_baseline, calls, processes, progress, shard)
 
 
 def first_cause(verdict: dict[str, Any]) -> tuple[tuple[str, ...], float | None, float | None]:

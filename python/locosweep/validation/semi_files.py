@@ -10,10 +10,11 @@ from locosweep.diagnosis.report.model_file import write_augmented
 from locosweep.files.robot import load_robot
 from locosweep.files.runs import load_runs
 from locosweep.files.strict_json import plain
+from locosweep.kept_work.processes import code_digest, over_processes
+from locosweep.kept_work.records import digest, keep, kept
+from locosweep.kept_work.staged import staged
 from locosweep.validation.case_files import seal
 from locosweep.validation.planting import NotPlantable, Rig
-from locosweep.validation.processes import code_digest, over_processes
-from locosweep.validation.records import digest, keep, kept
 from locosweep.validation.semi_real import Source, controls, draw, names_of
 
 if TYPE_CHECKING:
@@ -55,6 +56,11 @@ def _write(case: Case, name: str, out: Path) -> list[Path]:
     return [open_ / "runs.parquet", open_ / "nominal.toml", sealed / "truth.json"]
 
 
+def _staged(case: Case, name: str, out: Path) -> list[Path]:
+    with staged(out, name, f"sealed/{name}") as place:
+        return [out / path.relative_to(place) for path in _write(case, name, place)]
+
+
 def _draw(
     files: tuple[Path, Path], chosen: tuple[str, ...], name: str, size: float, seed: int,
     out: Path, key: str,
@@ -69,7 +75,7 @@ def _draw(
     try:
         # The same parameters at every size: only the strength differs.
         case = draw(source, name, size, [seed, names_of(source.rig).index(name)])
-        made = _write(case, folder, out)
+        made = _staged(case, folder, out)
     except NotPlantable as why:
         reason = str(why)
         # Another version may have drawn it.
@@ -96,6 +102,7 @@ def draw_semi_real(
     seed: int = 0,
     processes: int = 1,
     progress: Callable[[int, int], object] | None = None,
+    shard: tuple[int, int] | None = None,
 ) -> tuple[list[str], dict[str, str]]:
     """Draw and seal cases of a rig: each effect at each size, and controls.
 
@@ -109,6 +116,8 @@ def draw_semi_real(
         Labels of the runs that are taken; all if empty.
     sizes : sequence of float
         Wanted errors, in that of the calibrated model.
+    shard : (int, int), optional
+        Which cases come first, as in `over_processes`.
 
     Returns
     -------
@@ -125,10 +134,10 @@ def draw_semi_real(
         for name in names_of(rig)
         for size in sizes
     ]
-    drawn = over_processes(_draw, calls, processes, progress)
+    drawn = over_processes(_draw, calls, processes, progress, shard)
     names = [folder for folder, reason in drawn if not reason]
     for i, case in enumerate(controls(Source(rig))):
         names.append(f"control_{i}")
-        _write(case, names[-1], out)
+        _staged(case, names[-1], out)
     seal(out, names, ("truth.json",))
     return names, {folder: reason for folder, reason in drawn if reason}

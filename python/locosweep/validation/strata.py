@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.errors import InputError
+from locosweep.kept_work.processes import over_processes
+from locosweep.kept_work.records import keep, kept
+from locosweep.kept_work.staged import staged
 from locosweep.validation.bad_readings import write_bad
 from locosweep.validation.case_files import files_of, seal, write_case
 from locosweep.validation.cases import Wanted, draw_wanted
 from locosweep.validation.draw import drawing_code
 from locosweep.validation.laws import KEPT_OUT, OUTSIDE
-from locosweep.validation.processes import over_processes
-from locosweep.validation.records import keep, kept
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -86,6 +87,7 @@ def draw_stratum(
     families: Sequence[str] = (),
     processes: int = 1,
     progress: Callable[[int, int], object] | None = None,
+    shard: tuple[int, int] | None = None,
 ) -> list[str]:
     """Draw cases of a stratum into a folder and seal their truths; those there are kept.
 
@@ -103,6 +105,8 @@ def draw_stratum(
         Processes that draw.
     progress : callable, optional
         Called with the cases that are done, and all.
+    shard : (int, int), optional
+        Which cases come first, as in `over_processes`.
 
     Returns
     -------
@@ -112,7 +116,7 @@ def draw_stratum(
     code = drawing_code()
     chosen = chosen_families(stratum, families)
     calls = [(stratum.name, seed, index, chosen, out, code) for index in range(cases)]
-    names = over_processes(_draw, calls, processes, progress)
+    names = over_processes(_draw, calls, processes, progress, shard)
     seal(out, names)
     return names
 
@@ -126,12 +130,13 @@ def _draw(name: str, seed: int, index: int, families: tuple[str, ...], out: Path
     key = {"stratum": name, "seed": seed, "index": index, "families": [*families], "code": code}
     if kept(record, key) is not None:
         return folder
-    if stratum.wanted is None:
-        write_bad(out, seed, index)
-    else:
-        wanted = replace(stratum.wanted, families=families)
-        numbers = [seed, stratum.number, index]
-        case = draw_wanted(np.random.default_rng(numbers), wanted, f"{name} {index} of {seed}")
-        write_case(case, folder, out, numbers)
+    with staged(out, folder, f"sealed/{folder}") as place:
+        if stratum.wanted is None:
+            write_bad(place, seed, index)
+        else:
+            wanted = replace(stratum.wanted, families=families)
+            numbers = [seed, stratum.number, index]
+            case = draw_wanted(np.random.default_rng(numbers), wanted, f"{name} {index} of {seed}")
+            write_case(case, folder, place, numbers)
     keep(record, key, files_of(out, folder))
     return folder

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from locosweep.kept_work.records import keep, kept
 from locosweep.validation.draw import draw_cases
-from locosweep.validation.records import keep, kept
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from locosweep import _core
+from locosweep.run_folder.shards import dealt
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -66,11 +67,28 @@ def over_processes(
     calls: Sequence[tuple[Any, ...]],
     processes: int,
     progress: Callable[[int, int], object] | None = None,
+    shard: tuple[int, int] | None = None,
+    each: Callable[[int, _Found], object] | None = None,
 ) -> list[_Found]:
     """Call a function with each tuple of arguments; return the results in their order.
 
     Processes end at once with Ctrl-C, an error in one of them, or the process that asked,
     however that ended.
+
+    Parameters
+    ----------
+    function : callable
+        Of a module. With a shard it returns at once what another process has done and kept.
+    calls : sequence of tuple
+        Arguments of each call.
+    processes : int
+        How many there are.
+    progress : callable, optional
+        Receives how many calls are done, and all.
+    shard : (int, int), optional
+        (i, n): every n-th call from the i-th on comes first, then the others from the end.
+    each : callable, optional
+        Receives number and result of each call as it ends.
     """
     # One thread each: as many processes as threads were asked for.
     names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "POLARS_MAX_THREADS")
@@ -82,16 +100,18 @@ def over_processes(
         initializer=_begin,
     )  # fmt: skip
     try:
-        waiting = [pool.submit(function, *arguments) for arguments in calls]
-        left, done = set(waiting), 0
+        order = dealt(len(calls), shard or (0, 1))
+        given = {pool.submit(function, *calls[i]): i for i in order}
+        left, found = set(given), dict[int, _Found]()
         while left:
             # A signal that another thread receives does not wake this one, which handles it.
             ended, left = wait(left, timeout=_PAUSE, return_when=FIRST_COMPLETED)
             for future in ended:
-                future.result()
-                done += 1
+                found[given[future]] = future.result()
+                if each is not None:
+                    each(given[future], found[given[future]])
                 if progress is not None:
-                    progress(done, len(waiting))
+                    progress(len(found), len(given))
         pool.shutdown()
     except BaseException:
         # Their work is written whole or not at all, so it may be cut.
@@ -106,4 +126,4 @@ def over_processes(
                 os.environ.pop(name, None)
             else:
                 os.environ[name] = value
-    return [future.result() for future in waiting]
+    return [found[i] for i in range(len(calls))]

@@ -11,7 +11,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from locosweep.files.atomic import write_text
+from locosweep.run_folder.commit import sync_folders, write_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -52,4 +52,7 @@ def keep(record: Path, key: object, files: Iterable[Path] = (), **said: object) 
     record.parent.mkdir(parents=True, exist_ok=True)
     made = {Path(os.path.relpath(path, record.parent)).as_posix(): digest(path) for path in files}
     whole = {"key": key, "files": made, **said}
-    write_text(record, json.dumps(whole, indent=1, allow_nan=False) + "\n")
+    text = json.dumps(whole, indent=1, allow_nan=False) + "\n"
+    # Brought to the disk, as hours of work may stand behind it.
+    write_file(record, [text.encode()])
+    sync_folders([record.parent])

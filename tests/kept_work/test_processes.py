@@ -7,7 +7,7 @@ import os
 
 import pytest
 
-from locosweep.validation.processes import code_digest, over_processes
+from locosweep.kept_work.processes import code_digest, over_processes
 
 
 def test_results_come_in_the_order_of_their_calls(monkeypatch: pytest.MonkeyPatch) -> None:

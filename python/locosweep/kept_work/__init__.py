@@ -1,0 +1,1 @@
+"""Work over processes and shards, with records, so that what was done is not done again."""
