@@ -62,6 +62,33 @@ def test_ctrl_c_while_the_command_is_imported_ends_it_in_one_line(tmp_path: Path
     assert (done.returncode, done.stdout, done.stderr) == (130, b"", b"locosweep: interrupted\n")
 
 
+@pytest.mark.usefixtures("ctrl_c")
+@pytest.mark.parametrize(("name", "code"), [("SIGTERM", 143), ("SIGHUP", 129), ("SIGINT", 130)])
+def test_an_end_that_is_lost_in_a_library_comes_again(name: str, code: int, tmp_path: Path) -> None:
+    """Raised while an object is given up, an exception is lost; cleaning up is not cut by it."""
+    script = (
+        "import click, os, signal, sys, time; from locosweep import cli\n"
+        "class Lost:\n"
+        f"    def __del__(self): os.kill(os.getpid(), signal.{name}); time.sleep(0.01)\n"
+        "@click.command()\n"
+        "def lose():\n"
+        "    sys.unraisablehook = lambda _: None\n"
+        "    try:\n"
+        "        lost = Lost(); del lost\n"
+        "        for _ in range(500): time.sleep(0.01)\n"
+        "        print('to the end')\n"
+        "    finally:\n"
+        "        time.sleep(0.3); print('cleaned up', flush=True)\n"
+        "cli.group.add_command(lose); sys.argv[1:] = ['lose']; sys.exit(cli.main())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, timeout=60,
+        check=False,
+    )  # fmt: skip
+    said = "locosweep: interrupted\n" if code == 130 else ""
+    assert (done.returncode, done.stdout, done.stderr) == (code, "cleaned up\n", said)
+
+
 def test_what_ignores_hanging_up_goes_on(tmp_path: Path) -> None:
     """As under nohup."""
     script = (

@@ -41,7 +41,7 @@ from locosweep.cli.registry_lists import (
 )
 from locosweep.cli.reproduce import reproduce
 from locosweep.cli.screen import screen
-from locosweep.cli.signals import INTERRUPTED, end_at_once, listen, pressed
+from locosweep.cli.signals import INTERRUPTED, end_at_once, listen, pressed, rest, terminated
 from locosweep.cli.simulate import simulate
 from locosweep.cli.status import status
 from locosweep.cli.sweep import sweep
@@ -92,6 +92,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = list(sys.argv[1:] if arguments is None else arguments)
     listen()
     try:
+        return _main(given, process=arguments is None)
+    finally:
+        rest()
+
+
+def _main(given: list[str], *, process: bool) -> int:
+    """Run the command; with `process`, this process ends with it."""
+    try:
         code = _run(given)
         sys.stdout.flush()
     except OSError as error:
@@ -100,9 +108,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if error.errno == errno.EPIPE:
             return 0
         return _fail(f"cannot write the output: {error.strerror or error}", _INPUT)
-    if arguments is None and code == INTERRUPTED:
+    if process and code == INTERRUPTED:
         end_at_once(code)
-    if arguments is None:
+    if process:
         # The process ends here: searching matplotlib for cycles takes 0.1 s.
         gc.freeze()
     return code
@@ -124,6 +132,7 @@ def _run(given: list[str]) -> int:
     except MemoryError:
         return _fail("not enough memory: reduce an axis, or use --dtype float32", _INPUT)
     except (KeyboardInterrupt, click.Abort, Cancelled):
+        rest()
         return _fail("interrupted", INTERRUPTED)
     except SolveError as error:
         return _fail(str(error), _INTERNAL)
@@ -132,6 +141,10 @@ def _run(given: list[str]) -> int:
     except Exception as error:
         if os.environ.get("LOCOSWEEP_DEBUG") == "1":
             raise
+        ended = terminated()
+        rest()
+        if ended is not None:
+            return ended
         if pressed():
             # Imports turn Ctrl-C into errors of their own.
             return _fail("interrupted", INTERRUPTED)

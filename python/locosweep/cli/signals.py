@@ -15,10 +15,20 @@ _IMPATIENT = 3
 """Presses of Ctrl-C that end the process without any cleaning up."""
 
 
+_LOOK = 0.05
+"""Seconds between looks at whether an end was heeded, of the quarter within which it has to be."""
+
+
 class _Presses:
     """Presses of Ctrl-C. A plain number: a lock that the main thread holds would wait for ever."""
 
     count = 0
+
+
+class _End:
+    """The exception that ends this process, once a signal asked for it."""
+
+    asked: BaseException | None = None
 
 
 def listen() -> None:
@@ -27,9 +37,12 @@ def listen() -> None:
     Signals that are ignored stay so: Ctrl-C in the background of a script, SIGHUP under nohup.
     """
     _Presses.count = 0
-    if threading.current_thread() is not threading.main_thread():
+    _End.asked = None
+    if not _is_main():
         return
     signal.signal(signal.SIGTERM, _terminate)
+    if hasattr(signal, "SIGALRM"):
+        signal.signal(signal.SIGALRM, _look)
     hung_up = getattr(signal, "SIGHUP", None)
     if hung_up is not None and signal.getsignal(hung_up) is not signal.SIG_IGN:
         signal.signal(hung_up, _terminate)
@@ -37,9 +50,25 @@ def listen() -> None:
         signal.signal(signal.SIGINT, _interrupt)
 
 
+def _is_main() -> bool:
+    return threading.current_thread() is threading.main_thread()
+
+
 def pressed() -> bool:
     """Return whether Ctrl-C was pressed since `listen`."""
     return _Presses.count > 0
+
+
+def terminated() -> int | None:
+    """Return the exit code of the signal that asked this process to end, None without one."""
+    return _End.asked.code if isinstance(_End.asked, SystemExit) else None  # type: ignore[return-value]
+
+
+def rest() -> None:
+    """Ask no more: the end is under way."""
+    _End.asked = None
+    if hasattr(signal, "setitimer") and _is_main():
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
 def end_at_once(code: int) -> NoReturn:
@@ -58,7 +87,7 @@ def end_at_once(code: int) -> NoReturn:
 def _interrupt(*_: Any) -> None:
     _Presses.count += 1
     if _Presses.count == 1:
-        raise KeyboardInterrupt
+        _end(KeyboardInterrupt())
     # What the first one began, removing temporary files, is not cut by a second.
     if _Presses.count >= _IMPATIENT:
         os._exit(INTERRUPTED)
@@ -66,4 +95,25 @@ def _interrupt(*_: Any) -> None:
 
 def _terminate(number: int, _: Any) -> NoReturn:
     # An exception, so that temporary files are removed on the way out.
-    raise SystemExit(_TERMINATED[signal.Signals(number).name])
+    _end(SystemExit(_TERMINATED[signal.Signals(number).name]))
+
+
+def _end(error: BaseException) -> NoReturn:
+    """Raise what ends this process, and look later whether that was heeded.
+
+    What is raised while an object is given up, or a library calls back, is lost: SIGTERM while
+    a picture was drawn ended nothing.
+    """
+    _End.asked = error
+    if hasattr(signal, "setitimer"):
+        signal.setitimer(signal.ITIMER_REAL, _LOOK, _LOOK)
+    raise error
+
+
+def _look(*_: Any) -> None:
+    """Raise once more what was lost; what is on its way out, cleaning up, is not cut."""
+    asked, handled = _End.asked, sys.exc_info()[1]
+    while handled is not None and handled is not asked:
+        handled = handled.__context__
+    if asked is not None and handled is None:
+        raise asked
