@@ -75,6 +75,35 @@ def test_a_shard_deals_round_robin_and_then_takes_from_the_end(tmp_path: Path) -
     assert others[turn:] + others[:turn] == sorted(others, reverse=True)
 
 
+def test_a_shard_looks_at_all_files_once_only(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A thousand shards that look at a hundred thousand files each stop a file system."""
+    looks: list[State] = []
+    sizes = State._sizes
+
+    def counted(state: State) -> dict[str, dict[str, int]]:
+        looks.append(state)
+        return sizes(state)
+
+    monkeypatch.setattr(State, "_sizes", counted)
+    for turn in range(2):
+        looks.clear()
+        assert ls.sweep(**SPEC, out=tmp_path / "run", shard=(turn, 2)).complete
+        assert len(looks) == 1
+
+
+def test_a_damaged_chunk_of_another_shard_is_computed_again(tmp_path: Path) -> None:
+    wanted = data_files(ls.sweep(**SPEC, out=tmp_path / "run").folder)
+    victim = tmp_path / "run" / "data.zarr" / "mean_velocity" / "c.0.0.0"
+    for spoil in (victim.unlink, lambda: victim.write_bytes(b"x")):
+        spoil()
+        run = ls.sweep(**SPEC, out=tmp_path / "run", shard=(1, 2))
+        assert run.complete
+        assert not run.state.damaged
+        assert data_files(run.folder) == wanted
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("shards", [[(0, 2), (1, 2)], [None] * 8, [(0, 3), (1, 3)]])
 def test_processes_at_once_on_one_folder_give_the_same_bits(

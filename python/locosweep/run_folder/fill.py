@@ -66,8 +66,10 @@ def sweep_into(
             progress=options.progress,
         )  # fmt: skip
         return Run(folder)
-    order = Order(State(folder, found), options.shard)
+    state = State(folder, found)
+    order = Order(state, options.shard)
     told = about(threads, shard=options.shard, drifted=drifted)
     filler = Filler(folder, found, threads, told, options.token)
     filler.fill(order, order.missing(), options.progress)
-    return Run(folder)
+    state.refresh(sizes=False)
+    return Run(folder, state=state)

@@ -39,12 +39,18 @@ class Run:
         Which chunks are done, by whom, and which are damaged.
     """
 
-    def __init__(self, folder: str | os.PathLike[str], *, allow_missing: bool = False) -> None:
+    def __init__(
+        self,
+        folder: str | os.PathLike[str],
+        *,
+        allow_missing: bool = False,
+        state: State | None = None,
+    ) -> None:
         self.folder = Path(folder)
         self.allow_missing = allow_missing
-        self.manifest = manifest.read(self.folder)
+        self.manifest = manifest.read(self.folder) if state is None else state.manifest
         self.cells = self.manifest.cells
-        self.state = State(self.folder, self.manifest)
+        self.state = State(self.folder, self.manifest) if state is None else state
         self.axes = self.cells.axes
         self.fixed = self.cells.fixed
         self.outputs = tuple(self.cells.outputs)

@@ -87,5 +87,5 @@ class Order:
 
     def _rest(self, mine: set[int]) -> list[int]:
         """Chunks that nobody has logged, from the end, without those of this process."""
-        self._state.refresh()
+        self._state.refresh(sizes=False)
         return [chunk for chunk in reversed(self._state.missing) if chunk not in mine]

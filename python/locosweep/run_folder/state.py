@@ -14,7 +14,7 @@ from locosweep.run_folder.log import Done, Writer, read_logs
 from locosweep.run_folder.manifest import LOGS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
     from pathlib import Path
 
     from locosweep.run_folder.manifest import Manifest
@@ -48,15 +48,22 @@ class State:
         self._lines: dict[int, list[Done]] = {}
         self.refresh()
 
-    def refresh(self) -> None:
-        """Read logs and sizes anew."""
+    def refresh(self, *, sizes: bool = True) -> None:
+        """Read logs and sizes anew.
+
+        Without `sizes`, only the files of chunks that were damaged are looked at: a thousand
+        processes that each look at all files of a run are more than a file system bears.
+        """
         with _no_search_for_circles():
             self.writers = read_logs(self.folder / LOGS)
             self._lines = self._fitting_lines()
-            sizes = self._sizes()
+            looked_at = self._lines if sizes else self._lines.keys() & self.damaged.keys()
+            found = self._sizes() if sizes else self._sizes_of(looked_at)
             self.done, self.damaged = {}, {}
             for chunk, known in self._lines.items():
-                if fault := _fault(self.manifest.plan.key(chunk), known, sizes):
+                if chunk in looked_at and (
+                    fault := _fault(self.manifest.plan.key(chunk), known, found)
+                ):
                     self.damaged[chunk] = fault
                 else:
                     self.done[chunk] = known
@@ -96,6 +103,17 @@ class State:
                 continue
             except OSError as error:
                 raise InputError(f"{root / name}: {error.strerror or error}") from None
+        return found
+
+    def _sizes_of(self, chunks: Iterable[int]) -> dict[str, dict[str, int]]:
+        """Sizes of the files of a few chunks by array and name."""
+        found: dict[str, dict[str, int]] = {name: {} for name in self.array_names}
+        for chunk in chunks:
+            key = self.manifest.plan.key(chunk)
+            for name, sizes in found.items():
+                with contextlib.suppress(OSError):
+                    path = self.folder / arrays.STORE / name / key
+                    sizes[key] = path.lstat().st_size
         return found
 
     @property
