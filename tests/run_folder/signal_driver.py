@@ -100,6 +100,8 @@ def one(phase: str, number: signal.Signals, folder: Path, delay: float) -> dict[
 
 
 def main(root: Path, count: int) -> None:
+    # In the background of a shell Ctrl-C would be ignored.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     chance = random.Random(3)  # noqa: S311 - moments, not secrets
     # Turns outside, so that a part of them says something of all.
     for turn in range(count):
