@@ -31,6 +31,7 @@ _OWN = frozenset({"out", "json_", "allow_missing"})
     "--allow-missing", is_flag=True, help="Of a run folder, hatch the cells not computed yet."
 )
 @options.threads_option
+@options.progress_option
 @options.json_option
 @click.pass_context
 def explore(
