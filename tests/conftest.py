@@ -44,3 +44,6 @@ def ctrl_c() -> None:
     ignoring, is back at its default in a child.
     """
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    # The same of what nohup starts.
+    if hasattr(signal, "SIGHUP"):
+        signal.signal(signal.SIGHUP, signal.SIG_DFL)

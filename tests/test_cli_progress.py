@@ -25,7 +25,7 @@ QUICK: dict[str, list[str]] = {
     "export": ["export", "run", "--out", "x.parquet"],
     "export into a folder": ["export", "run", "--out", "x"],
 }  # fmt: skip
-LONG = {"sweep", "heatmap", "simulate", "gait", "diagnose", "distinguish", "friction",
+LONG = {"sweep", "explore", "heatmap", "simulate", "gait", "diagnose", "distinguish", "friction",
         "blind-check", "reproduce", "laws", "verify", "merge", "export"}  # fmt: skip
 
 
