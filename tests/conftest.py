@@ -31,6 +31,8 @@ def _handlers() -> Iterator[None]:
     numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
     before = {number: signal.getsignal(number) for number in numbers}
     yield
+    # What asks again for an end would come when nobody listens any more.
+    signal.setitimer(signal.ITIMER_REAL, 0.0)
     for number, handler in before.items():
         signal.signal(number, handler)
 
@@ -44,6 +46,3 @@ def ctrl_c() -> None:
     ignoring, is back at its default in a child.
     """
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    # The same of what nohup starts.
-    if hasattr(signal, "SIGHUP"):
-        signal.signal(signal.SIGHUP, signal.SIG_DFL)

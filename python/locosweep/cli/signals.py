@@ -37,7 +37,7 @@ def listen() -> None:
     Signals that are ignored stay so: Ctrl-C in the background of a script, SIGHUP under nohup.
     """
     _Presses.count = 0
-    _End.asked = None
+    rest()
     if not _is_main():
         return
     signal.signal(signal.SIGTERM, _terminate)
