@@ -116,7 +116,7 @@ def extend(
         followed += [end for name in likely for end in _valley_end(search, along[name][0], runs)]
     found = descend(search, known, followed, runs, beside, at_noise=at_noise)
     if base is None and not at_noise:
-        found |= _thresholds_found(search, found, along, runs)
+        found |= _thresholds_found(search, found, along)
     return found
 
 
@@ -139,23 +139,20 @@ def _gaining(
     return [p for p in partners if p not in gained or gained[p] >= SHARE * most]
 
 
-def _thresholds_found(
-    search: Search, found: Found, along: Names[str], runs: Sequence[int]
-) -> Found:
+def _thresholds_found(search: Search, found: Found, along: Names[str]) -> Found:
     """Fit the best single effects that act at rest again, if none has come to noise."""
     if not found or search.is_noise(min(found.values(), key=chi2_of)):
         return {}
     unseen = sorted((f for names, f in found.items() if not names & set(along)), key=chi2_of)
-    return {frozenset(fit.model.names): _rescanned(search, fit, runs) for fit in unseen[:FEW]}
+    return {frozenset(fit.model.names): _rescanned(search, fit) for fit in unseen[:FEW]}
 
 
-def _rescanned(search: Search, fit: Fit, runs: Sequence[int]) -> Fit:
+def _rescanned(search: Search, fit: Fit) -> Fit:
     """Return a fit from other values of single parameters, near and far, if one comes further.
 
-    A threshold of what acts at rest has no derivative: steps leave it where it was. Values and
-    first steps are tried on `runs`.
+    A threshold of what acts at rest has no derivative: steps leave it where it was, and
+    few runs may not show it.
     """
-    problem = search.problem
     changes = np.outer(_CHANGES, (-1.0, 1.0)).ravel()
     for _ in range(PARTNERS):
         if search.is_noise(fit):
@@ -168,9 +165,9 @@ def _rescanned(search: Search, fit: Fit, runs: Sequence[int]) -> Fit:
                 theta[i] = np.clip(theta[i] + change, low, high)
                 trials.append(fit.unfitted(theta))
         # The farthest of those that are as good: within a step of a threshold nothing changes.
-        seen = sorted(evaluate(problem, trials[::-1], runs, residuals=False), key=chi2_of)
-        near = fit_all(problem, seen[:PARTNERS], runs=runs, steps=FEW)
-        (end,) = fit_all(problem, [min(near, key=chi2_of).unfitted()], steps=search.steps)
+        seen = sorted(evaluate(search.problem, trials[::-1], residuals=False), key=chi2_of)
+        starts = [one.unfitted() for one in seen[:PARTNERS]]
+        end = min(fit_all(search.problem, starts, steps=search.steps), key=chi2_of)
         if end.chi2 >= fit.chi2:
             break
         fit = end
