@@ -45,6 +45,12 @@ _CONTRAST = """(() => {
 })()"""
 
 
+_INK = """(() => { const c = document.getElementById('CANVAS'); const d = c.getContext('2d')
+  .getImageData(0, 0, c.width, c.height).data; let n = 0;
+  for (let i = 0; i < d.length; i += 4) n = (n * 31 + d[i] + 3 * d[i+1] + 7 * d[i+2]) % 1000003;
+  return n; })()"""
+
+
 def program() -> str | None:
     """Return the browser of this machine, None without one."""
     return next(filter(None, map(shutil.which, (os.environ.get("LOCOSWEEP_BROWSER", ""), *NAMES))),
@@ -57,9 +63,9 @@ class Page:
     Attributes
     ----------
     requests : list of str
-        What the page asked for, itself and data: addresses left out.
+        What the page that was opened last asked for, itself and data: addresses left out.
     faults : list of str
-        Errors of scripts and of the page's policy.
+        Its errors: of scripts, of its policy, and of what did not load.
     """
 
     def __init__(self, *, width: int = 1200, height: int = 900) -> None:
@@ -124,16 +130,31 @@ class Page:
                     raise RuntimeError(f"{method}: {answer['error']['message']}")
                 return dict(answer["result"])
 
-    def open(self, file: Path) -> Self:
+    def open(self, file: Path, query: str = "") -> Self:
         """Open a file as a double click does, and wait until it is loaded."""
-        self._events.clear()
-        self.call("Page.navigate", url=file.resolve().as_uri())
+        for seen in (self._events, self.requests, self.faults):
+            seen.clear()
+        self.call("Page.navigate", url=file.resolve().as_uri() + query)
         end = time.monotonic() + _PATIENCE
         while not any(one["method"] == "Page.loadEventFired" for one in self._events):
             self._next()
             assert time.monotonic() < end, f"{file} does not load"
         self.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
         return self
+
+    def afresh(self, file: Path) -> Self:
+        """Open a file on a light screen of the usual size, whatever was set before."""
+        self.resize(1200, 900)
+        self.medium()
+        return self.open(file)
+
+    def wait(self, seconds: float) -> None:
+        """Let the page go on for a while."""
+        self.run(f"new Promise(done => setTimeout(done, {1000.0 * seconds}))")
+
+    def ink(self, canvas: str) -> int:
+        """Return a number that changes with the picture in a canvas."""
+        return int(self.run(_INK.replace("CANVAS", canvas)))
 
     def run(self, script: str) -> Any:
         """Evaluate JavaScript in the page and return its value."""
@@ -187,7 +208,8 @@ class Page:
 
     def overflow(self) -> int:
         """Return by how many pixels the page is wider than its window."""
-        return int(self.run("document.documentElement.scrollWidth - innerWidth"))
+        root = "document.documentElement"
+        return int(self.run(f"{root}.scrollWidth - {root}.clientWidth"))
 
     def _next(self) -> dict[str, Any]:
         while b"\0" not in self._buffer:
@@ -208,6 +230,8 @@ class Page:
             address = what["request"]["url"]
             if address.partition(":")[0] not in ("data", "about") and what["type"] != "Document":
                 self.requests.append(address)
+        elif method == "Network.loadingFailed":
+            self.faults.append(f"not loaded: {what['errorText']}")
         elif method == "Runtime.exceptionThrown":
             self.faults.append(str(what["exceptionDetails"]))
         elif method == "Log.entryAdded" and what["entry"]["level"] == "error":

@@ -16,9 +16,8 @@ from urllib.parse import unquote, urlparse
 
 import pytest
 
-import headless_browser
 import locosweep as ls
-from headless_browser import Browser
+from browser import Page, program
 
 pytestmark = [pytest.mark.slow, pytest.mark.whole]
 
@@ -39,9 +38,9 @@ PAGES = (
     "api/locosweep.Result",
     "search",
 )
-browser_needed = pytest.mark.skipif(
-    headless_browser.PROGRAM is None, reason="no chromium on the PATH"
-)
+_QUIET = 0.15
+"""Seconds in which a page asks for what its scripts add."""
+browser_needed = pytest.mark.skipif(program() is None, reason="no Chromium on this machine")
 
 
 @pytest.fixture(scope="session")
@@ -59,8 +58,8 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def browser():
-    with Browser() as opened:
-        yield opened
+    with Page() as page:
+        yield page
 
 
 class Links(HTMLParser):
@@ -149,9 +148,12 @@ def test_every_script_shows_its_picture(site: Path) -> None:
 @pytest.mark.parametrize("width", [1200, 420])
 @pytest.mark.parametrize("page", PAGES)
 def test_a_page_needs_nothing_from_elsewhere(
-    site: Path, browser: Browser, page: str, width: int, dark: bool
+    site: Path, browser: Page, page: str, width: int, dark: bool
 ) -> None:
-    browser.open(site / f"{page}.html", width, dark=dark)
+    browser.resize(width, 900)
+    browser.medium(dark=dark)
+    browser.open(site / f"{page}.html")
+    browser.wait(_QUIET)
     assert browser.requests
     assert [url for url in browser.requests if not url.startswith(("file:", "data:"))] == []
     assert browser.faults == []
@@ -159,19 +161,21 @@ def test_a_page_needs_nothing_from_elsewhere(
 
 
 @browser_needed
-def test_the_search_finds_without_a_network(site: Path, browser: Browser) -> None:
-    browser.open(f"{(site / 'search.html').resolve().as_uri()}?q=heatmap")
-    browser.run("new Promise(done => setTimeout(done, 1500))")
+def test_the_search_finds_without_a_network(site: Path, browser: Page) -> None:
+    browser.open(site / "search.html", "?q=heatmap")
+    browser.wait(1.5)
     assert browser.run("document.querySelectorAll('#search-results li').length") > 2
     assert browser.faults == []
 
 
 @browser_needed
-def test_planted_requests_and_faults_are_seen(tmp_path: Path, browser: Browser) -> None:
+def test_planted_requests_and_faults_are_seen(tmp_path: Path, browser: Page) -> None:
     page = tmp_path / "page.html"
     wide = "<div style='width:2000px'>x</div>"
     page.write_text(f"<img src='https://example.org/a.png'><script>no()</script>{wide}")
-    browser.open(page, 420)
+    browser.resize(420, 900)
+    browser.open(page)
+    browser.wait(_QUIET)
     assert "https://example.org/a.png" in browser.requests
     assert any("no is not defined" in fault for fault in browser.faults)
     assert browser.overflow() > 1000
@@ -180,20 +184,20 @@ def test_planted_requests_and_faults_are_seen(tmp_path: Path, browser: Browser) 
 @browser_needed
 @pytest.mark.skipif(find_spec("axe_core_python") is None, reason="axe-core-python is not installed")
 @pytest.mark.parametrize("page", PAGES)
-def test_a_page_is_accessible(site: Path, browser: Browser, page: str) -> None:
+def test_a_page_is_accessible(site: Path, browser: Page, page: str) -> None:
     assert serious(browser, site / f"{page}.html") == []
 
 
 @browser_needed
 @pytest.mark.skipif(find_spec("axe_core_python") is None, reason="axe-core-python is not installed")
 @pytest.mark.parametrize("page", ["index", "diagnosis", "gallery/index", "api/locosweep.sweep"])
-def test_a_page_can_be_read_in_the_dark(site: Path, browser: Browser, page: str) -> None:
+def test_a_page_can_be_read_in_the_dark(site: Path, browser: Page, page: str) -> None:
     assert serious(browser, site / f"{page}.html", dark=True, only="color-contrast") == []
 
 
 @browser_needed
 @pytest.mark.skipif(find_spec("axe_core_python") is None, reason="axe-core-python is not installed")
-def test_planted_barriers_are_found(tmp_path: Path, browser: Browser) -> None:
+def test_planted_barriers_are_found(tmp_path: Path, browser: Page) -> None:
     page = tmp_path / "page.html"
     page.write_text(
         "<html><body><img src='data:,'><p style='color:#eee;background:#fff'>pale words</p>"
@@ -203,13 +207,15 @@ def test_planted_barriers_are_found(tmp_path: Path, browser: Browser) -> None:
 
 
 def serious(
-    browser: Browser, page: Path, *, dark: bool = False, only: str | None = None
+    browser: Page, page: Path, *, dark: bool = False, only: str | None = None
 ) -> list[tuple[str, str]]:
     """Return what axe-core finds that keeps readers from a page: rule and first element."""
     axe = (resources.files("axe_core_python") / "axe.min.js").read_text("utf-8")
-    browser.open(page, dark=dark)
+    browser.resize(1200, 900)
+    browser.medium(dark=dark)
+    browser.open(page)
     # Colours glide from those of the theme before.
-    browser.run("new Promise(done => setTimeout(done, 600))")
+    browser.wait(0.6)
     browser.run(f"{axe};0")
     rules = json.dumps({"runOnly": [only]} if only else {})
     found = browser.run(f"axe.run({rules}).then(r => r.violations.map(v => "

@@ -34,17 +34,7 @@ def browser():
 
 @pytest.fixture
 def page(browser, file):
-    browser.resize(1200, 900)
-    browser.medium()
-    browser.faults.clear()
-    return browser.open(file)
-
-
-INK = """(() => { const c = document.getElementById('map'); const d = c.getContext('2d')
-  .getImageData(0, 0, c.width, c.height).data; let n = 0;
-  for (let i = 0; i < d.length; i += 4) n = (n * 31 + d[i] + 3 * d[i+1] + 7 * d[i+2]) % 1000003;
-  return n; })()"""
-"""A number that changes with the picture."""
+    return browser.afresh(file)
 
 
 def text(page, name):
@@ -68,14 +58,14 @@ def test_opens_from_a_file_without_network_or_fault(page):
 
 
 def test_a_slider_moves_the_picture_at_once(page):
-    before = page.run(INK)
+    before = page.ink("map")
     times = page.run("""(() => { const s = document.querySelector('#sliders input'); const out = [];
       for (let i = 0; i < 20; i++) { s.value = i % (Number(s.max) + 1); const t = performance.now();
         s.dispatchEvent(new Event('input'));
         document.getElementById('map').getContext('2d').getImageData(0, 0, 1, 1);
         out.push(performance.now() - t); } return out; })()""")
     assert sorted(times)[len(times) // 2] < _SLIDER_MS
-    assert page.run(INK) != before
+    assert page.ink("map") != before
 
 
 def test_the_pointer_reads_values_and_reasons(page):
@@ -159,7 +149,6 @@ def test_paper_is_white_and_ink_dark_from_a_dark_screen(page, tmp_path):
 def test_a_sweep_of_one_axis_is_a_strip(browser, tmp_path):
     r = ls.sweep("mean_velocity", mu_static=0.5, mu_coulomb=0.3, segments=range(2, 9))
     r.explore().save(tmp_path / "one.html")
-    browser.faults.clear()
     browser.open(tmp_path / "one.html")
     assert browser.faults == []
     assert "0.08735 m/s at number of segments of the robot 3" in text(browser, "highest")

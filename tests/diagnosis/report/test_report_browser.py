@@ -20,24 +20,14 @@ def browser():
 
 @pytest.fixture
 def page(browser, saved):
-    browser.resize(1200, 900)
-    browser.medium()
-    browser.faults.clear()
-    return browser.open(saved / "report.html")
-
-
-INK = """(() => { const c = document.getElementById('curves'); const d = c.getContext('2d')
-  .getImageData(0, 0, c.width, c.height).data; let n = 0;
-  for (let i = 0; i < d.length; i += 4) n = (n * 31 + d[i] + 3 * d[i+1] + 7 * d[i+2]) % 1000003;
-  return n; })()"""
-"""A number that changes with the picture."""
+    return browser.afresh(saved / "report.html")
 
 
 def changes(page, act):
     """Whether the picture changes with an act."""
-    before = page.run(INK)
+    before = page.ink("curves")
     act()
-    return page.run(INK) != before
+    return page.ink("curves") != before
 
 
 def readout(page):
@@ -137,7 +127,6 @@ def test_paper_is_white_from_a_dark_screen(page, tmp_path):
 def test_names_from_files_stay_text(browser, hostile, tmp_path):
     out = tmp_path / "report"
     hostile.save(out)
-    browser.faults.clear()
     browser.open(out / "report.html")
     assert browser.faults == []
     assert browser.run("document.getElementById('curves-run').options[0].textContent").startswith(
