@@ -20,10 +20,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("runs", metavar="RUNS...", nargs=-1, type=options.FILE)
-@click.option(
-    "--nominal", metavar="NOMINAL.toml", type=options.FILE,
-    help="The model that the runs are held against.",
-)  # fmt: skip
+@options.nominal_option(required=False)
 @click.option(
     "--batch", metavar="LIST.csv", type=options.FILE,
     help="Many rigs in place of RUNS and --nominal: a row each, with columns runs, nominal and, "

@@ -261,10 +261,14 @@ def csv_options(command: _Command) -> _Command:
     return separator(decimal(command))
 
 
-nominal_option = click.option(
-    "--nominal", required=True, metavar="NOMINAL.toml", type=FILE,
-    help="The model that the runs are held against.",
-)  # fmt: skip
+def nominal_option(*, required: bool = True) -> Callable[[Any], Any]:
+    """Return the option that names the nominal model."""
+    return click.option(
+        "--nominal", required=required, metavar="NOMINAL.toml", type=FILE,
+        help="The model that the runs are held against.",
+    )  # fmt: skip
+
+
 force_option = click.option("--force", is_flag=True, help="Write into a folder that is not empty.")
 threads_option = click.option(
     "--threads", metavar="N", type=click.IntRange(min=1), help="Threads; default all processors."

@@ -20,7 +20,7 @@ _LEAST_SHARE = 1e-3
 
 @click.command()
 @options.runs_argument
-@options.nominal_option
+@options.nominal_option()
 @options.count_option("--pairs", 5, "Pairs of effects to list, at most.")
 @options.column_option
 @options.unit_option

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import inspect
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
@@ -29,24 +30,9 @@ def sweep_options(command: _Command) -> _Command:
     """Add what says a sweep; the command gets `asked`, which makes its `Spec` of the quantities."""
 
     @functools.wraps(command)
-    def with_sweep(
-        *arguments: Any,
-        axes: Axes,
-        robot: Path | None,
-        settings: tuple[tuple[str, float], ...],
-        simulation: Simulation,
-        over: str | None,
-        reduce: tuple[str, ...],
-        q: float | None,
-        dtype: str | None,
-        spec_file: Path | None,
-        **others: Any,
-    ) -> Any:
-        asked = functools.partial(
-            _asked, axes=axes, robot=robot, settings=settings, simulation=simulation, over=over,
-            reduce=reduce, q=q, dtype=dtype, spec_file=spec_file,
-        )  # fmt: skip
-        return command(*arguments, asked=asked, **others)
+    def with_sweep(*arguments: Any, **given: Any) -> Any:
+        own = {name: given.pop(name) for name in _SAYS_A_SWEEP}
+        return command(*arguments, asked=functools.partial(_asked, **own), **given)
 
     for option in reversed(_OPTIONS):
         with_sweep = option(with_sweep)
@@ -107,6 +93,10 @@ def _asked(
     refuse_idle(dict(axes), quantities, simulation)
     values = options.fixed(robot, settings, dict(axes))
     return Spec(quantities, axes, values, over, reduce, q, dtype or "float64", simulation)
+
+
+_SAYS_A_SWEEP = tuple(inspect.signature(_asked).parameters)[1:]
+"""What options give, behind the quantities."""
 
 
 def refuse_options(ctx: click.Context, form: str, taken: frozenset[str]) -> None:

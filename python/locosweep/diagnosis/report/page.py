@@ -6,7 +6,6 @@ import base64
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-import jinja2
 import numpy as np
 
 from locosweep import _core
@@ -17,12 +16,14 @@ from locosweep.diagnosis.report.figures_style import unit_text, words
 from locosweep.diagnosis.report.sentences import advice
 from locosweep.diagnosis.report.units import WIDE, is_rotary, rotary_unit, rounded
 from locosweep.diagnosis.report.written import HEADLINES, interval, number, percent, plain, sizes
-from locosweep.plot.explorer.page import digest_of, json_block, script_of
+from locosweep.plot.explorer.page import digest_of, json_block, script_of, templates
 from locosweep.plot.html import picture_of
 from locosweep.simulation.replay import effect
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    import jinja2
 
     from locosweep.diagnosis.report.result import Diagnosis
 
@@ -88,13 +89,7 @@ def short(diagnosis: Diagnosis) -> str:
 
 @cache
 def _environment() -> jinja2.Environment:
-    made = jinja2.Environment(
-        loader=jinja2.PackageLoader("locosweep.diagnosis.report", "."),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    made = templates("locosweep.diagnosis.report")
     made.filters |= {"number": number, "percent": percent, "words": words, "meaning": _meaning,
                      "plain": plain, "names": _names, "sure": _sure}  # fmt: skip
     # Text from a file may hold characters that are not seen but turn text round.

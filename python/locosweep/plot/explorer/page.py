@@ -249,16 +249,20 @@ def _colours(name: str) -> str:
     return "".join(to_hex(c)[1:] for c in mpl.colormaps[name](np.linspace(0.0, 1.0, 256)))
 
 
-@cache
-def _template() -> jinja2.Template:
-    made = jinja2.Environment(
-        loader=jinja2.PackageLoader("locosweep.plot.explorer", "."),
+def templates(package: str) -> jinja2.Environment:
+    """Return the templates that stand beside the modules of a package; texts are escaped."""
+    return jinja2.Environment(
+        loader=jinja2.PackageLoader(package, "."),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return made.get_template("page.html.jinja")
+
+
+@cache
+def _template() -> jinja2.Template:
+    return templates("locosweep.plot.explorer").get_template("page.html.jinja")
 
 
 @cache
