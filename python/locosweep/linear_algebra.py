@@ -1,9 +1,8 @@
 """Linear algebra on one thread.
 
-Its matrices are small here. On more threads they are multiplied no sooner, and where other
-programs take the processors, threads that wait for each other take eight times the processor
-time (`benches/diagnosis.py` beside two busy processes). On one the last bits do not depend on the
-machine either.
+Its matrices are small here: more threads multiply them no sooner, and where other programs take
+the processors, threads that wait for each other use these up. On one thread the last bits do not
+depend on the number of processors either.
 """
 
 from __future__ import annotations

@@ -70,6 +70,12 @@ const SPANS: [usize; RUNS] = [0, 1, 2];
 /// Readings of the true model with a little unevenness in place of noise, and a start
 /// position that is known to twice the deviation of a sample.
 fn misfit() -> Misfit {
+    misfit_beside(0.0, 2.0)
+}
+
+/// The same with readings that are all `off`, and start positions that are known to so many
+/// deviations of a sample.
+fn misfit_beside(off: f64, known: f64) -> Misfit {
     let experiment = experiment();
     let count = RUNS * SAMPLES;
     let mut read = vec![vec![0.0; count]; 4];
@@ -77,13 +83,13 @@ fn misfit() -> Misfit {
     let [x, v, rear, force] = &mut read[..] else { unreachable!() };
     let how = how(Level::Baseline, 1, &control);
     readings(&experiment, &[truth()], &SPANS, None, &how, [x, v, rear, force]).unwrap();
-    let uneven = |(i, x): (usize, &f64)| x + DEVIATION * ((i * 7919 % 101) as f64 / 50.0 - 1.0);
+    let uneven = |(i, x): (usize, &f64)| x + off + DEVIATION * ((i * 7919 % 101) as f64 / 50.0 - 1.0);
     let signal = Signal {
         source: Source::Replayed(0),
         measured: read[0].iter().enumerate().map(uneven).collect(),
         weights: vec![1.0 / DEVIATION; count],
     };
-    Misfit::new(experiment, &[signal], &[vec![(0, vec![2.0; count])]])
+    Misfit::new(experiment, &[signal], &[vec![(0, vec![known; count])]])
 }
 
 fn start(damping: f64) -> Fit {
@@ -176,6 +182,24 @@ fn derivatives_add_up_to_the_change_of_residuals() {
         all += step.powi(2);
     }
     assert!(off.sqrt() < 0.02 * all.sqrt(), "{} of {}", off.sqrt(), all.sqrt());
+}
+
+/// Squares are worked out without the rows, from products with the shifts; where the shifts
+/// take out all but 1e-12 of a row, these say nothing any more.
+#[test]
+fn squares_are_those_of_the_residuals_however_much_shifts_take_out() {
+    let control = Control::default();
+    let how = how(Level::current().unwrap(), 2, &control);
+    let fit = start(0.05);
+    for (off, known) in [(0.0, 2.0), (1e-2, 1e4), (1.0, 1e9)] {
+        let misfit = misfit_beside(off, known);
+        let models = [(&fit, fit.theta.clone())];
+        let kept = evaluate(&misfit, &models, &SPANS, true, &how).unwrap().remove(0);
+        let bare = evaluate(&misfit, &models, &SPANS, false, &how).unwrap().remove(0);
+        let squares: f64 = kept.residual.unwrap().iter().map(|e| e * e).sum();
+        assert_eq!(kept.chi2, bare.chi2);
+        assert!((bare.chi2 - squares).abs() < 1e-9 * squares, "{off}: {} {squares}", bare.chi2);
+    }
 }
 
 #[test]

@@ -201,7 +201,8 @@ def _row(rig: Rig, out: Path, code: str) -> dict[str, Any]:
             made = sorted(out / path.relative_to(place) for path in files)
         row = _said(rig, found)
     except (Exception, PanicException) as error:
-        # What the machine had not, it may have next time; a file is no other then.
+        # Whatever one rig does, the others go on, and its row says what it was. What the machine
+        # had not, it may have next time; a file is no other then.
         again = isinstance(error, MemoryError)
         name = "" if isinstance(error, InputError) else f"{type(error).__name__}: "
         row = _failed(rig, f"{name}{' '.join(str(error).split())}")

@@ -27,6 +27,23 @@ def test_each_set_comes_to_its_best_end() -> None:
     assert known.fits == {frozenset(): search.none}
 
 
+def test_what_shows_little_after_the_first_steps_gets_no_more() -> None:
+    names = ("viscous_friction", "sensor_drift")
+    search = search_for({"viscous_friction": {"c": 0.06}}, *names)
+    starts = [
+        start
+        for name, value in zip(names, (0.05, 1e-5), strict=True)
+        for start in start_fits(search.nuisances, search.model((name,)), np.array([[value]]))
+    ]
+    known = Collection({frozenset(): search.none})
+    found = descend(search, known, starts, [0], search.none)
+    far, alone = found[frozenset({"sensor_drift"})], fit_of(search, "sensor_drift")
+    # Its first steps saw one run: over all of them it is no end yet.
+    assert far.seen == (search.problem, search.problem.chosen(None))
+    assert far.chi2 > alone.chi2 + 10.0
+    assert found[frozenset({"viscous_friction"})].chi2 < 0.5 * far.chi2
+
+
 def test_a_known_fit_that_is_better_stays() -> None:
     search = search_for({"viscous_friction": {"c": 0.06}}, *NAMES)
     best = fit_of(search, "viscous_friction")

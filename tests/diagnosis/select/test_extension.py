@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from diagnosis_search import ranked, search_for
-from locosweep.diagnosis.select.extension import extend, extend_each, pairs, singles
+from locosweep.diagnosis.select.extension import _gaining, extend, extend_each, pairs, singles
+from locosweep.diagnosis.select.screen import mean_square, seen_along
 from locosweep.diagnosis.select.search import Collection
 
 NAMES = ("viscous_friction", "drive_gain_error", "sensor_drift")
@@ -35,6 +36,21 @@ def test_one_more_effect_is_added() -> None:
     best = ranked(found)[0]
     assert set(best.model.names) == set(BOTH)
     assert best.named()["sensor_drift"]["b"] == pytest.approx(2e-3, rel=0.05)
+
+
+def test_what_gains_far_less_along_the_motion_than_a_rival_is_not_fitted() -> None:
+    """An effect that the equation error does not see, as a bristle's, is replayed all the same."""
+    names = ("viscous_friction", "slope_error", "drive_saturation", "presliding_compliance")
+    search = search_for({"viscous_friction": {"c": 0.06}}, *names)
+    known = singles(search)
+    others = names[1:]
+    free = extend(search, known, search.none, others)
+    held = extend(search, known, search.none, others, rival=known.single("viscous_friction"))
+    assert frozenset({"drive_saturation"}) in free
+    assert frozenset({"drive_saturation"}) not in held
+    along = seen_along(search, search.none, names)
+    before = mean_square(search, search.none)
+    assert _gaining(search, names, along, before, None) == [names[0], names[3]]
 
 
 def test_pairs_need_no_part_that_stands_out_alone() -> None:

@@ -115,25 +115,18 @@ class Fit:
 def point_of(problem: Problem, fit: Fit, theta: Floats | None = None) -> Point:
     """Return the model that a fit describes, at its own values if no others are given."""
     theta = fit.theta if theta is None else theta
-    base = at_rest(problem, fit, theta)
-    k = len(fit.model.free) + len(fit.nuisances.uncertain)
-    for r, u in zip(fit.nuisances.moving, theta[k:], strict=False):
-        base.speeds[r] = problem.starts.speed[r] + u
-    k += len(fit.nuisances.moving)
-    for (r, _), u in zip(fit.nuisances.start_offsets, theta[k:], strict=True):
-        base.start_offsets[r] = u
-    return base
-
-
-def at_rest(problem: Problem, fit: Fit, theta: Floats | None = None) -> Point:
-    """Return the same with starts of the runs as they were measured."""
-    theta = fit.theta if theta is None else theta
     base = problem.plain()
     k = len(fit.model.free)
     for f, u in zip(fit.model.free, theta[:k], strict=True):
         base.values[problem.parameter_index(f.effect, f.name)] = np.exp(u) if f.log else u
     for i, u in zip(fit.nuisances.uncertain, theta[k:], strict=False):
         base.factors[i] = u if i == 3 else 1.0 + u
+    k += len(fit.nuisances.uncertain)
+    for r, u in zip(fit.nuisances.moving, theta[k:], strict=False):
+        base.speeds[r] = problem.starts.speed[r] + u
+    k += len(fit.nuisances.moving)
+    for (r, _), u in zip(fit.nuisances.start_offsets, theta[k:], strict=True):
+        base.start_offsets[r] = u
     return replace(base, names=fit.model.names)
 
 

@@ -129,7 +129,7 @@ def _gaining(
 ) -> list[str]:
     """Leave out what gains less than half as much along the motion as the best one, or a rival.
 
-    It does not gain more in replays. `before` is the mean square of the equation error without.
+    What the equation error does not see stays. `before` is the mean square of that error without.
     """
     size = search.along.measured.size if search.along else 1
     gained = {name: before - fits[0].chi2 / size for name, fits in along.items()}
@@ -167,7 +167,7 @@ def _rescanned(search: Search, fit: Fit) -> Fit:
         # The farthest of those that are as good: within a step of a threshold nothing changes.
         seen = sorted(evaluate(search.problem, trials[::-1], residuals=False), key=chi2_of)
         starts = [one.unfitted() for one in seen[:PARTNERS]]
-        end = min(fit_all(search.problem, starts, steps=search.steps), key=chi2_of)
+        end = min(fit_all(search.problem, starts, steps=search.steps), key=chi2_of, default=fit)
         if end.chi2 >= fit.chi2:
             break
         fit = end
