@@ -79,8 +79,8 @@ def _decimals(ticks: list[float], step: float) -> int:
     return _MOST
 
 
-def log_axis(axis: Axis) -> None:
-    """Give a logarithmic axis as many ticks as its span asks for, in plain numbers.
+def log_axis(axis: Axis, most: int = _MANY) -> None:
+    """Give a logarithmic axis as many ticks as its span asks for, about `most`, in plain numbers.
 
     Labels of whole powers alone would leave a narrow axis without one, and those of every digit
     run into each other.
@@ -92,9 +92,9 @@ def log_axis(axis: Axis) -> None:
         ticks = [tick for tick in every if low <= tick <= high]
         if len(ticks) >= _FEW:
             break
-    many = len(ticks) // _MANY + 1
+    many = len(ticks) // most + 1
     axis.set_major_locator(FixedLocator(ticks[::many]) if len(ticks) > 1 else MaxNLocator(_FEW))
-    axis.set_major_formatter("{x:g}")
+    axis.set_major_formatter(lambda x, _: f"{x:g}".replace("e-0", "e−").replace("e-", "e−"))
     axis.set_minor_locator(NullLocator())
 
 

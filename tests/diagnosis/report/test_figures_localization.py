@@ -1,6 +1,8 @@
 """Pictures of where the gap lies."""
 
+import copy
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -38,6 +40,19 @@ def test_bars_are_the_shares_of_the_report(found):
     first = right.lines[0].get_xdata()
     row = found.where["runs"][0]
     assert first[0] / first[1] == pytest.approx(row["before"] / row["after"])
+
+
+def test_numbers_below_errors_of_many_sizes_do_not_meet(found):
+    own = replace(found, report=copy.deepcopy(found.report))
+    for row in own.where["runs"]:
+        row["before"], row["after"] = 0.6, 5e-6
+    drawn = shares(own)
+    drawn.canvas.draw()
+    labels = [text for text in drawn.axes[2].get_xticklabels() if text.get_text()]
+    boxes = sorted((text.get_window_extent() for text in labels), key=lambda box: box.x0)
+    assert len(boxes) >= 2
+    assert all(a.x1 < b.x0 for a, b in pairwise(boxes))
+    assert not any("e-" in text.get_text() for text in labels)
 
 
 def test_strips_are_the_residual_and_boxes_the_windows(found):

@@ -99,7 +99,8 @@ def contributions(diagnosis: Diagnosis) -> Figure | None:
     ax.set_yticks(range(len(names)), names, fontsize=9)
     ax.set_ylim(len(names) - 0.4, -0.6)
     low, high = ax.get_xlim()
-    ax.set_xlim(min(low, 0.0), max(high, 1.0) + 0.16)
+    # Room for the words behind the longest line.
+    ax.set_xlim(min(low, 0.0), max(high, 1.0) + (0.16 if len(rows) == 1 else 0.28))
     ax.axvline(0.0, color="black", linewidth=0.8)
     ax.set_xlabel(f"share of the error in {diagnosis.gap['channel'] or 'x'} on unseen data [1]; "
                   "line: 90 % interval")  # fmt: skip

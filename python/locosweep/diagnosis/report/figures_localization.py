@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 _MOST = 24
 """Runs that strips show."""
+_TICKS = 4
+"""Numbers below the errors of the runs, about: the picture is a third of the page wide."""
 
 _BINS = 240
 _STRIPS = "YlGnBu"
@@ -170,7 +172,7 @@ def shares(diagnosis: Diagnosis) -> Figure:
                        ha="center", va="bottom", fontsize=8)  # fmt: skip
     if known:
         right.set_xscale("log")
-        log_axis(right.xaxis)
+        log_axis(right.xaxis, _TICKS)
     kept = set(diagnosis.gap["held_out"])
     names = [style.run_label(row["run"], kept=row["run"] in kept) for row in runs]
     right.set_yticks(range(len(runs)), names, fontsize=8)

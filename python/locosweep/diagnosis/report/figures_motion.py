@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from locosweep.diagnosis.report import figures_style as style
+from locosweep.diagnosis.report.units import sized
 from locosweep.plot.style import figure
 
 if TYPE_CHECKING:
@@ -158,11 +159,11 @@ def runs_small(diagnosis: Diagnosis) -> Figure:
 
 
 def _change_of_error(diagnosis: Diagnosis, row: dict[str, float | None] | None, name: str) -> str:
-    """Say a run's error before and after, in one unit."""
+    """Say a run's error before and after."""
     before = None if row is None else row["before"]
     after = None if row is None else row["after"]
     if before is None:
         return ""
-    factor, unit = style.channel(name, diagnosis.nominal).scale(before)
-    later = "" if after is None or not diagnosis.effects else f" → {factor * after:.3g}"
-    return f"rmse {factor * before:.3g}{later} {unit}"
+    unit = style.channel(name, diagnosis.nominal).unit
+    later = "" if after is None or not diagnosis.effects else f" → {sized(after, unit, 3)}"
+    return f"rmse {sized(before, unit, 3)}{later}"
