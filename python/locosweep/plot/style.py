@@ -109,10 +109,15 @@ def simulated(result: Result) -> str:
     )
 
 
+_ROOM = 3, 52
+"""Characters of words beside an axis: a name of less says nothing, and more than stand along the
+shorter side of a picture at its least."""
+
+
 def words_of(name: str) -> str:
     """Words of a parameter: the beginning of its meaning, or its name."""
     words = re.split(r"[,:;(]", parameter(name).meaning)[0].strip()
-    if not 3 <= len(words) <= 50:
+    if not _ROOM[0] <= len(words) <= _ROOM[1]:
         words = words_of_name(name)
     return words
 
