@@ -14,6 +14,7 @@ from locosweep.kept_work.begun import BEGUN, begin
 from locosweep.kept_work.processes import over_processes
 from locosweep.kept_work.staged import staged, sweep_staged
 from locosweep.run_folder.commit import host
+from locosweep.run_folder.shards import dealt
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -86,16 +87,22 @@ def test_what_dead_processes_left_half_made_is_swept(tmp_path: Path) -> None:
     assert [p.name for p in tmp_path.iterdir()] == [f"work.{host()}-1-00ff.partial"]
 
 
-def where(i: int) -> int:
+def noted(i: int, file: Path) -> int:
+    with file.open("a") as lines:
+        lines.write(f"{i}\n")
     return i
 
 
-def test_a_shard_has_its_own_first_and_all_results_in_order() -> None:
+def test_a_shard_has_its_own_first_and_all_results_in_order(tmp_path: Path) -> None:
     seen: list[int] = []
-    calls = [(i,) for i in range(5)]
-    found = over_processes(where, calls, 1, shard=(1, 2), each=lambda i, _: seen.append(i))
+    file = tmp_path / "order.txt"
+    calls = [(i, file) for i in range(5)]
+    found = over_processes(noted, calls, 1, shard=(1, 2), each=lambda i, _: seen.append(i))
     assert found == [0, 1, 2, 3, 4]
-    assert sorted(seen[:2]) == [1, 3]
+    assert sorted(seen) == found
+    # In the order in which the one process took them: those that end together are told at once.
+    assert file.read_text().split() == [str(i) for i in dealt(5, (1, 2))]
+    assert file.read_text().split()[:2] == ["1", "3"]
 
 
 @pytest.mark.slow
