@@ -71,7 +71,7 @@ impl EquationError {
         };
         let core = fit::EquationError::new(experiment.core.clone(), motions, blocks);
         let core = core.ok_or_else(|| {
-            let message = format!("means, weights and times: allowed are those of blocks of {block} samples of all slides");
+            let message = format!("means, weights and times: allowed are those of blocks of {block} samples of all slides, of which there has to be one");
             input_error(py, message)
         })?;
         Ok(EquationError { core })
@@ -106,9 +106,9 @@ impl EquationError {
         threads: usize,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let fit = fit.anywhere(py)?;
-        let found = through_door(py, threads, |how| self.core.jacobians(&[&fit], how))?;
+        let rows = through_door(py, threads, |how| self.core.jacobian(&fit, how))?;
         let shape = [fit.theta.len(), self.core.measured().len()];
-        found.concat().into_pyarray(py).reshape(shape)
+        rows.into_pyarray(py).reshape(shape)
     }
 
     /// Improve fits; returns theta, without what is about the start of a run, and chi2 of each.

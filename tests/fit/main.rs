@@ -83,7 +83,8 @@ fn misfit_beside(off: f64, known: f64) -> Misfit {
     let [x, v, rear, force] = &mut read[..] else { unreachable!() };
     let how = how(Level::Baseline, 1, &control);
     readings(&experiment, &[truth()], &SPANS, None, &how, [x, v, rear, force]).unwrap();
-    let uneven = |(i, x): (usize, &f64)| x + off + DEVIATION * ((i * 7919 % 101) as f64 / 50.0 - 1.0);
+    let uneven =
+        |(i, x): (usize, &f64)| x + off + DEVIATION * ((i * 7919 % 101) as f64 / 50.0 - 1.0);
     let signal = Signal {
         source: Source::Replayed(0),
         measured: read[0].iter().enumerate().map(uneven).collect(),

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from diagnosis_search import fit_of, search_for
+from locosweep import InputError, _core
 from locosweep.diagnosis.data.regimes import MeasuredMotion
 from locosweep.diagnosis.estimate.equation_error import EquationError, equation_error, slides_of
 from locosweep.diagnosis.estimate.least_squares import start_fits
@@ -82,6 +83,15 @@ def test_runs_that_are_kept_from_fits_have_no_slides() -> None:
     assert kept.slides[1] == []
     assert kept.slides[0] == search.along.slides[0]  # type: ignore[union-attr]
     assert equation_error(replace(search.problem, held=(0, 1, 2))) is None
+
+
+def test_blocks_that_are_not_those_of_the_slides_are_refused() -> None:
+    problem = search_for({}).problem
+    zero = np.zeros(problem.lengths[0])
+    for slides, block, blocks in (([], 2, 0), ([(0, 6)], 2, 2), ([(0, 6)], 0, 3), ([(4, 4)], 1, 0)):
+        motions = [(zero, zero, zero, slides if r == 0 else []) for r in range(len(problem.runs))]
+        with pytest.raises(InputError, match="allowed"):
+            _core.EquationError(problem.experiment, motions, block, *[np.zeros(blocks)] * 3)
 
 
 def test_threads_do_not_change_bits() -> None:

@@ -56,7 +56,7 @@ pub struct EquationError {
 }
 
 impl EquationError {
-    /// None where the blocks are not those of the slides.
+    /// None where the blocks are not those of the slides, or there is none.
     pub fn new(
         experiment: Arc<Experiment>,
         motions: Vec<Motion>,
@@ -69,7 +69,7 @@ impl EquationError {
         }
         let count = edges[edges.len() - 1];
         let fits = |row: &Vec<f64>| row.len() == count;
-        if ![&readings, &weights, &times].into_iter().all(fits) {
+        if count == 0 || ![&readings, &weights, &times].into_iter().all(fits) {
             return None;
         }
         let mut lines = [weights.clone(), times];
@@ -156,8 +156,8 @@ impl EquationError {
         finished(how.control, columns.len())
     }
 
-    /// Derivatives of the displacements of fits by their coordinates, rows of each in turn.
-    pub fn jacobians(&self, fits: &[&Fit], how: &How) -> Result<Vec<Vec<f64>>> {
+    /// Displacements of each fit, and their derivatives by its coordinates, a row each in turn.
+    fn with_slopes(&self, fits: &[&Fit], how: &How) -> Result<Vec<(Vec<f64>, Vec<f64>)>> {
         let steps: Vec<Vec<f64>> = fits.iter().map(|fit| fit.steps()).collect();
         let mut models = Vec::new();
         for (fit, steps) in fits.iter().zip(&steps) {
@@ -183,25 +183,27 @@ impl EquationError {
                     *e = if slope.is_finite() { slope } else { 0.0 };
                 }
             }
-            found.push(slopes);
+            found.push((base.to_vec(), slopes));
         }
         Ok(found)
     }
 
-    /// What was measured less the displacements of models, a row each.
-    fn errors(&self, models: &[(&Fit, DVector<f64>)], how: &How) -> Result<Vec<f64>> {
-        let mut rows = self.displacements(models, how)?;
-        for row in rows.chunks_exact_mut(self.measured.len().max(1)) {
-            row.iter_mut().zip(&self.measured).for_each(|(e, y)| *e = y - *e);
-        }
-        Ok(rows)
+    /// Derivatives of the displacements of a fit by its coordinates, a row each in turn.
+    pub fn jacobian(&self, fit: &Fit, how: &How) -> Result<Vec<f64>> {
+        Ok(self.with_slopes(&[fit], how)?.remove(0).1)
+    }
+
+    /// What was measured less a row of displacements, in its place.
+    fn subtract(&self, row: &mut [f64]) {
+        row.iter_mut().zip(&self.measured).for_each(|(e, y)| *e = y - *e);
     }
 }
 
 impl Objective for EquationError {
     fn chi2(&self, models: &[(&Fit, DVector<f64>)], how: &How) -> Result<Vec<f64>> {
-        let rows = self.errors(models, how)?;
+        let mut rows = self.displacements(models, how)?;
         let length = self.measured.len();
+        rows.chunks_exact_mut(length.max(1)).for_each(|row| self.subtract(row));
         let of = |(i, (fit, theta)): (usize, &(&Fit, DVector<f64>))| {
             let row = &rows[i * length..(i + 1) * length];
             let prior: f64 = fit.priors(theta).map(|e| e * e).sum();
@@ -212,19 +214,17 @@ impl Objective for EquationError {
     }
 
     fn normals(&self, fits: &[&Fit], how: &How) -> Result<Vec<Normal>> {
-        let here: Vec<_> = fits.iter().map(|fit| (*fit, fit.theta.clone())).collect();
-        let (errors, length) = (self.errors(&here, how)?, self.measured.len());
-        let slopes = self.jacobians(fits, how)?;
-        let normal = |(i, (fit, slopes)): (usize, (&&Fit, &Vec<f64>))| {
-            let error = &errors[i * length..(i + 1) * length];
-            let rows: Vec<&[f64]> = slopes.chunks_exact(length.max(1)).collect();
+        let length = self.measured.len().max(1);
+        let normal = |(fit, (mut error, slopes)): (&&Fit, (Vec<f64>, Vec<f64>))| {
+            self.subtract(&mut error);
+            let rows: Vec<&[f64]> = slopes.chunks_exact(length).collect();
             let count = fit.theta.len();
             let matrix = DMatrix::from_fn(count, count, |a, b| dot(rows[a], rows[b]));
             // An error falls as its displacement grows.
-            let gradient = DVector::from_fn(count, |a, _| -dot(rows[a], error));
+            let gradient = DVector::from_fn(count, |a, _| -dot(rows[a], &error));
             with_priors(fit, Normal { matrix, gradient })
         };
-        Ok(fits.iter().zip(&slopes).enumerate().map(normal).collect())
+        Ok(fits.iter().zip(self.with_slopes(fits, how)?).map(normal).collect())
     }
 
     fn samples(&self) -> u64 {
