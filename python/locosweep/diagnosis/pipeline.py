@@ -44,7 +44,7 @@ from locosweep.diagnosis.select.graded import (
 )
 from locosweep.diagnosis.select.isolated import isolated_readings
 from locosweep.diagnosis.select.search import Search
-from locosweep.diagnosis.select.verdict import Choice, choose, partial_choice
+from locosweep.diagnosis.select.verdict import Choice, choose, kept_may_show_a_gap, partial_choice
 from locosweep.diagnosis.select.whiteness import stray_readings
 from locosweep.engine import whole
 from locosweep.errors import InputError
@@ -271,7 +271,7 @@ def _select(data: _Data, task: _Task) -> _Selected:
     search = _search_of(data.problem, data.scale, task, along, judges=not data.held_by_user)
     choice = choose(search, task.max_effects)
     selected = _Selected(search, choice)
-    asks = choice.status == "none" or choice.refuted
+    asks = choice.refuted or (choice.status == "none" and kept_may_show_a_gap(search, choice))
     if asks and data.whole.held and not data.held_by_user and data.plan is None:
         selected = _fitted_to_all(data, task, selected)
     elif choice.refuted and choice.fit.model.names:

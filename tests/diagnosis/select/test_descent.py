@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from diagnosis_search import fit_of, search_for
-from locosweep.diagnosis.estimate.least_squares import start_fits
-from locosweep.diagnosis.select.descent import descend
+from locosweep.diagnosis.estimate.least_squares import fit_all, start_fits
+from locosweep.diagnosis.select.descent import apart, descend
 from locosweep.diagnosis.select.search import Collection
 
 NAMES = ("viscous_friction", "drive_delay")
@@ -53,3 +53,14 @@ def test_a_known_fit_that_is_better_stays() -> None:
     found = descend(search, known, starts, [0, 1], search.none)
     assert found[key].chi2 <= best.chi2
     assert descend(search, known, [], [0, 1], search.none) == {}
+
+
+def test_of_fits_that_came_to_one_end_one_is_followed() -> None:
+    search = search_for({"viscous_friction": {"c": 0.06}}, *NAMES)
+    model = search.model(NAMES[:1])
+    starts = start_fits(search.nuisances, model, np.array([[0.05], [0.07], [0.5]]))
+    assert len(apart(starts)) == 3
+    ends = fit_all(search.problem, starts[:2], steps=20)
+    # The first steps from far away lead to no end.
+    ends += fit_all(search.problem, starts[2:], steps=1)
+    assert apart(ends) == [ends[0], ends[2]]

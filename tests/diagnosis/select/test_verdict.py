@@ -8,7 +8,7 @@ import pytest
 from diagnosis_search import search_for, search_of
 from diagnosis_small import driven, measured
 from locosweep.diagnosis.estimate.least_squares import start_fits
-from locosweep.diagnosis.select.verdict import choose, is_limit
+from locosweep.diagnosis.select.verdict import choose, is_limit, kept_may_show_a_gap
 
 NAMES = ("viscous_friction", "sensor_drift", "coulomb_error")
 
@@ -64,3 +64,13 @@ def test_only_a_shape_has_a_limit_that_is_another_effect() -> None:
         found[name] = is_limit(fit, name)
     # The shortest lag is next to nothing; a friction that falls at no speed is Coulomb's.
     assert found == {"drive_lag": False, "stribeck_friction": True}
+
+
+def test_a_kept_run_with_a_gap_asks_for_fits_to_all() -> None:
+    sound, pushed = measured({}), measured({"viscous_friction": {"c": 0.03}})
+    last = len(sound) - 1
+    for runs, more in ((sound, False), ([*sound[:-1], pushed[-1]], True)):
+        search = search_of(runs, "viscous_friction", held=(last,))
+        choice = choose(search, 1)
+        assert choice.status == "none"
+        assert kept_may_show_a_gap(search, choice) == more

@@ -37,16 +37,16 @@ def descend(
     fits, far = list(starts), []
     if not at_noise:
         # The first steps from poor starts need not see all runs.
-        fits = _near_best(fit_all(problem, fits, runs=runs, steps=FEW))
+        fits = apart(_near_best(fit_all(problem, fits, runs=runs, steps=FEW)))
         (before,) = evaluate(problem, [beside.unfitted()], runs, residuals=False)
         most = _worth(before, fits)
         far = evaluate(problem, [fit for fit in fits if fit.chi2 > most], residuals=False)
         fits = [fit for fit in fits if fit.chi2 <= most]
     fits = _with_limits(search, known, evaluate(problem, fits, residuals=False), at_noise=at_noise)
-    fits = sorted(_near_best(fit_all(problem, fits, steps=1)), key=chi2_of)
+    fits = apart(sorted(_near_best(fit_all(problem, fits, steps=1)), key=chi2_of))
     first = fit_all(problem, fits[:FEW], steps=steps)
     others = _with_limits(search, known, fits[FEW:], first, at_noise=at_noise)
-    others = fit_all(problem, others, steps=FEW)
+    others = apart(fit_all(problem, others, steps=FEW))
     most = _worth(beside, [*first, *others])
     near = [fit for fit in others if fit.chi2 < most]
     if beside.model.names:
@@ -66,6 +66,25 @@ def _worth(beside: Fit, fits: Sequence[Fit]) -> float:
     """Return the chi2 above which a fit gains less than half as much as the best one."""
     least = min((fit.chi2 for fit in fits), default=np.inf)
     return float(max(beside.chi2 - SHARE * (beside.chi2 - least), least + SLACK))
+
+
+def apart(fits: Sequence[Fit]) -> list[Fit]:
+    """Leave out what has come to the same end as another fit of its model.
+
+    It has, where chi2 differs by less than 1 and no parameter by more than its deviation.
+    """
+    kept: list[Fit] = []
+    for fit in fits:
+        count = len(fit.model.free)
+        spread = np.sqrt(np.diag(fit.covariance)[:count]) if fit.covariance.size else None
+        if spread is None or not any(
+            one.model.names == fit.model.names
+            and abs(one.chi2 - fit.chi2) < 1.0
+            and bool((np.abs(one.theta[:count] - fit.theta[:count]) <= spread).all())
+            for one in kept
+        ):
+            kept.append(fit)
+    return kept
 
 
 def _near_best(fits: Sequence[Fit]) -> list[Fit]:

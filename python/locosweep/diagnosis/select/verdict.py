@@ -230,6 +230,18 @@ def _misses(search: Search, fit: Fit) -> bool:
     return bool(before > floor and after - floor > limits.HELD_OUT_EXCESS * (before - floor))
 
 
+def kept_may_show_a_gap(search: Search, choice: Choice) -> bool:
+    """Return whether all runs together may show a gap where those that are fitted show none.
+
+    They may if the nominal model leaves more than noise of the runs kept from fits, or if some
+    effect predicts these better.
+    """
+    problem = search.problem
+    e = validation_residuals(problem, [point_of(problem, search.none)])[0]
+    beyond = whiteness_test(problem, e, problem.held).deviations
+    return choice.near > 0.0 or beyond > limits.PREDICTION_LIMIT
+
+
 def _rivals(search: Search, known: Collection, found: Fit) -> tuple[list[Fit], Collection]:
     """Refit with every other effect for each one of the set; return these, and what is known."""
     rivals: Found = {}
