@@ -279,7 +279,7 @@ def _select(data: _Data, task: _Task) -> _Selected:
         refuted = replace(choice, status="unexplained", probability=sure)
         said = "the runs kept from the fit refute what the others allow"
         selected = _Selected(search, refuted, (said,))
-    if selected.choice.status == "unexplained":
+    if selected.choice.status == "unexplained" and not selected.choice.outdone:
         return _graded(data, task, selected)
     if data.plan is None:
         stray = stray_readings(selected.search.problem, selected.choice.fit.residual)

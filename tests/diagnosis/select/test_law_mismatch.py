@@ -10,8 +10,12 @@ import polars as pl
 from locosweep.diagnosis.effects.scale import scale_of
 from locosweep.diagnosis.estimate.least_squares import Nuisances, fit_all, start_fits
 from locosweep.diagnosis.estimate.problem import Problem
-from locosweep.diagnosis.select.law_mismatch import best_with_other_law, score_with_other_law
-from locosweep.diagnosis.select.search import Search
+from locosweep.diagnosis.select.law_mismatch import (
+    best_with_other_law,
+    score_with_other_law,
+    unlisted_rival,
+)
+from locosweep.diagnosis.select.search import Collection, Search
 from locosweep.files.runs import runs_from_frame
 from test_diagnosis import ROBOT, drives, measured
 
@@ -78,3 +82,28 @@ def test_a_law_far_off_by_its_own_formula_is_found_behind_others() -> None:
     found = best_with_other_law(search, level)
     assert found is not None
     assert found[1].model.names == ("viscous_friction",)
+
+
+def test_a_force_by_position_refutes_a_single_effect_that_it_outdoes() -> None:
+    """A spring to the start is no drift of friction; a slope is one, though a force may be."""
+    runs = drives(count=5)
+    names = ("friction_drift", "slope_error")
+    nominal = measured({}, runs)
+    pulled = [
+        replace(
+            run, drive=run.drive - 0.02 * nominal.filter(pl.col("run") == run.label)["x"].to_numpy()
+        )
+        for run in runs
+    ]
+    spring = measured({}, pulled).with_columns(
+        drive=pl.Series(np.concatenate([r.drive for r in runs]))
+    )
+    for frame, refuted in (
+        (spring, "terrain"),
+        (measured({"slope_error": {"d_alpha_deg": 0.05}}, runs), ""),
+    ):
+        search, fits = fits_of(frame, *names)
+        found = min(fits, key=search.score)
+        known = Collection({frozenset(): search.none})
+        assert search.none.chi2 - found.chi2 > 100.0
+        assert unlisted_rival(search, known, found, search.score(found), mismatch=False) == refuted

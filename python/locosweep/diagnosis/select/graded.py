@@ -27,6 +27,7 @@ from locosweep.diagnosis.estimate.unseen import groups_of, without_each
 from locosweep.diagnosis.estimate.window_plan import REACH
 from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.extension import extend
+from locosweep.diagnosis.select.law_mismatch import UNLISTED
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.search import Collection, Found
 from locosweep.diagnosis.select.whiteness import inflation
@@ -52,9 +53,6 @@ _FAR = 2.0
 """Error on the runs that a fit has seen, over the smallest one, from which it is no rival."""
 _KNOWN = 1e-9
 """Part of the largest precision from which a run knows a direction of parameters."""
-UNLISTED = ("terrain", "acceleration")
-"""Variables of forces that no effect stands for: the position in either direction, as of a tether
-or a wall, and the acceleration."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,8 +31,9 @@ _MOST_TRIED = 10
 """Such fits at most, with those by other variables."""
 _TRIED_NEXT = 3
 """Variables beside a fit whose effects are tried next."""
-OUT_OF_LIBRARY = "terrain"
-"""Variable of a force by the position alone, in either direction: a tether, a magnet, a bump."""
+UNLISTED = ("terrain", "acceleration")
+"""Variables of forces that no effect stands for: the position in either direction, as of a tether,
+a magnet or a wall, and the acceleration."""
 
 
 def best_with_other_law(search: Search, level: Sequence[Fit]) -> tuple[float, Fit] | None:
@@ -128,23 +129,29 @@ def _together(problem: Problem, parts: Sequence[Floats], runs: Sequence[int]) ->
     ])  # fmt: skip
 
 
-def out_of_library(search: Search, known: Collection, found: Fit, score: float) -> bool:
-    """Return whether an out-of-library disturbance does as well as the effects or another law.
+def unlisted_rival(
+    search: Search, known: Collection, found: Fit, score: float, *, mismatch: bool
+) -> str:
+    """Return the variable of a force that no effect stands for and that refutes a set, if any.
 
-    It has to do better than one of them beside the others; as well as all of them is
-    enough, being one cause instead of several.
+    It has to do better than one of several effects beside the others; as well as all of them, or
+    as another law of an effect, is enough, being one cause by a force as free. A single effect by
+    its own formula is nearly a special case of such a force: that has to do better by what a
+    wider law has to gain.
     """
     names = frozenset(found.model.names)
+    single = len(names) == 1 and not mismatch
     sets = dict.fromkeys([frozenset[str](), *(names - {name} for name in names)])
     noise = noise_level(search.problem, found.residual)
     for fit in (known.fits[key] for key in sets if key in known.fits):
-        log_factor = NonparametricCorrection(search.problem, fit).log_bayes_factor(
-            [OUT_OF_LIBRARY], noise
-        )
         margin = 0.0 if fit.model.names else limits.LEAST_GAIN
-        if search.score(fit) - log_factor * noise < score + margin:
-            return True
-    return False
+        margin = -limits.WIDER_LAW_GAIN if single else margin
+        terms = NonparametricCorrection(search.problem, fit)
+        for variable in UNLISTED if single else UNLISTED[:1]:
+            gain = terms.log_bayes_factor([variable], noise) * noise
+            if search.score(fit) - gain < score + margin:
+                return variable
+    return ""
 
 
 def without_bending_effect(

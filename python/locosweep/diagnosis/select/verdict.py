@@ -13,10 +13,9 @@ from locosweep.diagnosis.estimate.validation import validation_residuals
 from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.extension import extend, singles
 from locosweep.diagnosis.select.law_mismatch import (
-    OUT_OF_LIBRARY,
     best_with_other_law,
-    out_of_library,
     score_with_other_law,
+    unlisted_rival,
     without_bending_effect,
 )
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
@@ -57,7 +56,7 @@ class Choice:
     near: float = 0.0
     """Gain of the best further effect: not enough, or not where it is fitted."""
     unlisted: str = ""
-    """A variable that no listed effect acts through, and that does as well as several of them."""
+    """Variable of a force that no effect stands for, and that refutes those that were found."""
     missed: bool = False
     """True if the fit leaves of the runs kept from it more than the others show."""
 
@@ -65,6 +64,13 @@ class Choice:
     def refuted(self) -> bool:
         """True if the runs kept from the fit ask for more than the others do."""
         return self.status != "unexplained" and (self.near >= limits.LEAST_GAIN or self.missed)
+
+    @property
+    def outdone(self) -> bool:
+        """True if a single effect leaves but noise, and a force of no effect does better."""
+        return (
+            bool(self.unlisted) and len(self.fit.model.names) == 1 and not self.whiteness.rejected
+        )
 
     @property
     def tied(self) -> list[Fit]:
@@ -156,8 +162,9 @@ def choose(search: Search, most: int) -> Choice:
         choice = Choice("unexplained", found, known, whiteness, shape=rest)
         return _with_ranks(search, choice, tried)
     score = search.score(found) if score is None else score
-    if (mismatch or len(found.model.names) > 1) and out_of_library(search, known, found, score):
-        choice = Choice("unexplained", found, known, whiteness, unlisted=OUT_OF_LIBRARY)
+    unlisted = unlisted_rival(search, known, found, score, mismatch=mismatch)
+    if unlisted:
+        choice = Choice("unexplained", found, known, whiteness, unlisted=unlisted)
         return _with_ranks(search, choice, tried)
     search.progress("rivals")
     rivals, known = _rivals(search, known, found)
