@@ -7,8 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis_search import ranked, search_for
-from locosweep.diagnosis.select.extension import _gaining, extend, extend_each, pairs, singles
+from diagnosis_search import fit_of, ranked, search_for
+from locosweep.diagnosis.estimate.least_squares import evaluate
+from locosweep.diagnosis.select.extension import (
+    _gaining,
+    _rescanned,
+    extend,
+    extend_each,
+    pairs,
+    singles,
+)
 from locosweep.diagnosis.select.screen import mean_square, seen_along
 from locosweep.diagnosis.select.search import Collection
 
@@ -88,3 +96,13 @@ def test_without_slides_starts_are_replayed() -> None:
     blind = singles(replace(search, along=None))
     for key, fit in singles(search).fits.items():
         np.testing.assert_allclose(blind.fits[key].chi2, fit.chi2, rtol=0.02)
+
+
+def test_a_threshold_is_tried_again_where_that_shows_enough() -> None:
+    search = search_for({"drive_deadzone": {"d": 0.1}}, "drive_deadzone")
+    stuck = fit_of(search, "drive_deadzone", values=[0.0]).unfitted(np.zeros(1))
+    (stuck,) = evaluate(search.problem, [stuck])
+    assert _rescanned(search, stuck, 0.0) is stuck
+    found = _rescanned(search, stuck, stuck.chi2)
+    assert found.chi2 < 0.1 * stuck.chi2
+    assert found.parameters[0] == pytest.approx(0.1, rel=0.02)

@@ -39,7 +39,7 @@ def descend(
         # The first steps from poor starts need not see all runs.
         fits = apart(_near_best(fit_all(problem, fits, runs=runs, steps=FEW)))
         (before,) = evaluate(problem, [beside.unfitted()], runs, residuals=False)
-        most = _worth(before, fits)
+        most = follow_limit(before, fits)
         far = evaluate(problem, [fit for fit in fits if fit.chi2 > most], residuals=False)
         fits = [fit for fit in fits if fit.chi2 <= most]
     fits = _with_limits(search, known, evaluate(problem, fits, residuals=False), at_noise=at_noise)
@@ -47,7 +47,7 @@ def descend(
     first = fit_all(problem, fits[:FEW], steps=steps)
     others = _with_limits(search, known, fits[FEW:], first, at_noise=at_noise)
     others = apart(fit_all(problem, others, steps=FEW))
-    most = _worth(beside, [*first, *others])
+    most = follow_limit(beside, [*first, *others])
     near = [fit for fit in others if fit.chi2 < most]
     if beside.model.names:
         # Of larger sets only those count that may come to the best one.
@@ -62,7 +62,7 @@ def descend(
     return found
 
 
-def _worth(beside: Fit, fits: Sequence[Fit]) -> float:
+def follow_limit(beside: Fit, fits: Sequence[Fit]) -> float:
     """Return the chi2 above which a fit gains less than half as much as the best one."""
     least = min((fit.chi2 for fit in fits), default=np.inf)
     return float(max(beside.chi2 - SHARE * (beside.chi2 - least), least + SLACK))

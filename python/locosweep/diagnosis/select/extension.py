@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.diagnosis.estimate.least_squares import chi2_of, evaluate, fit_all, start_fits
-from locosweep.diagnosis.select.descent import apart, descend
+from locosweep.diagnosis.select.descent import apart, descend, follow_limit
 from locosweep.diagnosis.select.effort import (
     FEW,
     LEAST_ERROR,
@@ -144,14 +144,15 @@ def _thresholds_found(search: Search, found: Found, along: Names[str]) -> Found:
     if not found or search.is_noise(min(found.values(), key=chi2_of)):
         return {}
     unseen = sorted((f for names, f in found.items() if not names & set(along)), key=chi2_of)
-    return {frozenset(fit.model.names): _rescanned(search, fit) for fit in unseen[:FEW]}
+    most = follow_limit(search.none, list(found.values()))
+    return {frozenset(fit.model.names): _rescanned(search, fit, most) for fit in unseen[:FEW]}
 
 
-def _rescanned(search: Search, fit: Fit) -> Fit:
+def _rescanned(search: Search, fit: Fit, most: float) -> Fit:
     """Return a fit from other values of single parameters, near and far, if one comes further.
 
     A threshold of what acts at rest has no derivative: steps leave it where it was, and
-    few runs may not show it.
+    few runs may not show it. Values that leave more than a chi2 of `most` are not followed.
     """
     changes = np.outer(_CHANGES, (-1.0, 1.0)).ravel()
     for _ in range(PARTNERS):
@@ -166,7 +167,7 @@ def _rescanned(search: Search, fit: Fit) -> Fit:
                 trials.append(fit.unfitted(theta))
         # The farthest of those that are as good: within a step of a threshold nothing changes.
         seen = sorted(evaluate(search.problem, trials[::-1], residuals=False), key=chi2_of)
-        starts = [one for one in seen[:PARTNERS] if one.chi2 < search.none.chi2 + SLACK]
+        starts = [one for one in seen[:PARTNERS] if one.chi2 < most]
         ends = apart(fit_all(search.problem, starts, steps=FEW))
         end = min(fit_all(search.problem, ends, steps=search.steps), key=chi2_of, default=fit)
         before, fit = fit.chi2, min(fit, end, key=chi2_of)
