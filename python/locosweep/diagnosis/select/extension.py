@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.diagnosis.estimate.least_squares import chi2_of, evaluate, fit_all, start_fits
-from locosweep.diagnosis.select.descent import apart, descend, follow_limit
+from locosweep.diagnosis.select.descent import descend, follow_limit
 from locosweep.diagnosis.select.effort import (
     FEW,
     LEAST_ERROR,
@@ -167,12 +167,11 @@ def _rescanned(search: Search, fit: Fit, most: float) -> Fit:
                 trials.append(fit.unfitted(theta))
         # The farthest of those that are as good: within a step of a threshold nothing changes.
         seen = sorted(evaluate(search.problem, trials[::-1], residuals=False), key=chi2_of)
-        starts = [one for one in seen[:PARTNERS] if one.chi2 < most]
-        ends = apart(fit_all(search.problem, starts, steps=FEW))
-        end = min(fit_all(search.problem, ends, steps=search.steps), key=chi2_of, default=fit)
-        before, fit = fit.chi2, min(fit, end, key=chi2_of)
-        if before - fit.chi2 < LEAST_GAIN_FITTED:
+        starts = [one.unfitted() for one in seen[:PARTNERS] if one.chi2 < most]
+        end = min(fit_all(search.problem, starts, steps=search.steps), key=chi2_of, default=fit)
+        if end.chi2 >= fit.chi2:
             break
+        fit = end
     return fit
 
 
