@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import gc
+import math
 import os
 from typing import TYPE_CHECKING
 
-from locosweep.errors import InputError
+from locosweep.errors import Cancelled, InputError
 from locosweep.registry import Status
 from locosweep.run_folder import arrays
 from locosweep.run_folder.log import Writer, read_logs
@@ -202,12 +203,18 @@ def altered(folder: Path, chunk: int, what: str) -> str:
 
 @contextlib.contextmanager
 def keeping(folder: Path, manifest: Manifest) -> Iterator[None]:
-    """Say, where what fills a run fails, how much of it is kept."""
+    """Say, where what fills a run fails or is stopped, how much of it is kept."""
+    plan, each = manifest.plan, manifest.cells.points_per_cell
     try:
         yield
-    except InputError as error:
-        done = State(folder, manifest).done_count
+    except (InputError, Cancelled) as error:
+        done = State(folder, manifest).done
+        what = str(error)
+        if isinstance(error, Cancelled):
+            # The core knows of one chunk only.
+            points, all_ = plan.cells_in(list(done)) * each, math.prod(plan.shape) * each
+            what = f"interrupted after {points} of {all_} points"
         raise type(error)(
-            f"{error}; {done} of {manifest.plan.count} chunks are kept in {folder}, the same sweep "
-            "goes on from there"
+            f"{what}; {len(done)} of {plan.count} chunks are kept in {folder}, the same sweep goes "
+            "on from there"
         ) from None
