@@ -13,7 +13,7 @@ from locosweep.cli import main
 from locosweep.kept_work.begun import BEGUN, begin
 from locosweep.kept_work.processes import over_processes
 from locosweep.kept_work.staged import staged, sweep_staged
-from locosweep.run_folder.commit import host
+from locosweep.run_folder.commit import beside, host
 from locosweep.run_folder.shards import dealt
 
 if TYPE_CHECKING:
@@ -143,3 +143,14 @@ def test_shards_of_a_blind_check_at_once_judge_the_same(tmp_path: Path) -> None:
     for name in names:
         whole, dealt = (tmp_path / out / name for out in ("whole", "dealt"))
         assert whole.read_bytes() == dealt.read_bytes()
+
+
+def test_a_folder_that_another_one_begins_just_now_is_free(tmp_path: Path) -> None:
+    other = beside(tmp_path / BEGUN)
+    other.touch()
+    begin(tmp_path, {"seed": 1})
+    (tmp_path / "foreign").touch()
+    begin(tmp_path, {"seed": 1})
+    (tmp_path / BEGUN).unlink()
+    with pytest.raises(ls.InputError, match="is not empty"):
+        begin(tmp_path, {"seed": 1})

@@ -170,7 +170,12 @@ def test_a_token_stops_a_run_that_is_resumed(tmp_path: Path) -> None:
         if done:
             token.cancel()
 
-    with pytest.raises(ls.Cancelled):
+    with pytest.raises(ls.Cancelled) as stopped:
         ls.sweep(**SIMULATED, out=tmp_path / "run", chunk=1, token=token, progress=stop)
+    # Of the whole run, not of the chunk that the core was at.
+    kept = ls.open_run(tmp_path / "run", allow_missing=True).state.done_count
+    assert str(stopped.value).startswith(
+        f"interrupted after {kept} of 15 points; {kept} of 15 chunks are kept in "
+    )
     assert ls.open_run(tmp_path / "run").missing
     assert same(ls.sweep(**SIMULATED, out=tmp_path / "run"), ls.sweep(**SIMULATED))

@@ -17,7 +17,7 @@ from run_cases import CLOSED, data_files, partials
 import locosweep as ls
 from locosweep.run_folder import commit
 from locosweep.run_folder.commit import host
-from locosweep.run_folder.log import _line
+from locosweep.run_folder.log_lines import line_of
 from locosweep.run_folder.overview import overview
 
 DRIVER = Path(__file__).with_name("crash_driver.py")
@@ -175,7 +175,7 @@ def test_a_line_that_says_what_cannot_be_counts_as_altered(record: Any, tmp_path
     lines = log.read_bytes().splitlines(keepends=True)
     if isinstance(record, dict) and record.keys() == {"counts"}:
         record = json.loads(lines[-1].rpartition(b"\t")[0]) | record
-    log.write_bytes(b"".join([*lines, _line(record)]))
+    log.write_bytes(b"".join([*lines, line_of(record)]))
     found = overview(run.folder)
     assert found.done == run.manifest.plan.count
     assert sum(w.dropped for w in found.writers) == 1
@@ -186,7 +186,7 @@ def test_a_clock_beyond_the_calendar_is_no_error(tmp_path: Path) -> None:
     run = ls.sweep(**SPEC, out=tmp_path / "run")
     (log,) = (run.folder / "log").iterdir()
     last = json.loads(log.read_bytes().splitlines()[-1].rpartition(b"\t")[0])
-    log.write_bytes(log.read_bytes() + _line(last | {"at": 1e18}))
+    log.write_bytes(log.read_bytes() + line_of(last | {"at": 1e18}))
     assert overview(run.folder).writers[0].last == "at no time"
 
 

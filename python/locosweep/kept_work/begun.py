@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from typing import TYPE_CHECKING, Any
 
@@ -38,8 +39,10 @@ def begin(folder: Path, wanted: Mapping[str, Any], *, force: bool = False) -> No
         The file that says what it was begun for cannot be read.
     """
     path = folder / BEGUN
+    # In this order: another one that begins just now writes it before all else.
+    free = force or _only_partials(folder)
     begun = path.is_file()
-    make_folder(check_folder(folder, force=force or begun))
+    make_folder(check_folder(folder, force=free or begun))
     if not begun:
         write_first(path, (json.dumps(wanted, indent=1) + "\n").encode())
     # Of several that begin at once the first one's word holds.
@@ -57,6 +60,13 @@ def begin(folder: Path, wanted: Mapping[str, Any], *, force: bool = False) -> No
                 "name another folder"
             )
     sweep_staged(folder)
+
+
+def _only_partials(folder: Path) -> bool:
+    """Whether nothing is there but what others are about to write."""
+    with contextlib.suppress(OSError):
+        return all(path.name.endswith(".partial") for path in folder.iterdir())
+    return False
 
 
 def _short(value: object) -> str:

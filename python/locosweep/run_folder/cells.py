@@ -92,6 +92,12 @@ class Cells:
         """Values of the axis that is folded away."""
         return None if self.request.over is None else self.grid.axes[self.request.over]
 
+    @property
+    def points_per_cell(self) -> int:
+        """Evaluations that a cell takes: of each output, along the folded axis."""
+        rivals = 1 if self.rivals is None else len(self.rivals)
+        return rivals * len(self.request.outputs)
+
     def values_at(
         self, key: Sequence[slice | NDArray[Any]], output: int, *, status: bool
     ) -> NDArray[Any]:

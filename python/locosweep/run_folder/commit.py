@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import re
 import secrets
 import shutil
 import socket
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,6 +24,14 @@ _PIECE = 4 << 20
 WRITING = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
 """Flags of a new file; Windows would otherwise turn bytes that look like line ends into two."""
 _PARTIAL = re.compile(r"\.(?P<host>[^.]+)-(?P<pid>\d+)-[0-9a-f]+\.partial$")
+_NO_LINKS = {
+    errno.EPERM, errno.EACCES, errno.EINVAL, errno.ENOSYS, errno.ENOTSUP, errno.EOPNOTSUPP,
+    errno.EMLINK, errno.EXDEV,
+}  # fmt: skip
+"""What file systems without hard links answer: FAT, some of networks, clouds and telephones."""
+_TURN_SECONDS = 10.0
+"""Seconds that one process waits for another one to look and rename, which takes milliseconds."""
+_TURN_PAUSE = 0.02
 
 
 def host() -> str:
@@ -93,11 +103,43 @@ def write_first(path: Path, content: bytes) -> None:
             _write(partial, [content], None)
             step("manifest")
             # A link, unlike renaming, does not replace what another one made meanwhile.
-            with contextlib.suppress(FileExistsError):
+            try:
                 os.link(partial, path)
+            except FileExistsError:
+                pass
+            except OSError as error:
+                if error.errno not in _NO_LINKS:
+                    raise
+                _rename_first(partial, path)
         finally:
             partial.unlink(missing_ok=True)
     sync_folders([path.parent])
+
+
+def _rename_first(partial: Path, path: Path) -> None:
+    """Rename a file unless its name is taken, where the file system has no links.
+
+    Renaming replaces, so that one process at a time looks and renames: the one that made the
+    file of turns. One that dies within leaves it, and nobody can tell that from a slow one.
+    """
+    turn = path.with_name(f"{path.name}.turn.partial")
+    until = time.monotonic() + _TURN_SECONDS
+    while not path.exists():
+        try:
+            os.close(os.open(turn, WRITING, 0o666))
+        except FileExistsError:
+            if time.monotonic() > until:
+                raise InputError(
+                    f"{path}: another process began to write it and did not end: if none runs, "
+                    f"remove {turn} and try again"
+                ) from None
+            time.sleep(_TURN_PAUSE)
+            continue
+        try:
+            if not path.exists():
+                partial.replace(path)
+        finally:
+            turn.unlink(missing_ok=True)
 
 
 def sync_folders(folders: Iterable[Path]) -> None:

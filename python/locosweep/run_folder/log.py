@@ -1,48 +1,27 @@
 """Logs of a run: which chunks are done, by whom, with the hash of each file.
 
-A writer appends to a log of its own, so that no file is appended to by two machines. A line
-is JSON, a tab and its CRC-32: a torn or altered line counts as not written.
+A writer appends to a log of its own, so that no file is appended to by two machines. A torn or
+altered line counts as not written.
 """
 
 from __future__ import annotations
 
 import contextlib
-import json
-import math
+import io
 import os
 import secrets
 import time
-import zlib
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from locosweep.errors import InputError
 from locosweep.run_folder.commit import WRITING, host, sync_folders
 from locosweep.run_folder.faults import step
+from locosweep.run_folder.log_lines import Done, Reader, line_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-
-class Done(NamedTuple):
-    """One finished chunk.
-
-    Attributes
-    ----------
-    files : dict of str to (str, int)
-        SHA-256 and bytes of each file, by the name of its array.
-    counts : dict of str to dict of str to int
-        Cells of each status code, by output.
-    seconds : float
-        What it took to compute.
-    """
-
-    chunk: int
-    files: dict[str, tuple[str, int]]
-    counts: dict[str, dict[str, int]]
-    seconds: float
-    at: float = 0.0
+    from pathlib import Path
 
 
 @dataclass
@@ -54,6 +33,15 @@ class Writer:
     done: list[Done] = field(default_factory=list)
     dropped: int = 0
     """Lines that were torn or altered."""
+
+    def take(self, said: Done | dict[str, Any] | None) -> None:
+        """Add what one line says."""
+        if said is None:
+            self.dropped += 1
+        elif isinstance(said, Done):
+            self.done.append(said)
+        else:
+            self.about = said
 
 
 class Log:
@@ -73,7 +61,7 @@ class Log:
                 {"chunk": one.chunk, "files": one.files, "counts": one.counts,
                  "seconds": round(one.seconds, 6), "at": round(time.time(), 3)}
             )  # fmt: skip
-        self._write(b"".join(_line(line) for line in lines))
+        self._write(b"".join(line_of(line) for line in lines))
 
     def _open(self) -> dict[str, Any]:
         name = f"{host()}-{os.getpid()}-{time.strftime('%Y%m%dT%H%M%S', time.gmtime())}"
@@ -114,14 +102,10 @@ class Log:
             self._handle = None
 
 
-def _line(record: dict[str, Any]) -> bytes:
-    text = json.dumps(record, separators=(",", ":")).encode()
-    return text + b"\t%08x\n" % zlib.crc32(text)
-
-
-def read_logs(folder: Path) -> list[Writer]:
-    """Read all logs; what is torn or altered is dropped and counted."""
+def read_logs(folder: Path, names: Sequence[str]) -> list[Writer]:
+    """Read all logs of a run of arrays `names`; what is torn or altered is dropped and counted."""
     found = []
+    reader = Reader(names)
     try:
         paths = sorted(p for p in folder.iterdir() if p.suffix == ".jsonl")
     except FileNotFoundError:
@@ -130,43 +114,12 @@ def read_logs(folder: Path) -> list[Writer]:
         raise InputError(f"{folder}: cannot read: {error.strerror or error}") from None
     for path in paths:
         try:
-            content = path.read_bytes()
+            content = io.BytesIO(path.read_bytes())
         except OSError as error:
             raise InputError(f"{path}: cannot read: {error.strerror or error}") from None
         writer = Writer(path.stem, {})
-        for line in content.split(b"\n"):
-            if line:
-                _take(line, writer)
+        for line in content:
+            if line != b"\n":
+                writer.take(reader.read(line.rstrip(b"\n")))
         found.append(writer)
     return found
-
-
-def _take(line: bytes, writer: Writer) -> None:
-    text, tab, check = line.rpartition(b"\t")
-    if not tab or check != b"%08x" % zlib.crc32(text):
-        writer.dropped += 1
-        return
-    try:
-        record = json.loads(text.decode())
-        if "chunk" not in record:
-            writer.about = {**record, "at": _finite(record.get("at", 0.0))}
-            return
-        files = {n: (str(sha), int(size)) for n, (sha, size) in record["files"].items()}
-        counts = {
-            name: {code: int(n) for code, n in codes.items()}
-            for name, codes in record["counts"].items()
-        }
-        done = Done(
-            int(record["chunk"]), files, counts, _finite(record["seconds"]), _finite(record["at"])
-        )
-    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError):
-        writer.dropped += 1
-        return
-    writer.done.append(done)
-
-
-def _finite(value: Any) -> float:
-    number = float(value)
-    if not math.isfinite(number):
-        raise ValueError(value)
-    return number

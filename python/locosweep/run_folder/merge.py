@@ -10,7 +10,8 @@ from locosweep.errors import DataFileError, InputError
 from locosweep.run_folder import arrays
 from locosweep.run_folder.begin import make_run, prepare
 from locosweep.run_folder.commit import sync_folders, write_file
-from locosweep.run_folder.log import Done, Log
+from locosweep.run_folder.log import Log
+from locosweep.run_folder.log_lines import Done
 from locosweep.run_folder.manifest import LOGS, NAME, read
 from locosweep.run_folder.name import check_run_name
 from locosweep.run_folder.run import Run

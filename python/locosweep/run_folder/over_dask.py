@@ -20,7 +20,8 @@ from locosweep.run_folder import arrays
 from locosweep.run_folder.begin import refuse_drift
 from locosweep.run_folder.chunk_files import commit_chunk, count_statuses
 from locosweep.run_folder.commit import sync_folders
-from locosweep.run_folder.log import Done, Log
+from locosweep.run_folder.log import Log
+from locosweep.run_folder.log_lines import Done
 from locosweep.run_folder.manifest import LOGS, read
 from locosweep.run_folder.state import State, keeping
 from locosweep.run_folder.work_done import WorkDone

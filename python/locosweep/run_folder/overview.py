@@ -89,7 +89,7 @@ def _pace(writer: Writer, plan: Plan) -> Pace:
     last = max([begin, *(one.at for one in known)])
     # The log begins with its first chunk, whose computation came before.
     taken = last - begin + (known[0].seconds if known else 0.0)
-    rate = sum(plan.cells(one.chunk) for one in known) / taken if taken > 0 else None
+    rate = plan.cells_in([one.chunk for one in known]) / taken if taken > 0 else None
     return Pace(writer.name, len(known), rate, _stamp(last), writer.dropped)
 
 

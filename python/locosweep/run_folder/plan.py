@@ -5,6 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 MOST_BYTES = 64 << 20
 """Of a chunk's arrays together: files large enough for the full rate of a disk, few enough for a
@@ -63,6 +67,15 @@ class Plan:
         """Return the file name of a chunk within its array."""
         return ".".join(["c", *map(str, self.place(chunk))])
 
+    def keys(self, chunks: Sequence[int]) -> list[str]:
+        """Return `key` of many chunks at once, an axis at a time."""
+        rest, words = list(chunks), []
+        for count in reversed(self.parts):
+            words.append([str(chunk % count) for chunk in rest])
+            rest = [chunk // count for chunk in rest]
+        words.append(["c"] * len(rest))
+        return [".".join(places) for places in zip(*reversed(words), strict=True)]
+
     def number(self, key: str) -> int | None:
         """Return the chunk that a file name stands for, None for another file."""
         head, *words = key.split(".")
@@ -81,6 +94,19 @@ class Plan:
         """Return how many cells a chunk holds."""
         places = zip(self.place(chunk), self.chunk, self.shape, strict=True)
         return math.prod(min(c, n - p * c) for p, c, n in places)
+
+    def cells_in(self, chunks: Sequence[int]) -> int:
+        """Return how many cells many chunks hold together, an axis at a time."""
+        rest, found = list(chunks), [1] * len(chunks)
+        axes = zip(self.parts, self.chunk, self.shape, strict=True)
+        for count, cells, length in reversed(list(axes)):
+            last = length - (count - 1) * cells
+            found = [
+                n * (last if chunk % count == count - 1 else cells)
+                for n, chunk in zip(found, rest, strict=True)
+            ]
+            rest = [chunk // count for chunk in rest]
+        return sum(found)
 
 
 def cut(shape: tuple[int, ...], cells: int) -> Plan:

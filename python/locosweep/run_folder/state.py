@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import contextlib
 import gc
+import math
 import os
 from typing import TYPE_CHECKING
 
-from locosweep.errors import InputError
+from locosweep.errors import Cancelled, InputError
 from locosweep.registry import Status
 from locosweep.run_folder import arrays
-from locosweep.run_folder.log import Done, Writer, read_logs
+from locosweep.run_folder.log import Writer, read_logs
 from locosweep.run_folder.manifest import LOGS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from pathlib import Path
 
+    from locosweep.run_folder.log_lines import Done
     from locosweep.run_folder.manifest import Manifest
 
 
@@ -55,18 +57,15 @@ class State:
         processes that each look at all files of a run are more than a file system bears.
         """
         with _no_search_for_circles():
-            self.writers = read_logs(self.folder / LOGS)
-            self._lines = self._fitting_lines()
-            looked_at = self._lines if sizes else self._lines.keys() & self.damaged.keys()
-            found = self._sizes() if sizes else self._sizes_of(looked_at)
-            self.done, self.damaged = {}, {}
-            for chunk, known in self._lines.items():
-                if chunk in looked_at and (
-                    fault := _fault(self.manifest.plan.key(chunk), known, found)
-                ):
-                    self.damaged[chunk] = fault
-                else:
-                    self.done[chunk] = known
+            self.writers = read_logs(self.folder / LOGS, self.array_names)
+            self._lines = lines = self._fitting_lines()
+            looked_at = list(lines if sizes else lines.keys() & self.damaged.keys())
+            keys = self.manifest.plan.keys(looked_at)
+            found = self._sizes() if sizes else self._sizes_of(keys)
+            self.damaged = _faults(lines, dict(zip(looked_at, keys, strict=True)), found)
+            self.done = {**lines}
+            for chunk in self.damaged:
+                del self.done[chunk]
 
     def _fitting_lines(self) -> dict[int, list[Done]]:
         """Lines by chunk; one that says what no chunk of this run can be counts as altered."""
@@ -75,14 +74,18 @@ class State:
         outputs = {output.name for output in cells.outputs}
         found: dict[int, list[Done]] = {}
         for writer in self.writers:
+            # Most lines share what they count, and their sizes.
+            counted = {id(one.counts): one.counts for one in writer.done}
+            sized = {id(one.sizes): one.sizes for one in writer.done}
+            right = {
+                i
+                for i, counts in counted.items()
+                if outputs == counts.keys() and all(c.keys() <= _CODES for c in counts.values())
+            }
+            whole = {i for i, sizes in sized.items() if names == sizes.keys()}
             fitting = []
             for one in writer.done:
-                if (
-                    0 <= one.chunk < count
-                    and names == one.files.keys()
-                    and outputs == one.counts.keys()
-                    and all(codes.keys() <= _CODES for codes in one.counts.values())
-                ):
+                if 0 <= one.chunk < count and id(one.counts) in right and id(one.sizes) in whole:
                     fitting.append(one)
                     found.setdefault(one.chunk, []).append(one)
             writer.dropped += len(writer.done) - len(fitting)
@@ -96,7 +99,7 @@ class State:
         for name in self.array_names:
             sizes = found.setdefault(name, {})
             try:
-                with os.scandir(root / name) as entries:
+                with _listed(root / name) as entries:
                     for entry in entries:
                         sizes[entry.name] = entry.stat(follow_symlinks=False).st_size
             except FileNotFoundError:
@@ -105,11 +108,10 @@ class State:
                 raise InputError(f"{root / name}: {error.strerror or error}") from None
         return found
 
-    def _sizes_of(self, chunks: Iterable[int]) -> dict[str, dict[str, int]]:
+    def _sizes_of(self, keys: Iterable[str]) -> dict[str, dict[str, int]]:
         """Sizes of the files of a few chunks by array and name."""
         found: dict[str, dict[str, int]] = {name: {} for name in self.array_names}
-        for chunk in chunks:
-            key = self.manifest.plan.key(chunk)
+        for key in keys:
             for name, sizes in found.items():
                 with contextlib.suppress(OSError):
                     path = self.folder / arrays.STORE / name / key
@@ -141,14 +143,42 @@ class State:
         return all((root / name / key).exists() for name in self.array_names)
 
 
+def _faults(
+    lines: dict[int, list[Done]], keys: dict[int, str], sizes: dict[str, dict[str, int]]
+) -> dict[int, str]:
+    """Say of each of the chunks `keys` which file has not the size that any of its lines tells."""
+    doubtful: set[int] = set()
+    for name, files in sizes.items():
+        size = files.get
+        doubtful.update(c for c, key in keys.items() if lines[c][0].sizes[name] != size(key))
+    # In the order of the logs.
+    found = {c: _fault(keys[c], lines[c], sizes) for c in keys if c in doubtful}
+    return {chunk: fault for chunk, fault in found.items() if fault}
+
+
 def _fault(key: str, lines: list[Done], sizes: dict[str, dict[str, int]]) -> str | None:
     """Say which file of a chunk has not the size that any of its lines tells."""
     for name, files in sizes.items():
         size = files.get(key)
-        if lines[0].files[name][1] != size and all(one.files[name][1] != size for one in lines):
+        if all(one.sizes[name] != size for one in lines):
             what = "is not there" if size is None else f"has {size} bytes"
             return f"{name}/{key} {what}"
     return None
+
+
+@contextlib.contextmanager
+def _listed(folder: Path) -> Iterator[Iterator[os.DirEntry[str]]]:
+    """List a folder by its handle where there is one: names then need no search for the folder."""
+    if os.scandir not in os.supports_fd:
+        with os.scandir(folder) as entries:
+            yield entries
+        return
+    handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        with os.scandir(handle) as entries:
+            yield entries
+    finally:
+        os.close(handle)
 
 
 @contextlib.contextmanager
@@ -173,12 +203,18 @@ def altered(folder: Path, chunk: int, what: str) -> str:
 
 @contextlib.contextmanager
 def keeping(folder: Path, manifest: Manifest) -> Iterator[None]:
-    """Say, where what fills a run fails, how much of it is kept."""
+    """Say, where what fills a run fails or is stopped, how much of it is kept."""
+    plan, each = manifest.plan, manifest.cells.points_per_cell
     try:
         yield
-    except InputError as error:
-        done = State(folder, manifest).done_count
+    except (InputError, Cancelled) as error:
+        done = State(folder, manifest).done
+        what = str(error)
+        if isinstance(error, Cancelled):
+            # The core knows of one chunk only.
+            points, all_ = plan.cells_in(list(done)) * each, math.prod(plan.shape) * each
+            what = f"interrupted after {points} of {all_} points"
         raise type(error)(
-            f"{error}; {done} of {manifest.plan.count} chunks are kept in {folder}, the same sweep "
-            "goes on from there"
+            f"{what}; {len(done)} of {plan.count} chunks are kept in {folder}, the same sweep goes "
+            "on from there"
         ) from None

@@ -27,8 +27,7 @@ class WorkDone:
     def __init__(
         self, cells: Cells, plan: Plan, missing: Sequence[int], shown: bool | Progress
     ) -> None:
-        rivals = 1 if cells.rivals is None else len(cells.rivals)
-        self._per_cell = rivals * len(cells.outputs)
+        self._per_cell = cells.points_per_cell
         self._plan = plan
         self._total = sum(plan.cells(chunk) for chunk in missing) * self._per_cell
         self._done = self._seen = self._without = 0

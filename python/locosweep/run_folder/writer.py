@@ -15,7 +15,8 @@ from locosweep.run_folder import arrays
 from locosweep.run_folder.cells import NUMERICS_VERSION
 from locosweep.run_folder.chunk_files import commit_chunk, count_statuses
 from locosweep.run_folder.commit import sync_folders
-from locosweep.run_folder.log import Done, Log
+from locosweep.run_folder.log import Log
+from locosweep.run_folder.log_lines import Done
 from locosweep.run_folder.manifest import LOGS
 from locosweep.run_folder.plan import HELD
 from locosweep.run_folder.state import keeping
