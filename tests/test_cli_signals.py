@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from locosweep.cli import signals
+from locosweep.cli import main, signals
 
 pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="no SIGHUP here")
 LONG = [
@@ -87,6 +87,37 @@ def test_an_end_that_is_lost_in_a_library_comes_again(name: str, code: int, tmp_
     )  # fmt: skip
     said = "locosweep: interrupted\n" if code == 130 else ""
     assert (done.returncode, done.stdout, done.stderr) == (code, "cleaned up\n", said)
+
+
+@pytest.mark.usefixtures("ctrl_c")
+def test_a_command_gives_the_signals_back(capsys: pytest.CaptureFixture[str]) -> None:
+    taken = (signal.SIGTERM, signal.SIGHUP, signal.SIGINT, signal.SIGALRM)
+    before = [signal.getsignal(number) for number in taken]
+    for arguments in (["reasons"], ["no-such-command"]):
+        main(arguments)
+        assert [signal.getsignal(number) for number in taken] == before
+    capsys.readouterr()
+
+
+@pytest.mark.parametrize(("name", "code"), [("SIGTERM", 15), ("SIGHUP", 1)])
+def test_a_signal_after_the_command_ends_the_process_by_itself(
+    name: str, code: int, tmp_path: Path
+) -> None:
+    """Not by SIGALRM, of a timer that nobody heeds where the interpreter ends."""
+    script = (
+        "import atexit, os, signal, sys, time; from locosweep.cli import main\n"
+        "class Slow:\n"
+        "    def __del__(self): time.sleep(0.3)\n"
+        f"signal.signal(signal.{name}, signal.SIG_DFL)\n"
+        "sys.modules['slow'] = Slow()\n"
+        f"atexit.register(lambda: (os.kill(os.getpid(), signal.{name}), time.sleep(0.2)))\n"
+        "sys.argv[1:] = ['reasons']; sys.exit(main())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, timeout=60,
+        check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (-code, "")
 
 
 def test_what_ignores_hanging_up_goes_on(tmp_path: Path) -> None:

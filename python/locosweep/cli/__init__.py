@@ -41,7 +41,15 @@ from locosweep.cli.registry_lists import (
 )
 from locosweep.cli.reproduce import reproduce
 from locosweep.cli.screen import screen
-from locosweep.cli.signals import INTERRUPTED, end_at_once, listen, pressed, rest, terminated
+from locosweep.cli.signals import (
+    INTERRUPTED,
+    end_at_once,
+    leave,
+    listen,
+    pressed,
+    rest,
+    terminated,
+)
 from locosweep.cli.simulate import simulate
 from locosweep.cli.status import status
 from locosweep.cli.sweep import sweep
@@ -94,7 +102,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return _main(given, process=arguments is None)
     finally:
-        rest()
+        leave()
 
 
 def _main(given: list[str], *, process: bool) -> int:

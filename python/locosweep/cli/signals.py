@@ -6,7 +6,10 @@ import os
 import signal
 import sys
 import threading
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 INTERRUPTED = 130
 _TERMINATED = {"SIGTERM": 143, "SIGHUP": 129}
@@ -31,23 +34,57 @@ class _End:
     asked: BaseException | None = None
 
 
+_before: dict[int, Any] = {}
+"""What answered each signal before the command took it over."""
+
+
 def listen() -> None:
     """Take over the signals of this process, where it is the main thread that asks.
 
     Signals that are ignored stay so: Ctrl-C in the background of a script, SIGHUP under nohup.
+    `leave` gives them back.
     """
     _Presses.count = 0
     rest()
     if not _is_main():
         return
-    signal.signal(signal.SIGTERM, _terminate)
-    if hasattr(signal, "SIGALRM"):
-        signal.signal(signal.SIGALRM, _look)
+    _take(signal.SIGTERM, _terminate)
     hung_up = getattr(signal, "SIGHUP", None)
     if hung_up is not None and signal.getsignal(hung_up) is not signal.SIG_IGN:
-        signal.signal(hung_up, _terminate)
+        _take(hung_up, _terminate)
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, _interrupt)
+        _take(signal.SIGINT, _interrupt)
+    if hasattr(signal, "SIGALRM"):
+        _take(signal.SIGALRM, _look)
+
+
+def _take(number: int, answer: Callable[..., Any]) -> None:
+    _before.setdefault(number, signal.signal(number, answer))
+
+
+def leave() -> None:
+    """Give the signals back: those that come later are for whoever called the command.
+
+    Its own process unloads then. A timer that SIGTERM starts there would end it as SIGALRM does,
+    since an interpreter that ends has no handlers left.
+    """
+    if not _is_main():
+        return
+    alarm = _before.pop(getattr(signal, "SIGALRM", -1), None)
+    try:
+        while _before:
+            _give(*_before.popitem())
+    finally:
+        # After the signals that start the timer, and also where one of them came just now.
+        rest()
+        if alarm is not None:
+            _give(signal.SIGALRM, alarm)
+
+
+def _give(number: int, answer: Any) -> None:
+    # One that was not set by Python reads as None, and cannot be set by it.
+    if answer is not None:
+        signal.signal(number, answer)
 
 
 def _is_main() -> bool:
