@@ -62,10 +62,10 @@ def test_a_merge_goes_on_and_takes_what_is_there(tmp_path: Path) -> None:
 def test_what_does_not_belong_together_is_refused(tmp_path: Path) -> None:
     first = part(tmp_path / "first", {**CLOSED, "chunk": 40}, {0})
     for name, other, words in (
-        ("sweep", {**CLOSED, "mu_coulomb": 0.2, "chunk": 40}, "another sweep"),
-        ("chunks", {**CLOSED, "chunk": 50}, "other chunks"),
+        ("sweep", {**CLOSED, "mu_coulomb": 0.2, "chunk": 40}, "another sweep than .*first"),
+        ("chunks", {**CLOSED, "chunk": 50}, r"other chunks than .*first \(give .*--chunk\)"),
     ):
-        with pytest.raises(ls.InputError, match=f"{name} has {words}.*allowed are runs of one"):
+        with pytest.raises(ls.InputError, match=f"{name} has {words}: allowed are runs of one"):
             merge([first, part(tmp_path / name, other, {0})], tmp_path / "out")
     with pytest.raises(ls.InputError, match="at least one"):
         merge([], tmp_path / "out")

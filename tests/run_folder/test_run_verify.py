@@ -148,29 +148,32 @@ def test_an_altered_manifest_is_refused(
 
 
 @pytest.mark.parametrize(
-    "change",
+    ("change", "words"),
     [
-        lambda r: r["plan"].update(chunk=[1]),
-        lambda r: r["plan"].update(chunk=[0, 1, 1]),
-        lambda r: r["plan"].update(shape=[9, 9, 9]),
-        lambda r: r["plan"].update(shape="abc"),
-        lambda r: r["store"].update({"../../evil/zarr.json": "{}"}),
-        lambda r: r["store"].pop("zarr.json"),
-        lambda r: r.update(spec="not TOML ["),
-        lambda r: r.update(store=3),
-        lambda r: r.pop("probe"),
+        (lambda r: r["plan"].update(chunk=[1]), "do not fit each other"),
+        (lambda r: r["plan"].update(chunk=[0, 1, 1]), "do not fit each other"),
+        (lambda r: r["plan"].update(shape=[9, 9, 9]), "do not fit each other"),
+        (lambda r: r["plan"].update(shape="abc"), "a value in it is not of the kind"),
+        (lambda r: r["store"].update({"../../evil/zarr.json": "{}"}), "do not fit each other"),
+        (lambda r: r["store"].pop("zarr.json"), "do not fit each other"),
+        (lambda r: r.update(spec="not TOML ["), "not a manifest"),
+        (lambda r: r.update(spec=3), "a value in it is not of the kind"),
+        (lambda r: r.update(store=3), "a value in it is not of the kind"),
+        (lambda r: r.pop("probe"), "'probe' is missing"),
     ],
 )
-def test_a_manifest_made_by_hand_is_refused(change: Callable[[Any], Any], folder: Path) -> None:
+def test_a_manifest_made_by_hand_is_refused(
+    change: Callable[[Any], Any], words: str, folder: Path
+) -> None:
     """Its hash is right, so that only what it says can be wrong."""
     path = folder / "manifest.json"
     record = json.loads(path.read_bytes())
     change(record)
     record["sha256"] = _digest(record)
     path.write_text(json.dumps(record))
-    with pytest.raises(ls.DataFileError):
+    with pytest.raises(ls.DataFileError, match=words):
         ls.open_run(folder)
-    with pytest.raises(ls.DataFileError):
+    with pytest.raises(ls.DataFileError, match=words):
         verify(folder)
     assert not (folder.parent / "evil").exists()
 

@@ -95,8 +95,12 @@ class Cells:
     @property
     def points_per_cell(self) -> int:
         """Evaluations that a cell takes: of each output, along the folded axis."""
-        rivals = 1 if self.rivals is None else len(self.rivals)
-        return rivals * len(self.request.outputs)
+        return self._per_output * len(self.request.outputs)
+
+    @property
+    def _per_output(self) -> int:
+        """Evaluations that one output of a cell takes."""
+        return 1 if self.rivals is None else len(self.rivals)
 
     def values_at(
         self, key: Sequence[slice | NDArray[Any]], output: int, *, status: bool
@@ -191,7 +195,6 @@ class Cells:
 
     def seconds_per_cell(self, threads: int) -> float:
         """Measure how long a cell takes, its folded axis included."""
-        rivals = 1 if self.rivals is None else len(self.rivals)
         count = _PROBE_CELLS
         while True:
             axes = _spread(self.grid.axes, count)
@@ -202,7 +205,7 @@ class Cells:
             taken = time.perf_counter() - begin
             done = int(np.prod([len(axis) for axis in axes.values()], dtype=object))
             if taken > _TIMED or count > 1 << 20 or done < count // 8:
-                return taken / done * rivals
+                return taken / done * self._per_output
             count *= 8
 
 

@@ -116,9 +116,17 @@ def read(folder: Path) -> Manifest:
         )  # fmt: skip
         found.check()
     except (AttributeError, KeyError, TypeError, ValueError, RecursionError) as error:
-        what = str(error) if isinstance(error, InputError) else f"{NAME} has no {error}"
-        raise DataFileError(f"{path}: not a manifest of a run folder: {what}") from None
+        raise DataFileError(f"{path}: not a manifest of a run folder: {_what(error)}") from None
     return found
+
+
+def _what(error: Exception) -> str:
+    """Say what is wrong with a manifest; Python's own words name no part of it."""
+    if isinstance(error, InputError):
+        return str(error)
+    if isinstance(error, KeyError):
+        return f"{error} is missing"
+    return "a value in it is not of the kind that belongs there"
 
 
 def store_files(manifest: Manifest) -> dict[str, bytes]:

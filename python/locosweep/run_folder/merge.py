@@ -80,17 +80,19 @@ def merge(
 
 def _check_same(source: Path, manifest: Manifest, first: Path, whole: Manifest) -> None:
     """Refuse what does not belong together."""
-    reason = None
+    reason, advice = None, ""
     if manifest.spec_sha256 != whole.spec_sha256:
         reason = "another sweep"
     elif (manifest.numerics_version, manifest.probe) != (whole.numerics_version, whole.probe):
-        reason = "other bits, of another version or SIMD level"
+        reason, advice = "other bits", " (computed by another version, or at another SIMD level)"
     elif manifest.plan != whole.plan:
-        reason = "other chunks (give all of them the same --chunk)"
+        reason, advice = "other chunks", " (give all of them the same --chunk)"
     elif manifest.store != whole.store:
-        reason = "arrays described otherwise, by another version"
+        reason, advice = "other descriptions of its arrays", " (written by another version)"
     if reason is not None:
-        raise InputError(f"{source} has {reason} than {first}: allowed are runs of one sweep")
+        raise InputError(
+            f"{source} has {reason} than {first}{advice}: allowed are runs of one sweep"
+        )
 
 
 def _copy(source: Path, theirs: State, folder: Path, chunk: int) -> Done:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import queue
 import threading
 import time
@@ -81,6 +82,10 @@ class Filler:
         self._waiting: queue.SimpleQueue[tuple[int, list[Block], float] | None] = (
             queue.SimpleQueue()
         )
+        # Not Thread.join: before Python 3.13, one that a signal interrupts takes its thread for
+        # ended, and the end of this process would cut what that is writing.
+        self._ended: queue.SimpleQueue[None] = queue.SimpleQueue()
+        self._writing = 0
         self._room = threading.Semaphore(HELD - 1)
         self._renamed: list[Done] = []
         self._stopped = False
@@ -94,27 +99,26 @@ class Filler:
         `expected` is what `chunks` will give, as far as it is known, for the progress.
         """
         work = WorkDone(self._cells, self._manifest.plan, expected, progress)
-        writers = [threading.Thread(target=self._write_all, daemon=True) for _ in range(_WRITERS)]
-        for writer in writers:
-            writer.start()
+        for _ in range(_WRITERS):
+            threading.Thread(target=self._write_all, daemon=True).start()
+            self._writing += 1
         try:
             with keeping(self._folder, self._manifest):
-                self._fill(chunks, writers, work)
+                self._fill(chunks, work)
         finally:
             work.close()
         self._log.close()
 
-    def _fill(self, chunks: Iterable[int], writers: list[threading.Thread], work: WorkDone) -> None:
+    def _fill(self, chunks: Iterable[int], work: WorkDone) -> None:
         try:
             for chunk in chunks:
                 self._compute(chunk, work)
-            for _ in writers:
-                self._waiting.put(None)
-            for writer in writers:
-                writer.join()
+            self._end_writers()
             self._raise_fault()
         except BaseException:
-            self._end(writers)
+            self._stopped = True
+            # One that waits for the disk is left to end with the process.
+            self._end_writers(_PATIENCE)
             raise
 
     def _compute(self, chunk: int, work: WorkDone) -> None:
@@ -131,16 +135,26 @@ class Filler:
         if self._fault is not None:
             raise self._fault
 
-    def _end(self, writers: list[threading.Thread]) -> None:
-        """Stop the writers; one that waits for the disk is left to end with the process."""
-        self._stopped = True
-        for _ in writers:
+    def _end_writers(self, patience: float = math.inf) -> None:
+        """Wait until the writers have done what waits for them, so many seconds at most."""
+        for _ in range(_WRITERS):
             self._waiting.put(None)
-        until = time.monotonic() + _PATIENCE
-        for writer in writers:
-            writer.join(max(0.0, until - time.monotonic()))
+        until = time.monotonic() + patience
+        while self._writing:
+            left = until - time.monotonic()
+            try:
+                self._ended.get(timeout=None if math.isinf(left) else max(0.0, left))
+            except queue.Empty:
+                return
+            self._writing -= 1
 
     def _write_all(self) -> None:
+        try:
+            self._write_waiting()
+        finally:
+            self._ended.put(None)
+
+    def _write_waiting(self) -> None:
         while (item := self._waiting.get()) is not None:
             try:
                 if not self._stopped:
