@@ -271,8 +271,8 @@ def _select(data: _Data, task: _Task) -> _Selected:
     search = _search_of(data.problem, data.scale, task, along, judges=not data.held_by_user)
     choice = choose(search, task.max_effects)
     selected = _Selected(search, choice)
-    asks = choice.refuted or (choice.status == "none" and kept_may_show_a_gap(search, choice))
-    if asks and data.whole.held and not data.held_by_user and data.plan is None:
+    may_add = bool(data.whole.held) and not data.held_by_user and data.plan is None
+    if may_add and (choice.refuted or kept_may_show_a_gap(search, choice)):
         selected = _fitted_to_all(data, task, selected)
     elif choice.refuted and choice.fit.model.names:
         sure = float(np.clip(1.0 - choice.probability, *_SURE))

@@ -32,6 +32,7 @@ _NO_LINKS = {
 _TURN_SECONDS = 10.0
 """Seconds that one process waits for another one to look and rename, which takes milliseconds."""
 _TURN_PAUSE = 0.02
+"""Seconds between two looks at the file of turns."""
 
 
 def host() -> str:

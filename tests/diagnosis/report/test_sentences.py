@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
-from locosweep.diagnosis.report.sentences import advice, no_gap, summary
+from locosweep.diagnosis.report.sentences import advice, no_gap, shortfall, summary
 
 
 def report(status: str, *classes: list[str], **more: Any) -> dict[str, Any]:
@@ -99,8 +99,13 @@ class TestUnexplained:
 
     def test_a_force_that_is_in_no_list(self) -> None:
         unlisted = {"family": "force by place, both ways alike", "like": "a tether"}
-        text = summary(report("unexplained", verdict={"unlisted": unlisted}))
-        assert "looks like a force by place, both ways alike, as of a tether" in text
+        rows = [{"effects": ["drive_lag"], "shrink": 0.4}]
+        text = summary(report("unexplained", verdict={"unlisted": unlisted}, candidates=rows))
+        assert "as well as a force by place, both ways alike, as of a tether, does" in text
+        # A single effect may come down to the noise as well.
+        assert "nearest comes drive lag (" in text
+        assert shortfall({"unlisted": unlisted}) == "does less than a force in no list"
+        assert shortfall({"unlisted": None}) == "leaves more than noise"
 
 
 class TestPartial:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -74,3 +76,21 @@ def test_a_kept_run_with_a_gap_asks_for_fits_to_all() -> None:
         choice = choose(search, 1)
         assert choice.status == "none"
         assert kept_may_show_a_gap(search, choice) == more
+
+
+def test_a_single_effect_is_outdone_by_a_force_that_no_effect_stands_for() -> None:
+    """A weak spring to the middle of the way: friction that drifts leaves but noise, too."""
+    runs = driven()
+    ways = [run.channels["x"] for run in measured({}, runs)]
+    pulled = [
+        replace(run, drive=run.drive - 1e-3 * (x - 0.5 * x.max()))
+        for run, x in zip(runs, ways, strict=True)
+    ]
+    drift = {"friction_drift": {"a": 2e-3, "T": 1.0}}
+    for found, unlisted in ((measured({}, pulled), "terrain"), (measured(drift, runs), "")):
+        given = [replace(one, drive=run.drive) for one, run in zip(found, runs, strict=True)]
+        choice = choose(search_of(given, "friction_drift", "direction_dependent_friction"), 1)
+        assert (choice.unlisted, choice.outdone) == (unlisted, bool(unlisted))
+        assert choice.status == ("unexplained" if unlisted else "explained")
+        assert not choice.whiteness.rejected
+        assert choice.fit.chi2 < search_of(given).none.chi2 - 30.0

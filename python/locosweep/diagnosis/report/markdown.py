@@ -6,7 +6,7 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from locosweep.diagnosis.report.figures_style import unit_text, words
-from locosweep.diagnosis.report.sentences import advice
+from locosweep.diagnosis.report.sentences import advice, shortfall
 from locosweep.diagnosis.report.units import WIDE, rounded
 from locosweep.diagnosis.report.written import (
     HEADLINES,
@@ -39,8 +39,8 @@ def markdown(diagnosis: Diagnosis) -> str:
         parts.append(f"**{_text(todo)}**")
     parts += [*_gap(d), *_causes(d)]
     if d.status == "unexplained":
-        parts.append("No effect is named: what comes nearest leaves more than noise, and is no "
-                     "cause.")  # fmt: skip
+        short = shortfall(d.report["verdict"])
+        parts.append(f"No effect is named: what comes nearest {short}, and is no cause.")
     if d.unlisted:
         parts.append(_text(f"A cause that is in no list does better than any known effect: a "
                            f"{d.unlisted['family']}, as of {d.unlisted['like']}."))  # fmt: skip

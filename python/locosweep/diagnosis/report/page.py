@@ -13,7 +13,7 @@ from locosweep.diagnosis.report.curves import curves
 from locosweep.diagnosis.report.figures_cause import leading
 from locosweep.diagnosis.report.figures_motion import runs_small
 from locosweep.diagnosis.report.figures_style import unit_text, words
-from locosweep.diagnosis.report.sentences import advice
+from locosweep.diagnosis.report.sentences import advice, shortfall
 from locosweep.diagnosis.report.units import WIDE, is_rotary, rotary_unit, rounded
 from locosweep.diagnosis.report.written import HEADLINES, interval, number, percent, plain, sizes
 from locosweep.plot.explorer.page import digest_of, json_block, script_of, templates
@@ -65,6 +65,7 @@ def page(diagnosis: Diagnosis, shown: Mapping[str, bytes], command: str | None =
         settings=_settings(diagnosis, command),
         made=f" on {made}" if (made := diagnosis.details.get("made")) else "",
         todo=advice(diagnosis.report),
+        shortfall=shortfall(diagnosis.report["verdict"]),
         model=[*_model(diagnosis)],
         curves=json_block(runs) if runs["runs"] else "",
         numbers=numbers,

@@ -74,11 +74,15 @@ def summary(report: dict[str, Any]) -> str:
     if verdict["status"] == "unexplained":
         best = next((c for c in report["candidates"] if c["effects"]), None)
         near = ""
+        if best and best["shrink"] is not None:
+            near = f"; nearest comes {' with '.join(map(_said, best['effects']))}"
         if unlisted := verdict["unlisted"]:
-            near = f"; it looks like a {unlisted['family']}, as of {unlisted['like']}"
-        elif best and best["shrink"] is not None:
-            names = " with ".join(map(_said, best["effects"]))
-            near = f"; nearest comes {names}, which leaves more than noise"
+            force = f"a {unlisted['family']}, as of {unlisted['like']}"
+            return (
+                f"No known effect accounts for the gap as well as {force}, does: {size}{near} "
+                f"({sure} sure)."
+            )
+        near += f", which {shortfall(verdict)}" if near else ""
         return f"A gap is there that no known effect accounts for: {size}{near} ({sure} sure)."
     if verdict["status"] == "partial":
         return _partial(report, sure)
@@ -96,6 +100,11 @@ def summary(report: dict[str, Any]) -> str:
     if verdict["status"] == "ambiguous":
         text += "; these runs cannot tell which"
     return f"{text} ({sure} sure)."
+
+
+def shortfall(verdict: dict[str, Any]) -> str:
+    """Return why the set that comes nearest is no cause, where nothing explains the gap."""
+    return "does less than a force in no list" if verdict["unlisted"] else "leaves more than noise"
 
 
 def advice(report: dict[str, Any]) -> str:

@@ -69,7 +69,7 @@ def follow_limit(beside: Fit, fits: Sequence[Fit]) -> float:
 
 
 def apart(fits: Sequence[Fit]) -> list[Fit]:
-    """Leave out what has come to the same end as another fit of its model.
+    """Leave out what has come to the same end as a fit of its model that stands before it.
 
     It has, where chi2 differs by less than 1 and no parameter by more than its deviation.
     """

@@ -141,17 +141,21 @@ def unlisted_rival(
     """
     names = frozenset(found.model.names)
     single = len(names) == 1 and not mismatch
+    alone = -limits.WIDER_LAW_GAIN if single else limits.LEAST_GAIN
+    # Terms by the acceleration hold friction of either direction: as well as another law of it is
+    # what they always do.
+    variables = UNLISTED if single else UNLISTED[:1]
     sets = dict.fromkeys([frozenset[str](), *(names - {name} for name in names)])
     noise = noise_level(search.problem, found.residual)
+    ahead = {"": 0.0}
     for fit in (known.fits[key] for key in sets if key in known.fits):
-        margin = 0.0 if fit.model.names else limits.LEAST_GAIN
-        margin = -limits.WIDER_LAW_GAIN if single else margin
+        margin = 0.0 if fit.model.names else alone
         terms = NonparametricCorrection(search.problem, fit)
-        for variable in UNLISTED if single else UNLISTED[:1]:
+        for variable in variables:
             gain = terms.log_bayes_factor([variable], noise) * noise
-            if search.score(fit) - gain < score + margin:
-                return variable
-    return ""
+            by = score + margin - (search.score(fit) - gain)
+            ahead[variable] = max(ahead.get(variable, by), by)
+    return max(ahead, key=lambda variable: ahead[variable])
 
 
 def without_bending_effect(

@@ -243,6 +243,8 @@ def kept_may_show_a_gap(search: Search, choice: Choice) -> bool:
     They may if the nominal model leaves more than noise of the runs kept from fits, or if some
     effect predicts these better.
     """
+    if choice.status != "none":
+        return False
     problem = search.problem
     e = validation_residuals(problem, [point_of(problem, search.none)])[0]
     beyond = whiteness_test(problem, e, problem.held).deviations
