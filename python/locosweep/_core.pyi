@@ -1,7 +1,8 @@
 from _typeshed import Incomplete, SupportsGetItem
+from os import PathLike
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["CancelToken", "Drive", "Effect", "EffectFit", "EffectShape", "EquationError", "Experiment", "FrictionCandidate", "FrictionData", "FrictionOutcome", "FrictionParameter", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Misfit", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "derivative", "drives", "effect_parameter_count", "effects", "falls", "file_choices", "file_keys", "gait_outputs", "gait_parameters", "gait_run", "gaits", "imposed_force", "laws", "linear_response", "methods", "motor_power", "nearest", "noise", "parameters", "pressings", "quantities", "rank_fits", "reality_forms", "reality_run", "reality_source", "reductions", "sensitivity_directions", "simd_level", "simd_levels", "spikes", "statuses", "threads_to_use", "version"]
+__all__ = ["CancelToken", "Drive", "Effect", "EffectFit", "EffectShape", "EquationError", "Experiment", "FrictionCandidate", "FrictionData", "FrictionOutcome", "FrictionParameter", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Misfit", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "derivative", "drives", "effect_parameter_count", "effects", "falls", "file_choices", "file_keys", "file_sizes", "gait_outputs", "gait_parameters", "gait_run", "gaits", "imposed_force", "laws", "linear_response", "methods", "motor_power", "nearest", "noise", "parameters", "pressings", "quantities", "rank_fits", "reality_forms", "reality_run", "reality_source", "reductions", "sensitivity_directions", "simd_level", "simd_levels", "spikes", "statuses", "threads_to_use", "version"]
 
 @final
 class CancelToken:
@@ -774,6 +775,14 @@ def file_choices() -> list[tuple[str, str, list[str]]]:
 def file_keys() -> list[Parameter]:
     """
     Keys of a robot file that are not parameters of the closed forms.
+    """
+
+def file_sizes(folders: SupportsGetItem[int, str | PathLike[str]]) -> list[dict[str, int]]:
+    """
+    Bytes of each entry of each folder, by name; links are not followed. Empty where there is
+    no folder.
+
+    OSError, with its number and its folder, where one cannot be read.
     """
 
 def gait_outputs() -> list[GaitOutput]:

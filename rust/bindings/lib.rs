@@ -4,6 +4,7 @@ mod arrays;
 mod door;
 mod effects;
 mod equation_error;
+mod file_sizes;
 mod fit;
 mod friction_fit;
 mod gait;
@@ -20,6 +21,8 @@ mod _core {
     use super::effects::{EffectFit, EffectRecord, EffectShape, effect_parameter_count, effects};
     #[pymodule_export]
     use super::equation_error::EquationError;
+    #[pymodule_export]
+    use super::file_sizes::file_sizes;
     #[pymodule_export]
     use super::fit::{Experiment, Misfit};
     #[pymodule_export]

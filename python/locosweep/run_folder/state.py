@@ -5,9 +5,9 @@ from __future__ import annotations
 import contextlib
 import gc
 import math
-import os
 from typing import TYPE_CHECKING
 
+from locosweep import _core
 from locosweep.errors import Cancelled, InputError
 from locosweep.registry import Status
 from locosweep.run_folder import arrays
@@ -94,19 +94,12 @@ class State:
 
     def _sizes(self) -> dict[str, dict[str, int]]:
         """Sizes of all files by array and name."""
-        found: dict[str, dict[str, int]] = {}
-        root = self.folder / arrays.STORE
-        for name in self.array_names:
-            sizes = found.setdefault(name, {})
-            try:
-                with _listed(root / name) as entries:
-                    for entry in entries:
-                        sizes[entry.name] = entry.stat(follow_symlinks=False).st_size
-            except FileNotFoundError:
-                continue
-            except OSError as error:
-                raise InputError(f"{root / name}: {error.strerror or error}") from None
-        return found
+        names = self.array_names
+        folders = [self.folder / arrays.STORE / name for name in names]
+        try:
+            return dict(zip(names, _core.file_sizes(folders), strict=True))
+        except OSError as error:
+            raise InputError(f"{error.filename}: {error.strerror or error}") from None
 
     def _sizes_of(self, keys: Iterable[str]) -> dict[str, dict[str, int]]:
         """Sizes of the files of a few chunks by array and name."""
@@ -164,21 +157,6 @@ def _fault(key: str, lines: list[Done], sizes: dict[str, dict[str, int]]) -> str
             what = "is not there" if size is None else f"has {size} bytes"
             return f"{name}/{key} {what}"
     return None
-
-
-@contextlib.contextmanager
-def _listed(folder: Path) -> Iterator[Iterator[os.DirEntry[str]]]:
-    """List a folder by its handle where there is one: names then need no search for the folder."""
-    if os.scandir not in os.supports_fd:
-        with os.scandir(folder) as entries:
-            yield entries
-        return
-    handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        with os.scandir(handle) as entries:
-            yield entries
-    finally:
-        os.close(handle)
 
 
 @contextlib.contextmanager
