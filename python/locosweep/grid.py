@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from numbers import Real
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from locosweep import _core
 from locosweep.errors import InputError
-from locosweep.registry import parameter
+from locosweep.registry import parameter, unknown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -163,6 +163,51 @@ def index_of(name: str, axis: NDArray[np.float64], wanted: object, *, nearest: b
     if not near.any():
         raise InputError(f"{name} is {number:g}: allowed are the values of that axis, {few(axis)}")
     return int(np.argmax(near))
+
+
+class Selection(NamedTuple):
+    """A part of a grid: where it stands along each axis, and what its axes are then."""
+
+    indices: list[int | NDArray[np.intp]]
+    """For each axis the index of the value that takes it away, or those of the values kept."""
+    axes: dict[str, NDArray[np.float64]]
+    fixed: dict[str, float]
+
+
+def select(
+    axes: Mapping[str, NDArray[np.float64]],
+    fixed: Mapping[str, float],
+    at: Mapping[str, Any],
+    method: str | None = None,
+) -> Selection:
+    """Return the part of a grid at some values of its axes, see `Result.sel`.
+
+    Raises
+    ------
+    InputError
+        An unknown axis or method, or a value that does not stand in its axis.
+    """
+    if method not in (None, "nearest"):
+        raise InputError(f"method is {method!r}: allowed are None and 'nearest'")
+    for name in at:
+        if name not in axes:
+            raise unknown("axis", name, axes)
+    near = method == "nearest"
+    found = Selection([], {}, dict(fixed))
+    for name, axis in axes.items():
+        wanted = at.get(name, axis)
+        if np.ndim(wanted) == 0:
+            found.indices.append(index_of(name, axis, wanted, nearest=near))
+            found.fixed[name] = float(axis[found.indices[-1]])
+            continue
+        some = np.arange(len(axis))
+        if name in at:
+            if not len(wanted):
+                raise InputError(f"{name} is empty: allowed is a value or more, {few(axis)}")
+            some = np.array([index_of(name, axis, one, nearest=near) for one in wanted], int)
+        found.indices.append(some)
+        found.axes[name] = axis[some]
+    return found
 
 
 def few(axis: NDArray[np.float64], most: int = 10) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from locosweep import _core, memory
 from locosweep.errors import InputError
-from locosweep.grid import few, index_of
+from locosweep.grid import select
 from locosweep.registry import Status, parameter, quantity, unknown, words_of_name
 
 if TYPE_CHECKING:
@@ -234,27 +234,7 @@ class Result:
         >>> r.sel(slope_deg=9.2, method="nearest").fixed["slope_deg"]
         10.0
         """
-        if method not in (None, "nearest"):
-            raise InputError(f"method is {method!r}: allowed are None and 'nearest'")
-        for name in at:
-            if name not in self.axes:
-                raise unknown("axis", name, self.axes)
-        near = method == "nearest"
-        index: list[int | NDArray[np.intp]] = []
-        axes, fixed = {}, dict(self.fixed)
-        for name, axis in self.axes.items():
-            wanted = at.get(name, axis)
-            if np.ndim(wanted) == 0:
-                index.append(index_of(name, axis, wanted, nearest=near))
-                fixed[name] = float(axis[index[-1]])
-                continue
-            some = np.arange(len(axis))
-            if name in at:
-                if not len(wanted):
-                    raise InputError(f"{name} is empty: allowed is a value or more, {few(axis)}")
-                some = np.array([index_of(name, axis, one, nearest=near) for one in wanted], int)
-            index.append(some)
-            axes[name] = axis[some]
+        index, axes, fixed = select(self.axes, self.fixed, at, method)
 
         # One axis after the other, the last first, so that a dropped one shifts none before it.
         def part(array: NDArray[Any]) -> NDArray[Any]:

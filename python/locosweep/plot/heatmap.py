@@ -123,8 +123,8 @@ class Plotter:
         fixed: $m$ = 0.271 kg, $g$ = 9.81 m/s², $\delta$ = 0.02 m
         """
         output = self.result.output(value)
-        x, y = self._two(x, y, at)
-        index, cut = self._cut((y, x), at)
+        x, y = two(self.result.axes, x, y, at)
+        index, words = cut(self.result.axes, (y, x), at)
         flip = list(self.result.axes).index(x) < list(self.result.axes).index(y)
         values, codes = self._slice(output, index)
         if flip:
@@ -133,7 +133,7 @@ class Plotter:
         best = _highest(values, rows, columns)
         peak = None if best is None else ((x, float(xs[best[1]])), (y, float(ys[best[0]])))
         extremes = [float(fold.reduce(values, axis=None)) for fold in (np.fmin, np.fmax)]
-        (xs, columns), (ys, rows) = _drawn(xs, columns), _drawn(ys, rows)
+        (xs, columns), (ys, rows) = drawn(xs, columns), drawn(ys, rows)
         values, codes = values[np.ix_(rows, columns)], codes[np.ix_(rows, columns)]
 
         ax = current_axes(ax, 6.8, 5.0)
@@ -173,7 +173,7 @@ class Plotter:
             handles.append(star)
         handles += cells.hatch_cells(ax, codes, x_edges, y_edges, partial(reason, self.result))
         fixed = fixed_settings(self.result, output, self.result.axes)
-        dress(ax, title(cut, fixed, note), handles)
+        dress(ax, title([style.simulated(self.result), *words], fixed, note), handles)
         cells.name_axis(ax.xaxis, x, xs)
         cells.name_axis(ax.yaxis, y, ys)
         return ax
@@ -228,10 +228,10 @@ class Plotter:
         'mean velocity $\\bar v$ [m/s]'
         """
         output = self.result.output(value)
-        self._check_axis(x)
+        check_axis(self.result.axes, x)
         lines: list[tuple[dict[str, float | Sequence[float]], str]] = [({}, "")]
         if by is not None:
-            self._check_axis(by)
+            check_axis(self.result.axes, by)
             if by == x:
                 raise InputError(f"by is {by}: that axis is already x")
             lines = [
@@ -243,11 +243,11 @@ class Plotter:
         whole_x = parameter(x).integer
         seen: set[int] = set()
         handles: list[Line2D | Patch] = []
-        cut: list[str] = []
+        words: list[str] = []
         if mark_optimum is None:
             mark_optimum = better_when_larger(output)
         for (extra, label), (colour, dash, marker) in zip(lines, style.LINES, strict=False):
-            index, cut = self._cut((x,), {**at, **extra}, hide=by)
+            index, words = cut(self.result.axes, (x,), {**at, **extra}, hide=by)
             values, codes = self._slice(output, index)
             values, codes = values[order], codes[order]
             seen |= set(np.unique(codes).tolist())
@@ -280,32 +280,13 @@ class Plotter:
             for code in sorted(seen - {0})
         ]
         fixed = fixed_settings(self.result, output, self.result.axes)
-        dress(ax, title(cut, fixed, note), gaps, handles)
+        dress(ax, title([style.simulated(self.result), *words], fixed, note), gaps, handles)
         cells.name_axis(ax.xaxis, x, xs)
         ax.set_ylabel(style.output_label(output))
         if output.integer:
             ax.yaxis.set_major_locator(MaxNLocator(integer=True))
         style.grid(ax)
         return ax
-
-    def _check_axis(self, name: str) -> None:
-        if name not in self.result.axes:
-            raise unknown("axis", str(name), self.result.axes)
-
-    def _two(self, x: str | None, y: str | None, at: Mapping[str, object]) -> tuple[str, str]:
-        """Both axes of a heat map, the defaults filled in."""
-        for name in (x, y):
-            if name is not None:
-                self._check_axis(name)
-        free = [name for name in self.result.axes if name not in (x, y, *at)]
-        if len(free) < (x is None) + (y is None):
-            names = ", ".join(self.result.axes) or "none"
-            raise InputError(f"a heat map needs two axes that are not fixed: the axes are {names}")
-        x = free.pop() if x is None else x
-        y = free.pop() if y is None else y
-        if x == y:
-            raise InputError(f"x and y are both {x}: a heat map needs two axes")
-        return x, y
 
     def _lines(self, by: str, wanted: float | Sequence[float] | None) -> list[float]:
         axis = self.result.axes[by]
@@ -318,31 +299,6 @@ class Plotter:
                 f"choose some with {by}=[...]"
             )
         return [float(axis[index]) for index in indices]
-
-    def _cut(
-        self, keep: tuple[str, ...], at: Mapping[str, object], hide: str | None = None
-    ) -> tuple[tuple[int | slice, ...], list[str]]:
-        """Index of a slice along `keep`, and what it is cut at, for the title."""
-        axes = self.result.axes
-        for name in at:
-            self._check_axis(name)
-            if name in keep:
-                raise InputError(f"{name} is given, but it is an axis of the picture")
-        missing = [n for n, a in axes.items() if n not in keep and n not in at and len(a) > 1]
-        if missing:
-            text = ", ".join(f"{name}={few(axes[name], 3)}" for name in missing)
-            raise InputError(f"these axes need one value each: {text}")
-        index: list[int | slice] = []
-        words = []
-        for name, axis in axes.items():
-            if name in keep:
-                index.append(slice(None))
-                continue
-            at_index = index_of(name, axis, at[name]) if name in at else 0
-            index.append(at_index)
-            if name != hide:
-                words.append(style.setting(name, float(axis[at_index])))
-        return tuple(index), [*filter(None, [style.simulated(self.result)]), *words]
 
     def _slice(
         self, output: Output, index: tuple[int | slice, ...]
@@ -360,7 +316,7 @@ def _centres(name: str, axis: Floats) -> tuple[Floats, NDArray[np.intp]]:
     return np.unique(axis, return_index=True)
 
 
-def _drawn(centres: Floats, order: NDArray[np.intp]) -> tuple[Floats, NDArray[np.intp]]:
+def drawn(centres: Floats, order: NDArray[np.intp]) -> tuple[Floats, NDArray[np.intp]]:
     """Choose the cells along an axis that are drawn: all, or evenly some with both ends."""
     if len(centres) <= _MOST_CELLS:
         return centres, order
@@ -377,3 +333,55 @@ def _highest(
         return None
     row = int(np.nanargmax(tops))
     return row, int(np.nanargmax(values[rows[row]][columns]))
+
+
+def check_axis(axes: Mapping[str, Floats], name: str) -> None:
+    """Refuse a name that is no axis."""
+    if name not in axes:
+        raise unknown("axis", str(name), axes)
+
+
+def two(
+    axes: Mapping[str, Floats], x: str | None, y: str | None, at: Mapping[str, object]
+) -> tuple[str, str]:
+    """Return both axes of a heat map, the defaults filled in."""
+    for name in (x, y):
+        if name is not None:
+            check_axis(axes, name)
+    free = [name for name in axes if name not in (x, y, *at)]
+    if len(free) < (x is None) + (y is None):
+        names = ", ".join(axes) or "none"
+        raise InputError(f"a heat map needs two axes that are not fixed: the axes are {names}")
+    x = free.pop() if x is None else x
+    y = free.pop() if y is None else y
+    if x == y:
+        raise InputError(f"x and y are both {x}: a heat map needs two axes")
+    return x, y
+
+
+def cut(
+    axes: Mapping[str, Floats],
+    keep: tuple[str, ...],
+    at: Mapping[str, object],
+    hide: str | None = None,
+) -> tuple[tuple[int | slice, ...], list[str]]:
+    """Return the index of a slice along `keep`, and what it is cut at, for the title."""
+    for name in at:
+        check_axis(axes, name)
+        if name in keep:
+            raise InputError(f"{name} is given, but it is an axis of the picture")
+    missing = [n for n, a in axes.items() if n not in keep and n not in at and len(a) > 1]
+    if missing:
+        text = ", ".join(f"{name}={few(axes[name], 3)}" for name in missing)
+        raise InputError(f"these axes need one value each: {text}")
+    index: list[int | slice] = []
+    words = []
+    for name, axis in axes.items():
+        if name in keep:
+            index.append(slice(None))
+            continue
+        at_index = index_of(name, axis, at[name]) if name in at else 0
+        index.append(at_index)
+        if name != hide:
+            words.append(style.setting(name, float(axis[at_index])))
+    return tuple(index), words

@@ -4,22 +4,27 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from locosweep import memory
 from locosweep.errors import InputError
+from locosweep.grid import select
 from locosweep.registry import Status, parameter, unknown
 from locosweep.result import Output, Result
 from locosweep.run_folder import arrays, manifest
 from locosweep.run_folder.state import State, altered
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import polars as pl
     import xarray as xr
+    from numpy.typing import NDArray
 
     from locosweep.plot.explorer.page import Explorer
+    from locosweep.plot.run_folder import RunPlotter
 
 
 class Run:
@@ -154,20 +159,78 @@ class Run:
                 raise unknown("axis", name, self.axes)
             if not isinstance(at[name], slice):
                 raise InputError(f"{name} is {at[name]!r}: allowed is a slice of its indices")
-        key = tuple(at.get(name, slice(None)) for name in self.axes)
-        axes = {n: a[part] for (n, a), part in zip(self.axes.items(), key, strict=True)}
+        index = {n: np.arange(len(a))[at.get(n, slice(None))] for n, a in self.axes.items()}
+        return self._result(index, {n: self.axes[n][some] for n, some in index.items()}, self.fixed)
+
+    def sel(self, *, method: Literal["nearest"] | None = None, **at: Any) -> Result:
+        """Read the part at some values of the axes, as `Result.sel` does; only its chunks are read.
+
+        Parameters
+        ----------
+        method : {None, "nearest"}
+            None takes values as they stand in the axis; "nearest" the next ones.
+        **at
+            By name of an axis: a number takes the axis away, and stands in ``fixed``
+            then; a sequence keeps these values, in its order.
+
+        Raises
+        ------
+        InputError
+            An unknown axis or method, a value that does not stand in its axis, or a part that
+            needs too much memory or is not computed as a whole.
+
+        Examples
+        --------
+        >>> import locosweep as ls, tempfile, pathlib
+        >>> folder = pathlib.Path(tempfile.mkdtemp()) / "run"
+        >>> run = ls.sweep("mean_velocity", mu_static=[0.4, 0.5], mu_coulomb=0.3,
+        ...                segments=range(2, 9), out=folder)
+        >>> run.sel(mu_static=0.5, segments=[3, 4]).values.round(4)
+        array([0.0873, 0.0858])
+        """
+        index, axes, fixed = select(self.axes, self.fixed, at, method)
+        return self._result(dict(zip(self.axes, index, strict=True)), axes, fixed)
+
+    def _result(
+        self,
+        index: Mapping[str, int | NDArray[np.intp]],
+        axes: dict[str, NDArray[np.float64]],
+        fixed: dict[str, float],
+    ) -> Result:
         cells = int(np.prod([len(axis) for axis in axes.values()], dtype=object))
         memory.check(
             cells * self.cells.bytes_per_cell, None, "this part of the run", "read a smaller part"
         )
-        values = [np.asarray(self.array(o.name)[key]) for o in self.outputs]
-        codes = {o.name: np.asarray(self.array(f"{o.name}_status")[key]) for o in self.outputs}
+        values = [self.read(o.name, index) for o in self.outputs]
+        codes = {o.name: self.read(f"{o.name}_status", index) for o in self.outputs}
         if any((code == arrays.NOT_COMPUTED).any() for code in codes.values()):
             raise InputError(f"{self.folder}: this part is not computed as a whole: read another")
         return Result(
-            self.outputs, axes, self.fixed, values, over=self.cells.request.over,
+            self.outputs, axes, fixed, values, over=self.cells.request.over,
             rivals=self.cells.rivals, q=self.cells.request.q, statuses=codes, how=self.cells.how,
         )  # fmt: skip
+
+    def read(self, name: str, index: Mapping[str, int | NDArray[np.intp]]) -> NDArray[Any]:
+        """Read cells of an array, as `array` names it, at indices of each axis.
+
+        Only the chunks that hold them are read. A single index takes its axis away.
+        """
+        whole = [np.atleast_1d(one) for one in index.values()]
+        # Zarr wants rising indices, and takes those that follow one another faster as a slice.
+        rising = [_as_slice(np.sort(one)) for one in whole]
+        found = np.asarray(self.array(name).oindex[tuple(rising)])
+        back = [np.argsort(np.argsort(one, kind="stable"), kind="stable") for one in whole]
+        if any((order[1:] < order[:-1]).any() for order in back):
+            found = found[np.ix_(*back)]
+        kept = tuple(slice(None) if np.ndim(one) else 0 for one in index.values())
+        return np.asarray(found[kept], order="C")
+
+    @property
+    def plot(self) -> RunPlotter:
+        """Pictures of this run, which read the cells that they draw."""
+        from locosweep.plot.run_folder import RunPlotter
+
+        return RunPlotter(self)
 
     def explore(self, *, limit: int | None = None) -> Explorer:
         """Return a page on which the run is looked at, as `Result.explore` does.
@@ -201,6 +264,12 @@ class Run:
             lines.append(f"  {name} [{parameter(name).unit}]: {len(axis)} values, {span}")
         lines.append(f"  {self.state.done_count} of {plan.count} chunks done")
         return "\n".join(lines)
+
+
+def _as_slice(rising: NDArray[np.intp]) -> slice | NDArray[np.intp]:
+    if rising.size and (np.diff(rising) == 1).all():
+        return slice(int(rising[0]), int(rising[-1]) + 1)
+    return rising
 
 
 def open_run(folder: str | os.PathLike[str], *, allow_missing: bool = False) -> Run:

@@ -133,8 +133,8 @@ def _part(shown: Result | Run, index: Mapping[str, NDArray[np.intp]]) -> Result:
         codes = {o.name: _codes(shown, o.name)[grid] for o in shown.outputs}
         over, rivals, q, how = shown.over, shown.rivals, shown.q, shown.how
     else:
-        values = [_read(shown, o.name, index) for o in shown.outputs]
-        codes = {o.name: _read(shown, f"{o.name}_status", index) for o in shown.outputs}
+        values = [shown.read(o.name, index) for o in shown.outputs]
+        codes = {o.name: shown.read(f"{o.name}_status", index) for o in shown.outputs}
         cells = shown.cells
         over, rivals, q, how = cells.request.over, cells.rivals, cells.request.q, cells.how
     axes = {name: axis[index[name]] for name, axis in shown.axes.items()}
@@ -148,14 +148,6 @@ def _codes(result: Result, name: str) -> NDArray[np.uint8]:
         # Statuses are computed when they are asked for.
         return np.zeros(values.shape, np.uint8)
     return result.status_of(name)
-
-
-def _read(run: Run, name: str, index: Mapping[str, NDArray[np.intp]]) -> NDArray[Any]:
-    """Read cells of an array of a run; Zarr wants rising indices."""
-    rising = [np.sort(one) for one in index.values()]
-    array = np.asarray(run.array(name).oindex[tuple(rising)])
-    back = [np.argsort(np.argsort(one)) for one in index.values()]
-    return array[np.ix_(*back)]
 
 
 def _page(result: Result, kind: str, full: Axes, command: str | None) -> str:
