@@ -2,7 +2,7 @@ from _typeshed import Incomplete, SupportsGetItem
 from os import PathLike
 from typing import Any, SupportsFloat, SupportsIndex, final
 
-__all__ = ["CancelToken", "Drive", "Effect", "EffectFit", "EffectShape", "EquationError", "Experiment", "FrictionCandidate", "FrictionData", "FrictionOutcome", "FrictionParameter", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Misfit", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "derivative", "drives", "effect_parameter_count", "effects", "falls", "file_choices", "file_keys", "file_sizes", "gait_outputs", "gait_parameters", "gait_run", "gaits", "imposed_force", "laws", "linear_response", "methods", "motor_power", "nearest", "noise", "parameters", "pressings", "quantities", "rank_fits", "reality_forms", "reality_run", "reality_source", "reductions", "sensitivity_directions", "simd_level", "simd_levels", "spikes", "statuses", "threads_to_use", "version"]
+__all__ = ["CancelToken", "Drive", "Effect", "EffectFit", "EffectShape", "EquationError", "Experiment", "FrictionCandidate", "FrictionData", "FrictionOutcome", "FrictionParameter", "Gait", "GaitOutput", "GaitParameter", "GaitResult", "Law", "Misfit", "Parameter", "Quantity", "Replay", "Sweep", "characteristic", "derivative", "drives", "effect_parameter_count", "effects", "falls", "file_choices", "file_keys", "gait_outputs", "gait_parameters", "gait_run", "gaits", "imposed_force", "laws", "linear_response", "methods", "motor_power", "nearest", "noise", "other_sizes", "parameters", "pressings", "quantities", "rank_fits", "reality_forms", "reality_run", "reality_source", "reductions", "sensitivity_directions", "simd_level", "simd_levels", "spikes", "statuses", "threads_to_use", "version"]
 
 @final
 class CancelToken:
@@ -777,14 +777,6 @@ def file_keys() -> list[Parameter]:
     Keys of a robot file that are not parameters of the closed forms.
     """
 
-def file_sizes(folders: SupportsGetItem[int, str | PathLike[str]]) -> list[dict[str, int]]:
-    """
-    Bytes of each entry of each folder, by name; links are not followed. Empty where there is
-    no folder.
-
-    OSError, with its number and its folder, where one cannot be read.
-    """
-
 def gait_outputs() -> list[GaitOutput]:
     """
     What the run of a gait leaves, in order.
@@ -849,6 +841,17 @@ def nearest(given: str, known: SupportsGetItem[int, str]) -> str | None:
 def noise(t: Incomplete, y: Incomplete) -> float:
     """
     Standard deviation of white noise on samples of something smooth.
+    """
+
+def other_sizes(folders: SupportsGetItem[int, str | PathLike[str]], names: SupportsGetItem[int, str], sizes: SupportsGetItem[int, SupportsGetItem[int, SupportsIndex]]) -> list[dict[int, int | None]]:
+    """
+    Files of folders that have not the sizes that they should have.
+
+    `names` are those of the files of each folder, `sizes` for each folder what they should be;
+    links are not followed. Returns for each folder, by index of a name, the size that was found,
+    None where there is no such file.
+
+    OSError, with its number and its folder, where one cannot be read.
     """
 
 def parameters() -> list[Parameter]:

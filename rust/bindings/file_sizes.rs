@@ -1,4 +1,4 @@
-//! Sizes of the files of a folder. A run of a hundred thousand chunks asks for two hundred
+//! Sizes of the files of folders. A run of a hundred thousand chunks compares two hundred
 //! thousand of them when it is opened, which takes Python several times as long.
 
 use crate::door::enter;
@@ -13,29 +13,52 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 type Sizes = HashMap<OsString, u64>;
+/// Size found by index of a name; none where there is no such file.
+type Other = HashMap<usize, Option<u64>>;
 
-/// Bytes of each entry of each folder, by name; links are not followed. Empty where there is
-/// no folder.
+/// Files of folders that have not the sizes that they should have.
+///
+/// `names` are those of the files of each folder, `sizes` for each folder what they should be;
+/// links are not followed. Returns for each folder, by index of a name, the size that was found,
+/// None where there is no such file.
 ///
 /// OSError, with its number and its folder, where one cannot be read.
 #[pyfunction]
-pub fn file_sizes(py: Python<'_>, folders: Vec<PathBuf>) -> PyResult<Vec<Sizes>> {
+pub fn other_sizes(
+    py: Python<'_>,
+    folders: Vec<PathBuf>,
+    names: Vec<OsString>,
+    sizes: Vec<Vec<u64>>,
+) -> PyResult<Vec<Other>> {
     let control = Control::default();
     // A thread each: on a disk of the network they wait rather than work.
     let found = enter(py, &control, 0, None, || {
         Ok(std::thread::scope(|scope| {
-            let cancel = &control.cancel;
-            let running: Vec<_> =
-                folders.iter().map(|folder| scope.spawn(move || listed(folder, cancel))).collect();
+            let (cancel, names) = (&control.cancel, &names);
+            let running: Vec<_> = folders
+                .iter()
+                .zip(&sizes)
+                .map(|(folder, sizes)| {
+                    scope.spawn(move || {
+                        listed(folder, cancel).map(|at| differing(&at, names, sizes))
+                    })
+                })
+                .collect();
             running.into_iter().map(|one| one.join().unwrap_or_else(|p| resume_unwind(p))).collect()
         }))
     })?;
-    let found: Vec<std::io::Result<Sizes>> = found;
+    let found: Vec<std::io::Result<Other>> = found;
     found
         .into_iter()
         .zip(folders)
-        .map(|(sizes, folder)| sizes.map_err(|e| raised(&e, folder)))
+        .map(|(other, folder)| other.map_err(|e| raised(&e, folder)))
         .collect()
+}
+
+fn differing(found: &Sizes, names: &[OsString], sizes: &[u64]) -> Other {
+    let there = names.iter().map(|name| found.get(name).copied());
+    let pairs = there.zip(sizes).enumerate();
+    pairs.filter(|(_, (at, size))| *at != Some(**size)).map(|(i, (at, _))| (i, at)).collect()
 }
 
 fn raised(error: &std::io::Error, folder: PathBuf) -> PyErr {

@@ -22,7 +22,7 @@ mod _core {
     #[pymodule_export]
     use super::equation_error::EquationError;
     #[pymodule_export]
-    use super::file_sizes::file_sizes;
+    use super::file_sizes::other_sizes;
     #[pymodule_export]
     use super::fit::{Experiment, Misfit};
     #[pymodule_export]

@@ -7,7 +7,6 @@ and 255, mean *not computed*.
 
 from __future__ import annotations
 
-import asyncio
 import importlib
 import struct
 import warnings
@@ -47,6 +46,9 @@ def array_names(cells: Cells) -> list[str]:
 
 def metadata(cells: Cells, plan: Plan) -> dict[str, bytes]:
     """Return all files of an empty store by path: metadata and coordinate axes."""
+    # A tenth of the time in which a command starts, and most commands make no store.
+    import asyncio
+
     zarr = need("zarr")
     memory = zarr.storage.MemoryStore()
     dims = list(cells.axes)

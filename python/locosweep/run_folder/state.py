@@ -15,13 +15,15 @@ from locosweep.run_folder.log import Writer, read_logs
 from locosweep.run_folder.manifest import LOGS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterator
     from pathlib import Path
 
     from locosweep.run_folder.log_lines import Done
     from locosweep.run_folder.manifest import Manifest
 
 
+_NO_SIZE = 2**64 - 1
+"""What no file has, and 64 bits hold."""
 _CODES = {str(int(status)) for status in Status}
 
 
@@ -60,9 +62,7 @@ class State:
             self.writers = read_logs(self.folder / LOGS, self.array_names)
             self._lines = lines = self._fitting_lines()
             looked_at = list(lines if sizes else lines.keys() & self.damaged.keys())
-            keys = self.manifest.plan.keys(looked_at)
-            found = self._sizes() if sizes else self._sizes_of(keys)
-            self.damaged = _faults(lines, dict(zip(looked_at, keys, strict=True)), found)
+            self.damaged = self._faults(lines, looked_at, few=not sizes)
             self.done = {**lines}
             for chunk in self.damaged:
                 del self.done[chunk]
@@ -92,23 +92,29 @@ class State:
             writer.done = fitting
         return found
 
-    def _sizes(self) -> dict[str, dict[str, int]]:
-        """Sizes of all files by array and name."""
-        names = self.array_names
+    def _faults(
+        self, lines: dict[int, list[Done]], chunks: list[int], *, few: bool
+    ) -> dict[int, str]:
+        """Say of each of these chunks which file has not the size that any of its lines tells."""
+        keys, names = self.manifest.plan.keys(chunks), self.array_names
+        first = [lines[chunk][0].sizes for chunk in chunks]
+        told = {name: [one[name] for one in first] for name in names}
         folders = [self.folder / arrays.STORE / name for name in names]
-        try:
-            return dict(zip(names, _core.file_sizes(folders), strict=True))
-        except OSError as error:
-            raise InputError(f"{error.filename}: {error.strerror or error}") from None
-
-    def _sizes_of(self, keys: Iterable[str]) -> dict[str, dict[str, int]]:
-        """Sizes of the files of a few chunks by array and name."""
-        found: dict[str, dict[str, int]] = {name: {} for name in self.array_names}
-        for key in keys:
-            for name, sizes in found.items():
-                with contextlib.suppress(OSError):
-                    path = self.folder / arrays.STORE / name / key
-                    sizes[key] = path.lstat().st_size
+        if few:
+            other = [_looked_up(folder, keys) for folder in folders]
+        else:
+            try:
+                other = _core.other_sizes(folders, keys, [_in_range(told[name]) for name in names])
+            except OSError as error:
+                raise InputError(f"{error.filename}: {error.strerror or error}") from None
+        found: dict[int, str] = {}
+        for at in sorted({i for one in other for i in one}):
+            for name, sizes in zip(names, other, strict=True):
+                size = sizes.get(at, told[name][at])
+                if all(one.sizes[name] != size for one in lines[chunks[at]]):
+                    what = "is not there" if size is None else f"has {size} bytes"
+                    found[chunks[at]] = f"{name}/{keys[at]} {what}"
+                    break
         return found
 
     @property
@@ -136,27 +142,20 @@ class State:
         return all((root / name / key).exists() for name in self.array_names)
 
 
-def _faults(
-    lines: dict[int, list[Done]], keys: dict[int, str], sizes: dict[str, dict[str, int]]
-) -> dict[int, str]:
-    """Say of each of the chunks `keys` which file has not the size that any of its lines tells."""
-    doubtful: set[int] = set()
-    for name, files in sizes.items():
-        size = files.get
-        doubtful.update(c for c, key in keys.items() if lines[c][0].sizes[name] != size(key))
-    # In the order of the logs.
-    found = {c: _fault(keys[c], lines[c], sizes) for c in keys if c in doubtful}
-    return {chunk: fault for chunk, fault in found.items() if fault}
+def _looked_up(folder: Path, keys: list[str]) -> dict[int, int | None]:
+    """Return the size of each of a few files, by index; None where there is none."""
+    found: dict[int, int | None] = dict.fromkeys(range(len(keys)))
+    for i, key in enumerate(keys):
+        with contextlib.suppress(OSError):
+            found[i] = (folder / key).lstat().st_size
+    return found
 
 
-def _fault(key: str, lines: list[Done], sizes: dict[str, dict[str, int]]) -> str | None:
-    """Say which file of a chunk has not the size that any of its lines tells."""
-    for name, files in sizes.items():
-        size = files.get(key)
-        if all(one.sizes[name] != size for one in lines):
-            what = "is not there" if size is None else f"has {size} bytes"
-            return f"{name}/{key} {what}"
-    return None
+def _in_range(sizes: list[int]) -> list[int]:
+    """Return sizes of files; an altered line may tell one that no file can have."""
+    if min(sizes, default=0) >= 0 and max(sizes, default=0) < _NO_SIZE:
+        return sizes
+    return [size if 0 <= size < _NO_SIZE else _NO_SIZE for size in sizes]
 
 
 @contextlib.contextmanager
