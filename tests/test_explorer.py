@@ -145,6 +145,16 @@ class TestPage:
         best = np.unravel_index(np.nanargmax(values), slopes.shape)
         assert data["start"] == [int(one) for one in best]
 
+    def test_sliders_begin_where_they_are_asked_to(self, slopes):
+        first, *_, last = slopes.axes
+        data, _ = read(slopes.explore(**{first: slopes.axes[first][1] * 1.01}).html)
+        best, _ = read(slopes.explore().html)
+        assert data["start"] == [1, *best["start"][1:]]
+        with pytest.raises(InputError, match="unknown axis 'mass'"):
+            slopes.explore(mass=1.0)
+        with pytest.raises(InputError, match=f"{last} is .* allowed is one number"):
+            slopes.explore(**{last: [2, 3]})
+
     def test_a_notebook_shows_the_whole_page_in_a_frame(self, slopes):
         page = slopes.explore()
         assert page._repr_html_().startswith('<iframe srcdoc="&lt;!DOCTYPE html&gt;')

@@ -14,6 +14,7 @@ import shutil
 import sys
 from pathlib import Path
 
+import numpy as np
 from sphinx.cmd.build import main as sphinx
 
 import locosweep as ls
@@ -86,6 +87,7 @@ API = {
 MORE = {
     "Pictures": [
         "locosweep.plot.heatmap.Plotter",
+        "locosweep.plot.run_folder.RunPlotter",
         "locosweep.plot.motion",
         "locosweep.plot.characteristic",
         "locosweep.plot.behaviour",
@@ -101,6 +103,20 @@ MORE = {
         "locosweep.intake.log.read_log",
     ],
 }
+
+# The map of the paper's Figure 2 on the first page, with its friction on sliders.
+LIVE = "figure-2.html"
+LIVE_TEXT = f"""
+## The paper's Figure 2, with its friction to choose
+
+Mean velocity over the number of segments and the slope; the paper draws it for static friction 0.5
+and Coulomb friction 0.3, and is closer to anchors that need not hold their own weight
+(`anchor_weight` 0). Move the sliders, point at a cell, choose other axes:
+
+```{{raw}} html
+<iframe src="{LIVE}" title="Figure 2 of the paper, with sliders" class="live"></iframe>
+```
+"""
 
 
 def lay_out(source: Path) -> None:
@@ -126,6 +142,24 @@ def lay_out(source: Path) -> None:
         shutil.copy(example, source / "examples")
     shutil.copytree(ROOT / "examples" / "gallery", source / "examples" / "gallery")
     shutil.copy(SITE / "reference.md", source)
+
+
+def write_live(source: Path) -> Path:
+    """Write the page of Figure 2, show it on the first page, and return its folder."""
+    axes = {
+        "mu_static": np.arange(30, 95, 5) / 100, "mu_coulomb": np.arange(10, 65, 5) / 100,
+        "anchor_weight": [1.0, 0.0], "slope_deg": np.arange(0.0, 31.0),
+        "segments": np.arange(2.0, 21.0),
+    }  # fmt: skip
+    page = ls.sweep("mean_velocity", ls.Grid(**axes)).explore(mu_static=0.5, mu_coulomb=0.3)
+    folder = source.with_name(f"{source.name}-live")
+    folder.mkdir(exist_ok=True)
+    page.save(folder / LIVE)
+    index = source / "index.md"
+    text = index.read_text("utf-8")
+    place = text.index("\n## All pages\n")
+    index.write_text(text[:place] + LIVE_TEXT + text[place:], "utf-8")
+    return folder
 
 
 def write_menu(source: Path) -> None:
@@ -165,15 +199,18 @@ def main(words: list[str] | None = None) -> int:
     out = given.out.resolve()
     source = out.parent / f"{out.name}-source"
     lay_out(source)
+    live = write_live(source)
     write_menu(source)
     write_api(source)
     shutil.rmtree(out, ignore_errors=True)
     extra = ["-D", "plot_gallery=0"] if given.pages_only else []
+    extra += ["-D", f"html_extra_path={live}"]
     strict = ["-W", "--keep-going", "--quiet", *extra]
     code = sphinx(["-b", "html", "-c", str(SITE), *strict, str(source), str(out)])
     if code == 0:
         shutil.rmtree(out / ".doctrees", ignore_errors=True)
         shutil.rmtree(source)
+        shutil.rmtree(live)
         print(f"the documentation is {out / 'index.html'}")
     return code
 

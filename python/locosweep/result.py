@@ -150,7 +150,7 @@ class Result:
 
         return Plotter(self)
 
-    def explore(self, *, limit: int | None = None) -> Explorer:
+    def explore(self, *, limit: int | None = None, **at: float) -> Explorer:
         """Return a page with the map of any two axes, sliders for the others, values to point at.
 
         A notebook displays it; ``.save("page.html")`` writes it. It needs no network.
@@ -160,11 +160,14 @@ class Result:
         limit : int, optional
             Bytes that the page may have, default 8 MB. Where more cells are there, values are
             rounded to 16 bits, then evenly chosen along the longest axes; the page says so.
+        **at
+            By name of an axis, the value near which its slider stands first; default where
+            the first output is best.
 
         Raises
         ------
         InputError
-            No axis has more than one value, or the limit is too small for any cells.
+            No axis has more than one value, an unknown axis, or a limit too small for any cells.
 
         Examples
         --------
@@ -176,7 +179,7 @@ class Result:
         """
         from locosweep.plot.explorer.page import LARGEST, explorer
 
-        return explorer(self, limit=LARGEST if limit is None else limit)
+        return explorer(self, limit=LARGEST if limit is None else limit, at=at)
 
     def output(self, name: str | None = None) -> Output:
         """Return one output's record, by name; the first one without."""

@@ -232,7 +232,7 @@ class Run:
 
         return RunPlotter(self)
 
-    def explore(self, *, limit: int | None = None) -> Explorer:
+    def explore(self, *, limit: int | None = None, **at: float) -> Explorer:
         """Return a page on which the run is looked at, as `Result.explore` does.
 
         Only the cells that the page holds are read. With `allow_missing`, those that are not
@@ -240,7 +240,7 @@ class Run:
         """
         from locosweep.plot.explorer.page import LARGEST, explorer
 
-        return explorer(self, limit=LARGEST if limit is None else limit)
+        return explorer(self, limit=LARGEST if limit is None else limit, at=at)
 
     def scan(self) -> pl.LazyFrame:
         """Return a Polars LazyFrame of the long table: axis columns, outputs, statuses.

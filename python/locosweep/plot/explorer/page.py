@@ -19,11 +19,12 @@ from locosweep import _core
 from locosweep.engine import whole
 from locosweep.errors import InputError
 from locosweep.files.atomic import write_text
+from locosweep.grid import index_of
 from locosweep.plot import style
 from locosweep.plot.caption import better_when_larger, fixed_values, reason
 from locosweep.plot.explorer.cells import NOT_COMPUTED, chosen, packed, told
 from locosweep.plot.explorer.commands import IMPORTS, calls, python_axis, shell_axis
-from locosweep.registry import Status, parameter
+from locosweep.registry import Status, parameter, unknown
 from locosweep.result import Result
 
 if TYPE_CHECKING:
@@ -86,6 +87,7 @@ def explorer(
     limit: int = LARGEST,
     command: str | None = None,
     full: Axes | None = None,
+    at: Mapping[str, float] | None = None,
 ) -> Explorer:
     """Return the page of a result or of a run folder.
 
@@ -99,11 +101,13 @@ def explorer(
         How the page was made.
     full : mapping of str to ndarray, optional
         All values of the axes, where `shown` is a part of a sweep already.
+    at : mapping of str to float, optional
+        By name of an axis, the value near which its slider stands first.
 
     Raises
     ------
     InputError
-        Nothing was swept, or the cells of a run cannot be read.
+        Nothing was swept, an unknown axis in `at`, or the cells of a run cannot be read.
     """
     limit = whole("limit", limit) or LARGEST
     longer = [name for name, axis in shown.axes.items() if len(axis) > 1]
@@ -111,7 +115,14 @@ def explorer(
         raise InputError("nothing to explore: no axis has more than one value")
     index, kind = chosen(shown.axes, len(shown.outputs), _room(full or shown.axes, limit))
     result = _part(shown, index)
-    return Explorer(_page(result, kind, full or shown.axes, command))
+    start = _start(result)
+    for name, wanted in (at or {}).items():
+        if name not in result.axes:
+            raise unknown("axis", name, result.axes)
+        start[list(result.axes).index(name)] = index_of(
+            name, result.axes[name], wanted, nearest=True
+        )
+    return Explorer(_page(result, kind, full or shown.axes, command, start))
 
 
 def shown_of(axes: Axes, outputs: int, limit: int = LARGEST) -> dict[str, NDArray[np.float64]]:
@@ -150,7 +161,7 @@ def _codes(result: Result, name: str) -> NDArray[np.uint8]:
     return result.status_of(name)
 
 
-def _page(result: Result, kind: str, full: Axes, command: str | None) -> str:
+def _page(result: Result, kind: str, full: Axes, command: str | None, start: list[int]) -> str:
     drawn = min(2, sum(len(axis) > 1 for axis in result.axes.values()))
     cells = {o.name: packed(result[o.name], result.status_of(o.name), kind) for o in result.outputs}
     outputs = [_output(result, o, drawn) | {"kind": kind, "lo": cells[o.name].low,
@@ -165,7 +176,7 @@ def _page(result: Result, kind: str, full: Axes, command: str | None) -> str:
         "outputs": outputs,
         "statuses": statuses | {NOT_COMPUTED: "not computed yet"},
         "colours": {"one": _colours(style.SEQUENTIAL), "both": _colours(style.DIVERGING)},
-        "start": _start(result),
+        "start": start,
         "imports": IMPORTS,
         "hint": "Point at a cell, or move over the map with the arrow keys: its value stands here. "
                 "A click or Enter keeps a cell.",
