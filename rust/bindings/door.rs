@@ -103,8 +103,18 @@ fn finish<T>(py: Python<'_>, outcome: Outcome<T>) -> PyResult<T> {
 pub fn raise(py: Python<'_>, error: Error) -> PyErr {
     let message = error.to_string();
     match error {
+        Error::UnknownName { kind, given, known, .. } => unknown(py, kind, &given, known),
         Error::Cancelled { .. } => exception(py, "Cancelled", message),
         _ => exception(py, "InputError", message),
+    }
+}
+
+/// The words for a name that is not known stand in Python, which has lists of its own.
+fn unknown(py: Python<'_>, kind: &str, given: &str, known: Vec<String>) -> PyErr {
+    let registry = py.import("locosweep.registry");
+    match registry.and_then(|registry| registry.call_method1("unknown", (kind, given, known))) {
+        Ok(error) => PyErr::from_value(error),
+        Err(error) => error,
     }
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import shutil
 import sys
 import time
@@ -15,6 +16,7 @@ from run_cases import ALL, CLOSED, SIMULATED, data_files, same
 
 import locosweep as ls
 from locosweep.run_folder import begin, cells
+from locosweep.run_folder.verify import verify
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -70,6 +72,16 @@ def test_a_scan_gives_the_table(whole: Path) -> None:
     assert run.scan().head(3).filter(pl.col("mu_static") < 0).collect().height == 0
     best = run.scan().select(pl.col("peak_power").fill_nan(None).max()).collect().item()
     assert best == np.nanmax(ls.sweep(**CLOSED)["peak_power"])
+
+
+def test_a_notebook_whose_loop_runs_fills_and_reads_a_run(tmp_path: Path) -> None:
+    async def cell() -> None:
+        run = ls.sweep(**SPEC, out=tmp_path / "run")
+        assert same(run, ls.sweep(**CLOSED))
+        assert verify(run.folder).faults == ()
+        assert run.scan().head(2).collect().height == 2
+
+    asyncio.run(cell())
 
 
 def test_a_folder_may_be_moved_and_read_by_other_ways(whole: Path, tmp_path: Path) -> None:

@@ -46,11 +46,9 @@ def array_names(cells: Cells) -> list[str]:
 
 def metadata(cells: Cells, plan: Plan) -> dict[str, bytes]:
     """Return all files of an empty store by path: metadata and coordinate axes."""
-    # A tenth of the time in which a command starts, and most commands make no store.
-    import asyncio
-
     zarr = need("zarr")
-    memory = zarr.storage.MemoryStore()
+    files: dict[str, Any] = {}
+    memory = zarr.storage.MemoryStore(files)
     dims = list(cells.axes)
     # Chunks in one folder: one fsync for all of a batch.
     shared: dict[str, Any] = {
@@ -85,15 +83,7 @@ def metadata(cells: Cells, plan: Plan) -> dict[str, bytes]:
         # It lies within the group's own file, where readers that do not know it pass it over.
         warnings.filterwarnings("ignore", "Consolidated metadata")
         zarr.consolidate_metadata(memory)
-
-    async def read() -> dict[str, bytes]:
-        prototype = zarr.core.buffer.default_buffer_prototype()
-        found = {}
-        async for key in memory.list():
-            found[key] = (await memory.get(key, prototype)).to_bytes()
-        return found
-
-    return dict(sorted(asyncio.run(read()).items()))
+    return {key: files[key].to_bytes() for key in sorted(files)}
 
 
 def encode(
