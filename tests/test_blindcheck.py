@@ -187,7 +187,12 @@ def test_figures_are_what_the_cases_say() -> None:
     free = rows["false-positive rate: a gap reported where there is none"]
     assert (free.value, free.count) == (0.02, 100)
     assert free.high == pytest.approx(0.0700, abs=1e-3)
-    assert free.met is False
+    # Within the bar; only its bound is not, and more cases may bring it there.
+    assert free.met is None
+    assert any(
+        row.startswith(free.name) and row.endswith("too few cases")
+        for row in tables.as_text(made_up()).splitlines()
+    )
     assert rows["one effect: correct class"].value == 0.97
     assert rows["one effect: correct class"].met
     assert rows["one effect: exact name, where the class has one member"].value == 0.97

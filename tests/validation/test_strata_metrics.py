@@ -30,7 +30,10 @@ def test_wrong_names_outside_the_list_are_certified() -> None:
     clean = {f.name: f for f in stratum_figures("outside", [OUTSIDE] * 59)}
     assert clean["a wrong name"].met
     one = {f.name: f for f in stratum_figures("outside", [*[OUTSIDE] * 59, WRONG])}
-    assert one["a wrong name"].met is False
+    # One of 60 may be few enough; 60 cases do not tell.
+    assert one["a wrong name"].met is None
+    many = {f.name: f for f in stratum_figures("outside", [*[OUTSIDE] * 59, *[WRONG] * 9])}
+    assert many["a wrong name"].met is False
     assert one["a wrong name, families that the mixture lacks"].value == 1.0
 
 

@@ -37,7 +37,7 @@ class Figure:
     target : str
         What it must reach; empty for figures that are only reported.
     met : bool or None
-        Target reached; None without target or cases.
+        Target reached; None without target or cases, or where these are too few to tell.
     """
 
     name: str
@@ -70,7 +70,8 @@ class _Target:
     """A bound for a figure, in words and as a condition."""
 
     text: str
-    reached: Callable[[Figure], bool]
+    reached: Callable[[Figure], bool | None]
+    """None where the cases are too few to tell."""
 
 
 def at_least(bar: float) -> _Target:
@@ -83,9 +84,24 @@ def at_most(bar: float) -> _Target:
     return _Target(f"at most {bar:.2f}", lambda figure: figure.value <= bar)
 
 
+def bounded(value: float, bar: float, bound: float, most: float) -> bool | None:
+    """Return whether a share of errors is small for certain.
+
+    None where the share is within its bar, and too few cases keep its bound from being so.
+
+    Examples
+    --------
+    >>> bounded(0.0, 0.03, 0.01, 0.045), bounded(0.0, 0.03, 0.56, 0.045)
+    (True, None)
+    >>> bounded(0.1, 0.03, 0.12, 0.045)
+    False
+    """
+    return False if value > bar else bound <= most or None
+
+
 _FALSE_POSITIVES = _Target(
     "at most 0.03, upper bound at most 0.045",
-    lambda figure: figure.value <= 0.03 and figure.high <= 0.045,
+    lambda figure: bounded(figure.value, 0.03, figure.high, 0.045),
 )
 
 

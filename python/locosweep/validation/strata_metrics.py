@@ -14,6 +14,7 @@ from locosweep.validation.metrics import (
     PLAIN,
     Figure,
     at_least,
+    bounded,
     claims,
     share,
     summary,
@@ -51,7 +52,9 @@ def _certified(name: str, hits: Iterable[bool], bar: float) -> Figure:
         return replace(found, target=f"at most {bar:.2f} at 95 % confidence")
     bound = upper_bound(round(found.value * found.count), found.count)
     return replace(
-        found, target=f"at most {bar:.2f} at 95 % confidence ({bound:.3f})", met=bound <= bar
+        found,
+        target=f"at most {bar:.2f} at 95 % confidence ({bound:.3f})",
+        met=bounded(found.value, bar, bound, bar),
     )
 
 

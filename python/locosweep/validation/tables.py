@@ -22,7 +22,8 @@ def _number(value: float) -> str:
 
 def _row(figure: Figure, width: int) -> str:
     interval = f"{_number(figure.low)} .. {_number(figure.high)}" if figure.count else "-"
-    met = "" if figure.met is None else "met" if figure.met else "MISSED"
+    open_ = "too few cases" if figure.target and figure.count else ""
+    met = open_ if figure.met is None else "met" if figure.met else "MISSED"
     text = f"{figure.name:<{width}}  {_number(figure.value):>7}  {interval:>16}  {figure.count:>5}"
     return f"{text}  {figure.target:<40} {met}".rstrip()
 

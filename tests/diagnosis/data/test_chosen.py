@@ -33,7 +33,8 @@ def test_without_labels_all_take_part() -> None:
 @pytest.mark.parametrize(
     ("asked", "said"),
     [("12", "labels is '12': allowed is a list"), (2, "labels is 2: allowed is a list"),
-     ([3], "labels: no run 3: there are 0, 1, 2, warm-up"), ([], "labels is empty: allowed are")],
+     ([3], "labels (--runs): no run 3: there are 0, 1, 2, warm-up"),
+     ([], "labels (--runs) is empty: allowed")],
 )  # fmt: skip
 def test_faults_are_one_line(asked: Any, said: str) -> None:
     with pytest.raises(InputError, match=re.escape(said)):

@@ -42,8 +42,8 @@ def chosen(runs: Sequence[Run], labels: Sequence[str] | None) -> list[Run]:
         return list(runs)
     known = [run.label for run in runs]
     if not labels:
-        raise InputError(f"labels is empty: allowed are some of {', '.join(known)}")
+        raise InputError(f"labels (--runs) is empty: allowed are some of {', '.join(known)}")
     for label in labels:
         if label not in known:
-            raise InputError(f"labels: no run {label}: there are {', '.join(known)}")
+            raise InputError(f"labels (--runs): no run {label}: there are {', '.join(known)}")
     return [run for run in runs if run.label in labels]

@@ -79,6 +79,15 @@ def test_a_position_in_another_unit(factor: float, unit: str) -> None:
     assert f"--unit x={unit}" in check_columns(each(x_times(factor)), ROBOT).findings[0].note
 
 
+@pytest.mark.parametrize("factor", [1e2, 60.0, 45.0, 1 / 0.0254])
+def test_of_an_inch_and_a_centimetre_both_are_named(factor: float) -> None:
+    """A head that travels less than the nominal one, in cm, travels as far as one in inches."""
+    note = check_columns(each(x_times(factor)), ROBOT).findings[0].note
+    assert "--unit x=cm" in note
+    assert "--unit x=inch" in note
+    assert " or " in note
+
+
 def test_an_angle_in_degrees() -> None:
     runs = each(x_times(180.0 / np.pi), measured(PENDULUM))
     assert found(runs, PENDULUM) == ("x", "unit", "deg")

@@ -331,12 +331,14 @@ def _unit_of_x(seen: _Seen) -> Columns | None:
         low, middle, high = np.quantile(ratios, [0.25, 0.5, 0.75])
         far = bool(middle > _TOO_FAR and low > _RUNS_TOO_FAR and high < _ALIKE * low)
     units = ANGLES if "gravity_torque" in seen.nominal else LENGTHS
-    likely = _nearest(units, float(np.median(ratios))) if ratios.size else ""
+    near = _near(units, float(np.median(ratios))) if ratios.size else []
+    likely = near[0] if near else ""
     far = far and _in_a_unit(seen, ratios, least, units.get(likely))
     if not far and seen.pace <= _TOO_FAST:
         return None
     much = f"{np.median(ratios):.3g} times as far as the nominal head" if ratios.size else "too far"
-    meant = f"it seems to be in {likely} (--unit x={likely})" if likely else "which unit is it in?"
+    options = " or ".join(f"--unit x={unit}" for unit in near)
+    meant = f"it seems to be in {' or '.join(near)} ({options})" if near else "which unit is it in?"
     note = (
         f"x moves {much}, which no listed effect makes: {meant}; no cause is looked for before the "
         "units of x, of the drive and of the nominal mass are right"
@@ -361,11 +363,13 @@ def _in_a_unit(seen: _Seen, ratios: Floats, least: float, factor: float | None) 
     return replace(seen, runs=shrunk).accounted > _SWAPPED
 
 
-def _nearest(units: Mapping[str, float], factor: float) -> str:
-    """Return the unit whose factor is nearest, if it is near."""
+def _near(units: Mapping[str, float], factor: float) -> list[str]:
+    """Return the units whose factors are near, the nearest first.
+
+    Of an inch and a centimetre no model tells which: effects change the travel by more.
+    """
     apart = {name: abs(float(np.log(factor / one))) for name, one in units.items()}
-    name = min(apart, key=lambda unit: apart[unit])
-    return name if apart[name] < _NEAR else ""
+    return [name for name in sorted(apart, key=lambda unit: apart[unit]) if apart[name] < _NEAR]
 
 
 def _unit_of_drive(seen: _Seen) -> Columns | None:
