@@ -235,7 +235,8 @@ def test_without_lubricant_nothing_is_pushed():
         ({"mass": True}, "mass is True: allowed is a number"),
         ({"segments": 33}, "segments is 33: allowed is a whole number from 2 to 32"),
         ({"segments": 1}, "nothing_anchored"),
-        ({"drive_limit": 0.1}, "drive_too_weak"),
+        ({"drive_limit": 0.1}, "drive_too_weak)"),
+        ({"drive_limit": 0.85, "break_away": 1}, "drive_too_weak); break_away=0 starts segments"),
         ({"joint_stiffness": [1e3, 1e3, float("inf")]}, "mixed_joints"),
         ({"buildup": 5}, "need elastic joints: give a joint_stiffness (elastic_joints_only)"),
         ({"stribeck_term": [0, 0, 1, 0]}, "elastic_joints_only"),
@@ -252,6 +253,7 @@ def test_bad_input_is_refused_in_one_line(given, words):
     with pytest.raises(ls.InputError, match=re.escape(words)) as caught:
         ls.run_gait(**{**PAPER, **given})
     assert "\n" not in str(caught.value)
+    assert given != {"drive_limit": 0.1} or str(caught.value).endswith("(drive_too_weak)")
 
 
 def test_a_motion_that_cannot_be_computed_is_no_bad_input(tmp_path, capsys):

@@ -259,7 +259,15 @@ def run_gait(
     if first.status:
         status = Status(first.status)
         kind = SolveError if status in _UNSOLVED else InputError
-        raise kind(f"gait '{gait}': {status.sentence} ({status.name.lower()})")
+        said = f"gait '{gait}': {status.sentence} ({status.name.lower()})"
+        if status is Status.DRIVE_TOO_WEAK:
+            # The closed forms, which most users come from, leave static friction out.
+            eased = list((shared | {"break_away": 0.0}).items())
+            if not _core.gait_run(gait, eased, *lists[1:], None, token).status:
+                said += (
+                    "; break_away=0 starts segments against Coulomb friction, as closed forms do"
+                )
+        raise kind(said)
     if every is None:
         every = results["time"] / (count - 1)
     if not 0 < every < math.inf:
