@@ -110,6 +110,13 @@ def main(root: Path, count: int) -> None:
     # In the background of a shell Ctrl-C would be ignored.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     chance = random.Random(3)  # noqa: S311 - moments, not secrets
+    for phase in ("kernel", "write"):
+        for number in SIGNALS:
+            # On a busy machine no chunk may be done yet when the first signals come, and these
+            # should find some that they could damage.
+            folder, delay = root / f"{phase}-{number.name}", 0.2
+            while not one(phase, signal.SIGTERM, folder, delay)["chunks"]:
+                delay *= 2.0
     # Turns outside, so that a part of them says something of all.
     for turn in range(count):
         for phase in PHASES:

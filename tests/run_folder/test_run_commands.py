@@ -14,6 +14,7 @@ import pytest
 from run_cases import data_files
 
 import locosweep as ls
+from locosweep import _core
 from locosweep.cli import main
 from locosweep.run_folder.verify import verify
 from locosweep.specs.sweep import Spec
@@ -73,6 +74,7 @@ def test_a_sweep_file_goes_into_a_folder_and_is_told_of(
     assert text.startswith("10 of 10 chunks done (100.0%), 0 missing, 0 damaged\n")
     assert "mean_velocity: ok 9" in text
     assert "cells/s, last at 20" in text
+    assert text.endswith(f", by {_core.version()} on {_core.simd_level()}\n")
     told = json.loads(run(capsys, "status", "run", "--json"))
     assert (told["chunks"], told["done"], told["missing"]) == (10, 10, 0)
     assert sum(told["statuses"]["mean_velocity"].values()) == 19 * 41

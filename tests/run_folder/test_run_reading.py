@@ -15,6 +15,7 @@ import pytest
 from run_cases import ALL, CLOSED, SIMULATED, data_files, same
 
 import locosweep as ls
+from locosweep import _core
 from locosweep.run_folder import begin, cells
 from locosweep.run_folder.verify import verify
 
@@ -72,6 +73,15 @@ def test_a_scan_gives_the_table(whole: Path) -> None:
     assert run.scan().head(3).filter(pl.col("mu_static") < 0).collect().height == 0
     best = run.scan().select(pl.col("peak_power").fill_nan(None).max()).collect().item()
     assert best == np.nanmax(ls.sweep(**CLOSED)["peak_power"])
+
+
+def test_a_run_says_what_made_each_chunk(whole: Path) -> None:
+    told = ls.open_run(whole).provenance
+    (writer,) = told["writers"]
+    assert told["numerics_version"] == writer["numerics_version"]
+    assert (writer["locosweep"], writer["simd"]) == (_core.version(), _core.simd_level())
+    assert writer["chunks"] == list(range(ls.open_run(whole).manifest.plan.count))
+    assert told["spec_sha256"] == ls.open_run(whole).manifest.spec_sha256
 
 
 def test_a_notebook_whose_loop_runs_fills_and_reads_a_run(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ import click
 
 from locosweep.cli.options import json_option, show
 from locosweep.cli.run_options import run_argument
+from locosweep.errors import printable
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -36,5 +37,8 @@ def status(run: Path, json_: bool) -> None:
     for writer in found.writers:
         rate = "" if writer.rate is None else f", {writer.rate:.3g} cells/s"
         torn = f", {writer.dropped} torn lines" if writer.dropped else ""
-        lines.append(f"{writer.name}: {writer.chunks} chunks{rate}, last at {writer.last}{torn}")
+        by = f", by {printable(writer.made_by)}" if writer.made_by else ""
+        lines.append(
+            f"{writer.name}: {writer.chunks} chunks{rate}, last at {writer.last}{by}{torn}"
+        )
     show(json_, found.record(), *lines)

@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from locosweep.run_folder.plan import Plan
 
 
+_LONGEST = 60
+"""Characters of what a log says of its writer."""
+
+
 @dataclass(frozen=True)
 class Pace:
     """What one writer has done.
@@ -32,6 +36,8 @@ class Pace:
         When it wrote last, UTC.
     dropped : int
         Lines of its log that were torn or altered.
+    made_by : str
+        Version of the package and SIMD level that it ran at, as its log says.
     """
 
     name: str
@@ -39,6 +45,7 @@ class Pace:
     rate: float | None
     last: str
     dropped: int
+    made_by: str
 
 
 @dataclass(frozen=True)
@@ -90,7 +97,8 @@ def _pace(writer: Writer, plan: Plan) -> Pace:
     # The log begins with its first chunk, whose computation came before.
     taken = last - begin + (known[0].seconds if known else 0.0)
     rate = plan.cells_in([one.chunk for one in known]) / taken if taken > 0 else None
-    return Pace(writer.name, len(known), rate, _stamp(last), writer.dropped)
+    made_by = " on ".join(str(writer.about[k]) for k in ("locosweep", "simd") if k in writer.about)
+    return Pace(writer.name, len(known), rate, _stamp(last), writer.dropped, made_by[:_LONGEST])
 
 
 def _stamp(seconds: float) -> str:

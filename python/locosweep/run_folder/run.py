@@ -92,6 +92,20 @@ class Run:
                 total[code] = total.get(code, 0) + count
         return dict(sorted((Status(int(code)), count) for code, count in total.items()))
 
+    @property
+    def provenance(self) -> dict[str, Any]:
+        """Return what made the run, from manifest and logs.
+
+        ``spec_sha256``, ``numerics_version``, and ``writers``: for each log its name, the chunks
+        that it has finished, and what it says of its version, SIMD level and threads.
+        """
+        writers = [
+            {"name": w.name, **w.about, "chunks": sorted(one.chunk for one in w.done)}
+            for w in self.state.writers
+        ]
+        return {"spec_sha256": self.manifest.spec_sha256,
+                "numerics_version": self.manifest.numerics_version, "writers": writers}  # fmt: skip
+
     def summary(self) -> dict[str, Any]:
         """Describe outputs, axes and what is done, from manifest and logs, for JSON."""
         counts = {o.name: self.status_counts(o.name) for o in self.outputs}

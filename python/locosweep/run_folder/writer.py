@@ -41,8 +41,8 @@ _PATIENCE = 0.15
 def about(threads: int, **more: object) -> dict[str, Any]:
     """Return what a log says of its writer."""
     return {
-        "locosweep": _core.version(), "numerics_version": NUMERICS_VERSION, "threads": threads,
-        **more,
+        "locosweep": _core.version(), "numerics_version": NUMERICS_VERSION,
+        "simd": _core.simd_level(), "threads": threads, **more,
     }  # fmt: skip
 
 
