@@ -96,7 +96,8 @@ def timed(frame: pl.DataFrame, threads: int) -> tuple[float, float, str]:
         found.save(Path(out) / "report")
     whole = time.perf_counter() - begin
     names = " + ".join("/".join(c) for c in found.report["verdict"]["equivalent"])
-    return min(after) - marks["single effects"], whole, names or found.status
+    said = f"{names} (partial)" if found.status == "partial" else names or found.status
+    return min(after) - marks["single effects"], whole, said
 
 
 def replayed(frame: pl.DataFrame) -> tuple[float, float, int]:
