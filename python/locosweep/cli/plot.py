@@ -57,15 +57,16 @@ def plot(
     from locosweep.plot import style
     from locosweep.plot.save import save_figure
     from locosweep.provenance import spec_hash
-    from locosweep.run_folder.run import open_run
 
     if by is not None and y is not None:
         raise InputError("--by draws curves and --y a heat map: allowed is one of them")
     if out is None:
-        out = Path(f"{file.resolve().stem}.png")
+        out = Path(f"{file.stem or file.resolve().stem}.png")
         options.PICTURE.convert(out, None, ctx)
     shown: Result | Run
     if file.is_dir():
+        from locosweep.run_folder.run import open_run
+
         shown = open_run(file)
         spec = shown.manifest.spec_sha256
     else:
