@@ -215,10 +215,14 @@ def many(part: int) -> Rows:
             "mass": np.linspace(0.1, 1.0, length)}  # fmt: skip
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name) / "run"
-        ls.sweep("mean_velocity", ls.Grid(**axes, mu_coulomb=0.3, segments=4), out=folder, chunk=1)
+        grid = ls.Grid(**axes, mu_coulomb=0.3, segments=4)
+        begin = time.process_time()
+        ls.sweep("mean_velocity", grid, out=folder, chunk=1)
+        each = (time.process_time() - begin) / length**3
         opened = min(seconds(lambda: ls.open_run(folder)) for _ in range(5))
         told = min(seconds(lambda: command(folder.parent, "status", "run")) for _ in range(5))
     return [
+        row("processor time a chunk of one cell", f"{1e3 * each:.1f} ms"),
         row(f"open a run of {length**3} chunks", f"{opened:.1f} s", "2 s",
             opened <= STATUS_SECONDS),
         row("status of it, start of the command included", f"{told:.1f} s", "2 s",
@@ -238,8 +242,11 @@ def main() -> None:
     parser.add_argument("--only", default=",".join(PARTS), help="parts, with commas between")
     json_option(parser)
     given = parser.parse_args()
+    parts = given.only.split(",")
+    if unknown := set(parts) - PARTS.keys():
+        parser.error(f"--only: no part {min(unknown)}: there are {', '.join(PARTS)}")
     part = _QUICK if given.quick else 1
-    rows = [one for name in given.only.split(",") for one in PARTS[name](part)]
+    rows = [one for name in parts for one in PARTS[name](part)]
     print(", ".join(f"{name} {value}" for name, value in describe(["locosweep"]).items()))
     heads = ["work", "found", "target", "met"]
     print(table([heads, *([one[key] for key in heads] for one in rows)]))

@@ -109,9 +109,9 @@ LIVE = "figure-2.html"
 LIVE_TEXT = f"""
 ## The paper's Figure 2, with its friction to choose
 
-Mean velocity over the number of segments and the slope; the paper draws it for static friction 0.5
-and Coulomb friction 0.3, and is closer to anchors that need not hold their own weight
-(`anchor_weight` 0). Move the sliders, point at a cell, choose other axes:
+Mean velocity over the number of segments and the slope. The paper draws it for static friction 0.5
+and Coulomb friction 0.3. With `anchor_weight` 0, anchors need not hold their own weight, which is
+closer to its picture. Move the sliders, point at a cell, choose other axes:
 
 ```{{raw}} html
 <iframe src="{LIVE}" title="Figure 2 of the paper, with sliders" class="live"></iframe>

@@ -100,7 +100,7 @@ class Run:
         that it has finished, and what it says of its version, SIMD level and threads.
         """
         writers = [
-            {"name": w.name, **w.about, "chunks": sorted(one.chunk for one in w.done)}
+            {**w.about, "name": w.name, "chunks": sorted(one.chunk for one in w.done)}
             for w in self.state.writers
         ]
         return {"spec_sha256": self.manifest.spec_sha256,
@@ -181,11 +181,8 @@ class Run:
 
         Parameters
         ----------
-        method : {None, "nearest"}
-            None takes values as they stand in the axis; "nearest" the next ones.
-        **at
-            By name of an axis: a number takes the axis away, and stands in ``fixed``
-            then; a sequence keeps these values, in its order.
+        method, **at
+            As for `Result.sel`.
 
         Raises
         ------
