@@ -20,6 +20,8 @@ import locosweep as ls
 from locosweep.cli import main
 
 PAGE = 4096
+LOT = 100
+"""Alterations of one run."""
 KINDS = ("flip", "truncate", "zero", "swap", "copy", "remove")
 
 
@@ -109,7 +111,19 @@ def mutate(root: Path, count: int, seed: int) -> tuple[dict[str, int], list[str]
     return dict(done), wrong
 
 
+def in_lots(count: int) -> None:
+    """Alter runs, a hundred times each, and print how far it is."""
+    done: collections.Counter[str] = collections.Counter()
+    faults: list[str] = []
+    for lot, first in enumerate(range(0, count, LOT), 1):
+        with tempfile.TemporaryDirectory() as place:
+            counts, wrong = mutate(Path(place), min(LOT, count - first), lot)
+        done.update(counts)
+        faults += wrong
+        sys.stdout.write(f"{done.total()}: {dict(done)}, {len(faults)} wrong\n")
+        sys.stdout.flush()
+    sys.stdout.write("\n".join(faults[:20]))
+
+
 if __name__ == "__main__":
-    with tempfile.TemporaryDirectory() as place:
-        counts, faults = mutate(Path(place), int(sys.argv[1]), 1)
-    sys.stdout.write(f"{counts}, {len(faults)} wrong\n" + "\n".join(faults[:20]) + "\n")
+    in_lots(int(sys.argv[1]))
