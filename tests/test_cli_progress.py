@@ -26,7 +26,8 @@ QUICK: dict[str, list[str]] = {
     "export into a folder": ["export", "run", "--out", "x"],
 }  # fmt: skip
 LONG = {"sweep", "explore", "heatmap", "simulate", "gait", "diagnose", "distinguish", "friction",
-        "blind-check", "reproduce", "laws", "verify", "merge", "export"}  # fmt: skip
+        "blind-check", "reproduce", "laws", "verify", "merge", "export", "propagate",
+        "sensitivity"}  # fmt: skip
 
 
 def events(text: str) -> list[dict[str, Any]]:

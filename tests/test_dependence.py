@@ -47,6 +47,7 @@ PYTHON_ORDER = [
     {"run_folder"},
     {"virtual_grid", "kept_work"},
     {"plot"},
+    {"uncertainty"},
     {"diagnosis.data"},
     {"diagnosis.effects"},
     {"diagnosis.estimate"},

@@ -68,6 +68,7 @@ MENU = {
 API = {
     "Sweeps": ["sweep", "Grid", "Result", "load", "Spec"],
     "Large sweeps": ["open_run", "Run", "open_grid"],
+    "Uncertainty": ["propagate", "Propagation", "sensitivity", "Sensitivity"],
     "Simulation": ["simulate", "Trajectories", "run_gait", "GaitRun", "GaitSpec"],
     "Diagnosis": [
         *("diagnose", "Diagnosis", "distinguish", "Distinction", "fit_friction", "FrictionFit"),

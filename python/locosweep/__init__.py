@@ -44,6 +44,10 @@ if TYPE_CHECKING:
     from locosweep.simulation.trajectories import simulate as simulate
     from locosweep.specs.gait import GaitSpec as GaitSpec
     from locosweep.specs.sweep import Spec as Spec
+    from locosweep.uncertainty.propagation import Propagation as Propagation
+    from locosweep.uncertainty.propagation import propagate as propagate
+    from locosweep.uncertainty.sensitivity import Sensitivity as Sensitivity
+    from locosweep.uncertainty.sensitivity import sensitivity as sensitivity
     from locosweep.virtual_grid.open_grid import open_grid as open_grid
 
     __version__: str
@@ -65,10 +69,12 @@ _HOMES = {
     "Law": "registry",
     "LocosweepError": "errors",
     "Parameter": "registry",
+    "Propagation": "uncertainty.propagation",
     "Quantity": "registry",
     "Result": "result",
     "Robot": "files.robot",
     "Run": "run_folder.run",
+    "Sensitivity": "uncertainty.sensitivity",
     "SolveError": "errors",
     "Spec": "specs.sweep",
     "Status": "registry",
@@ -86,9 +92,11 @@ _HOMES = {
     "open_grid": "virtual_grid.open_grid",
     "open_run": "run_folder.run",
     "parameters": "registry",
+    "propagate": "uncertainty.propagation",
     "quantities": "registry",
     "reductions": "registry",
     "run_gait": "simulation.gait",
+    "sensitivity": "uncertainty.sensitivity",
     "simulate": "simulation.trajectories",
     "sweep": "engine",
 }

@@ -672,11 +672,12 @@ class Sweep:
     """
     A checked grid and what to compute on it.
     """
-    def __new__(cls, /, axes: SupportsGetItem[int, tuple[str, Incomplete]], fixed: SupportsGetItem[int, tuple[str, SupportsFloat | SupportsIndex]], requests: SupportsGetItem[int, tuple[str, str | None, SupportsFloat | SupportsIndex | None]], over: str | None = None, *, law: str | None = None, drive: str | None = None, gait: str | None = None, method: str | None = None, locate: bool = True, table: tuple[Incomplete, Incomplete] | None = None, motion: bool = False) -> Sweep:
+    def __new__(cls, /, axes: SupportsGetItem[int, tuple[str, Incomplete]], fixed: SupportsGetItem[int, tuple[str, SupportsFloat | SupportsIndex]], requests: SupportsGetItem[int, tuple[str, str | None, SupportsFloat | SupportsIndex | None]], over: str | None = None, *, law: str | None = None, drive: str | None = None, gait: str | None = None, method: str | None = None, locate: bool = True, table: tuple[Incomplete, Incomplete] | None = None, motion: bool = False, sample: SupportsGetItem[int, tuple[str, Incomplete]] = ...) -> Sweep:
         """
         `requests` are (quantity, reduction or None, q or None). Law, drive, method
         and table (times and values) count where a quantity is simulated; `motion`
         says that it is looked at itself, which prefers a method with dense output.
+        `sample` is a last axis along which several parameters take their values together.
         """
     @property
     def axes(self, /) -> list[str]:

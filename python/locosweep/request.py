@@ -72,8 +72,12 @@ class Request:
         axes: Mapping[str, NDArray[np.float64]],
         fixed: Mapping[str, float],
         outputs: Sequence[int] | None = None,
+        sample: Mapping[str, NDArray[np.float64]] | None = None,
     ) -> _core.Sweep:
-        """Return the checked job on these axes, for some outputs by number or for all."""
+        """Return the checked job on these axes, for some outputs by number or for all.
+
+        A `sample` is a last axis along which several parameters take their values together.
+        """
         wanted = self.outputs if outputs is None else [self.outputs[i] for i in outputs]
         return _core.Sweep(
             list(axes.items()),
@@ -85,6 +89,7 @@ class Request:
             gait=self.gait,
             method=self.method,
             table=self.table,
+            sample=list((sample or {}).items()),
         )
 
 

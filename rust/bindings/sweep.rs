@@ -58,8 +58,9 @@ impl Sweep {
     /// `requests` are (quantity, reduction or None, q or None). Law, drive, method
     /// and table (times and values) count where a quantity is simulated; `motion`
     /// says that it is looked at itself, which prefers a method with dense output.
+    /// `sample` is a last axis along which several parameters take their values together.
     #[new]
-    #[pyo3(signature = (axes, fixed, requests, over=None, *, law=None, drive=None, gait=None, method=None, locate=true, table=None, motion=false))]
+    #[pyo3(signature = (axes, fixed, requests, over=None, *, law=None, drive=None, gait=None, method=None, locate=true, table=None, motion=false, sample=Vec::new()))]
     #[allow(clippy::too_many_arguments, clippy::type_complexity)]
     fn new(
         py: Python<'_>,
@@ -74,6 +75,7 @@ impl Sweep {
         locate: bool,
         table: Option<(PyReadonlyArray1<'_, f64>, PyReadonlyArray1<'_, f64>)>,
         motion: bool,
+        sample: Vec<(String, PyReadonlyArray1<'_, f64>)>,
     ) -> PyResult<Sweep> {
         let mut choice = Choice { method, locate, motion, ..Choice::default() };
         choice.law = law.unwrap_or(choice.law);
@@ -83,10 +85,12 @@ impl Sweep {
             choice.times = times.as_array().to_vec();
             choice.values = values.as_array().to_vec();
         }
-        let axes: Vec<(String, Vec<f64>)> =
-            axes.into_iter().map(|(name, values)| (name, values.as_array().to_vec())).collect();
+        let owned = |named: Vec<(String, PyReadonlyArray1<'_, f64>)>| -> Vec<(String, Vec<f64>)> {
+            named.into_iter().map(|(name, values)| (name, values.as_array().to_vec())).collect()
+        };
+        let (axes, sample) = (owned(axes), owned(sample));
         let build = || {
-            let grid = Grid::new(&axes, &fixed)?;
+            let grid = Grid::with_sample(&axes, &sample, &fixed)?;
             let requests = requests.iter().map(|(quantity, reduce, q)| {
                 let entry = Entry::parse(quantity)?;
                 let reduce = reduce.as_ref().map(|name| Reduce::parse(name, *q)).transpose()?;
@@ -114,8 +118,8 @@ impl Sweep {
     fn fixed(&self) -> Vec<(&'static str, f64)> {
         let grid = &self.job.grid;
         let all = locosweep::physics::ParamId::all();
-        all.filter_map(|id| Some((id.param().name, grid.fixed[id as usize]?)))
-            .filter(|(name, _)| !grid.axes.iter().any(|axis| axis.id.param().name == *name))
+        all.filter(|id| grid.along(*id).is_none())
+            .filter_map(|id| Some((id.param().name, grid.fixed[id as usize]?)))
             .collect()
     }
 

@@ -132,3 +132,45 @@ fn requests_are_checked() {
     }
     assert!(matches!(Level::parse("avx1024"), Err(Error::BadOption { .. })));
 }
+
+#[test]
+fn a_sample_takes_its_parameters_together() {
+    let sample = [("mu_coulomb", vec![0.2, 0.3, 0.25]), ("slope_deg", vec![0.0, 5.0, 10.0])];
+    let axes = [("segments", vec![3.0, 4.0])];
+    let fixed = [("mu_static", 0.5)];
+    let entry = Entry::parse("mean_velocity").unwrap();
+    let values = |axes: &[(&str, Vec<f64>)], sample: &[(&str, Vec<f64>)], over, reduce| {
+        let grid = Grid::with_sample(axes, sample, &fixed).unwrap();
+        let request = Request { entry, reduce };
+        let job = Job::new(grid, vec![request], over, &Choice::default()).unwrap();
+        let mut out = vec![0.0; job.cells()];
+        let control = Control::default();
+        run(&job, vec![(0, Buffer::F64(&mut out))], options(1, 4), &control).unwrap();
+        out
+    };
+    let found = values(&axes, &sample, None, None);
+    assert_eq!(found.len(), 6);
+    let best = values(&axes, &sample, Some("segments"), Some(Reduce::Max));
+    for k in 0..3 {
+        let one = [("mu_coulomb", vec![sample[0].1[k]]), ("slope_deg", vec![sample[1].1[k]])];
+        let alone = values(&[axes[0].clone(), one[0].clone(), one[1].clone()], &[], None, None);
+        same(&alone, &[found[k], found[3 + k]], "sample");
+        same(&[alone[0].max(alone[1])], &[best[k]], "best of each point");
+    }
+}
+
+#[test]
+fn a_sample_of_unequal_lengths_is_refused() {
+    let sample = [("mu_coulomb", vec![0.2, 0.3]), ("slope_deg", vec![0.0])];
+    let error = Grid::with_sample(&[], &sample, &[]).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "sample is 1 values of slope_deg: allowed is as many as mu_coulomb has: 2"
+    );
+    let twice = [("mu_coulomb", vec![0.2]), ("mu_coulomb", vec![0.3])];
+    let error = Grid::with_sample(&[], &twice, &[]).unwrap_err();
+    assert!(error.to_string().contains("mu_coulomb"), "{error}");
+    let axes = [("segments", vec![3.0, 4.0])];
+    let grid = Grid::with_sample(&axes, &[("mu_coulomb", vec![0.2, 0.3])], &[]).unwrap();
+    assert_eq!(grid.shape(), [2, 2]);
+}

@@ -29,6 +29,7 @@ from locosweep.cli.laws import laws
 from locosweep.cli.merge import merge
 from locosweep.cli.optimum import optimum
 from locosweep.cli.plot import plot
+from locosweep.cli.propagate import propagate
 from locosweep.cli.registry_lists import (
     drives,
     effects,
@@ -41,6 +42,7 @@ from locosweep.cli.registry_lists import (
 )
 from locosweep.cli.reproduce import reproduce
 from locosweep.cli.screen import screen
+from locosweep.cli.sensitivity import sensitivity
 from locosweep.cli.signals import (
     INTERRUPTED,
     end_at_once,
@@ -81,8 +83,8 @@ def group() -> None:
 
 for _command in (
     heatmap, explore, sweep, status, verify, merge, export, simulate, gait, init, screen, diagnose,
-    distinguish, friction, blind_check, optimum, plot, reproduce, quantities, parameters, laws,
-    drives, effects, gaits, methods, reductions, reasons,
+    distinguish, friction, blind_check, optimum, propagate, sensitivity, plot, reproduce,
+    quantities, parameters, laws, drives, effects, gaits, methods, reductions, reasons,
 ):  # fmt: skip
     if _command.name:
         _command.epilog = epilog(_command.name)

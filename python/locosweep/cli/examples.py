@@ -24,6 +24,11 @@ EXAMPLES = {
     "friction": "locosweep friction measured.csv --unit x=mm --out friction",
     "blind-check": "locosweep blind-check --cases 4 --seed 1 --out check",
     "optimum": "locosweep optimum --robot examples/locosnake.toml --set slope_deg=5",
+    "propagate": "locosweep propagate mean_velocity --axis segments=2:12 --set slope_deg=5 "
+    "--set stroke=0.02 --unknown mu_static=0.4:0.6 --unknown mu_coulomb/mu_static=0.5:0.9 "
+    "--need '>= 0.06'",
+    "sensitivity": "locosweep sensitivity mean_velocity --set segments=5 --set mu_static=0.6 "
+    "--unknown mu_coulomb=normal:0.3:0.03 --unknown slope_deg=normal:5:1",
     "plot": "locosweep plot sweep.parquet --x slope_deg --y segments --value peak_power "
     "--out power.svg",
     "reproduce": "locosweep reproduce all --out paper",

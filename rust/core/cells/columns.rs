@@ -35,7 +35,9 @@ impl Vary {
     pub const ANY: u8 = 2;
 
     pub fn of(axes: &[&Axis]) -> Vary {
-        let all_in = |set: &[ParamId]| axes.iter().all(|axis| set.contains(&axis.id));
+        let ids: Vec<ParamId> =
+            axes.iter().flat_map(|axis| axis.members().map(|(id, _)| id)).collect();
+        let all_in = |set: &[ParamId]| ids.iter().all(|id| set.contains(id));
         if all_in(&[ParamId::SlopeDeg, ParamId::Segments]) {
             Vary::SlopeAndSegments
         } else if all_in(&MAIN_PARAMS) {
@@ -97,19 +99,22 @@ impl Layout {
         let mut repeat = row;
         for axis in inner {
             repeat /= axis.values.len();
-            let pairs: Vec<[f64; 2]> = axis.values.iter().map(|v| columns(axis.id, *v)).collect();
-            for derived in 0..2 {
-                let mut column = Vec::with_capacity(row + OVERHANG);
-                while column.len() < row {
-                    for pair in &pairs {
-                        column.extend(std::iter::repeat_n(pair[derived], repeat));
+            for (id, values) in axis.members() {
+                let pairs: Vec<[f64; 2]> = values.iter().map(|v| columns(id, *v)).collect();
+                for derived in 0..2 {
+                    let mut column = Vec::with_capacity(row + OVERHANG);
+                    while column.len() < row {
+                        for pair in &pairs {
+                            column.extend(std::iter::repeat_n(pair[derived], repeat));
+                        }
                     }
+                    // Padding holds valid numbers: their results are thrown away.
+                    column.resize(row + OVERHANG, pairs[pairs.len() - 1][derived]);
+                    layout.inner[2 * id as usize + derived] = column;
                 }
-                // Padding holds valid numbers: their results are thrown away.
-                column.resize(row + OVERHANG, pairs[pairs.len() - 1][derived]);
-                layout.inner[2 * axis.id as usize + derived] = column;
             }
         }
+        // A sample is the last axis, which is always an inner one.
         for axis in outer {
             let pairs = axis.values.iter().map(|v| columns(axis.id, *v)).collect();
             layout.outer.push((axis.id, pairs));
@@ -126,7 +131,7 @@ impl Layout {
                 break;
             }
             row = next;
-            wide += 2;
+            wide += 2 * axis.members().count();
         }
         wide * (row + OVERHANG) * size_of::<f64>()
     }

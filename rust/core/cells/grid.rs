@@ -9,6 +9,16 @@ use crate::physics::params::PARAM_COUNT;
 pub struct Axis {
     pub id: ParamId,
     pub values: Vec<f64>,
+    /// Further parameters that take their values along the same axis: points of a sample.
+    pub linked: Vec<(ParamId, Vec<f64>)>,
+}
+
+impl Axis {
+    /// The parameters along the axis, each with its values.
+    pub fn members(&self) -> impl Iterator<Item = (ParamId, &[f64])> {
+        let linked = self.linked.iter().map(|(id, values)| (*id, &values[..]));
+        std::iter::once((self.id, &self.values[..])).chain(linked)
+    }
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -21,16 +31,39 @@ pub struct Grid {
 impl Grid {
     /// Builds a grid from axes in order and fixed values, by name.
     pub fn new<S: AsRef<str>>(axes: &[(S, Vec<f64>)], fixed: &[(S, f64)]) -> Result<Grid> {
+        Grid::with_sample(axes, &[], fixed)
+    }
+
+    /// The same with a sample as the last axis: parameters that take their values together.
+    pub fn with_sample<S: AsRef<str>>(
+        axes: &[(S, Vec<f64>)],
+        sample: &[(S, Vec<f64>)],
+        fixed: &[(S, f64)],
+    ) -> Result<Grid> {
         let mut grid = Grid { axes: Vec::new(), fixed: [None; PARAM_COUNT] };
         for (name, values) in axes {
-            let id = ParamId::parse(name.as_ref())?;
-            grid.refuse_twice(id, "an axis")?;
-            let param = id.param();
-            if values.is_empty() {
-                return Err(Error::EmptyAxis { name: param.name.to_owned() });
+            let (id, values) = grid.read_axis(name.as_ref(), values)?;
+            grid.axes.push(Axis { id, values, linked: Vec::new() });
+        }
+        for (place, (name, values)) in sample.iter().enumerate() {
+            let (id, values) = grid.read_axis(name.as_ref(), values)?;
+            match grid.axes.last_mut() {
+                Some(last) if place > 0 => {
+                    if values.len() != last.values.len() {
+                        return Err(Error::BadOption {
+                            name: "sample",
+                            given: format!("{} values of {}", values.len(), name.as_ref()),
+                            allowed: format!(
+                                "as many as {} has: {}",
+                                last.id.param().name,
+                                last.values.len()
+                            ),
+                        });
+                    }
+                    last.linked.push((id, values));
+                }
+                _ => grid.axes.push(Axis { id, values, linked: Vec::new() }),
             }
-            let checked = values.iter().enumerate().map(|(i, v)| param.check(*v, Some(i)));
-            grid.axes.push(Axis { id, values: checked.collect::<Result<_>>()? });
         }
         for (name, value) in fixed {
             let id = ParamId::parse(name.as_ref())?;
@@ -38,7 +71,7 @@ impl Grid {
             grid.fixed[id as usize] = Some(id.param().check(*value, None)?);
         }
         for id in ParamId::all() {
-            if grid.axis(id).is_none() && grid.fixed[id as usize].is_none() {
+            if grid.along(id).is_none() && grid.fixed[id as usize].is_none() {
                 grid.fixed[id as usize] = id.param().default;
             }
         }
@@ -46,8 +79,19 @@ impl Grid {
         Ok(grid)
     }
 
+    fn read_axis(&self, name: &str, values: &[f64]) -> Result<(ParamId, Vec<f64>)> {
+        let id = ParamId::parse(name)?;
+        self.refuse_twice(id, "an axis")?;
+        let param = id.param();
+        if values.is_empty() {
+            return Err(Error::EmptyAxis { name: param.name.to_owned() });
+        }
+        let checked = values.iter().enumerate().map(|(i, v)| param.check(*v, Some(i)));
+        Ok((id, checked.collect::<Result<_>>()?))
+    }
+
     fn refuse_twice(&self, id: ParamId, second: &'static str) -> Result<()> {
-        let first = match (self.axis(id), self.fixed[id as usize]) {
+        let first = match (self.along(id), self.fixed[id as usize]) {
             (Some(_), _) => "an axis",
             (_, Some(_)) => "a fixed value",
             _ => return Ok(()),
@@ -55,8 +99,10 @@ impl Grid {
         Err(Error::GivenTwice { name: id.param().name.to_owned(), first, second })
     }
 
-    pub fn axis(&self, id: ParamId) -> Option<&Axis> {
-        self.axes.iter().find(|axis| axis.id == id)
+    /// The values that a parameter takes along its axis, if it has one.
+    pub fn along(&self, id: ParamId) -> Option<&[f64]> {
+        let mut members = self.axes.iter().flat_map(Axis::members);
+        members.find(|(member, _)| *member == id).map(|(_, values)| values)
     }
 
     pub fn shape(&self) -> Vec<usize> {
@@ -75,8 +121,8 @@ impl Grid {
 
     /// Smallest and largest value that a parameter takes; `None` if it has none.
     pub fn bounds(&self, id: ParamId) -> Option<(f64, f64)> {
-        match self.axis(id) {
-            Some(axis) => axis.values.iter().fold(None, |bounds, v| match bounds {
+        match self.along(id) {
+            Some(values) => values.iter().fold(None, |bounds, v| match bounds {
                 None => Some((*v, *v)),
                 Some((low, high)) => Some((v.min(low), v.max(high))),
             }),

@@ -2,7 +2,7 @@
 //! once for all of them.
 
 use crate::error::{Error, Result};
-use crate::grid::Grid;
+use crate::grid::{Axis, Grid};
 use crate::integrate::Method;
 use crate::integrate::smooth::LAST;
 use crate::physics::ParamId;
@@ -122,7 +122,10 @@ impl Simulation {
         let scales = [ParamId::DriveForce, ParamId::DriveAmplitude].map(|id| id.param().name);
         names.retain(|name| !scales.contains(name));
         names.extend(["duration", "time_step"]);
-        let varies = |name: &&str| grid.axes.iter().any(|axis| axis.id.param().name == *name);
+        let varies = |name: &&str| {
+            let mut members = grid.axes.iter().flat_map(Axis::members);
+            members.any(|(id, _)| id.param().name == *name)
+        };
         if names.iter().any(varies) {
             return;
         }

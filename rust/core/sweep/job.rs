@@ -60,13 +60,14 @@ impl Job {
             None => None,
             Some(name) => {
                 let id = ParamId::parse(name)?;
-                let position = grid.axes.iter().position(|axis| axis.id == id);
+                let is_it = |axis: &Axis| axis.id == id && axis.linked.is_empty();
+                let position = grid.axes.iter().position(is_it);
                 Some(position.ok_or(Error::NotAnAxis { axis: name.to_owned(), axes: names() })?)
             }
         };
         if gait.is_some() && simulation.is_none() {
             // A fixed value may be there for other sweeps; an axis is there to be seen.
-            let axis = |id| grid.axis(id).map_or(&[][..], |axis: &Axis| &axis.values[..]);
+            let axis = |id| grid.along(id).unwrap_or_default();
             let fixed = grid.fixed[ParamId::StribeckTerm as usize];
             if !axis(ParamId::StribeckTerm).iter().chain(&fixed).any(|on| *on > 0.0) {
                 for id in STRIBECK {
@@ -84,7 +85,7 @@ impl Job {
                 });
             }
             for id in ParamId::all() {
-                let missing = grid.axis(id).is_none() && grid.fixed[id as usize].is_none();
+                let missing = grid.along(id).is_none() && grid.fixed[id as usize].is_none();
                 let simulated = simulation.as_ref().filter(|_| is_run(request));
                 let taken = || simulated.is_some_and(|s| s.params().any(|p| p == id.param().name));
                 if missing && (request.entry.uses(id) || taken()) {
