@@ -2,36 +2,52 @@
 
 import json
 import shlex
+import subprocess
+import sys
 
 import click
 import pytest
 
 import locosweep as ls
-from locosweep.cli import group, main
-from locosweep.cli.examples import EXAMPLES
+from locosweep.cli import main
+from locosweep.cli.commands import COMMANDS, command
 
 
 def help_of(name):
-    command = group.commands[name]
-    context = click.Context(command, info_name=f"locosweep {name}", max_content_width=100)
-    return command.get_help(context)
+    found = command(name)
+    context = click.Context(found, info_name=f"locosweep {name}", max_content_width=100)
+    return found.get_help(context)
 
 
-def test_every_command_has_an_example():
-    assert set(EXAMPLES) == set(group.commands)
+@pytest.mark.parametrize("name", COMMANDS)
+def test_what_a_command_does_is_told_alike_by_the_whole_and_by_itself(name):
+    found = command(name)
+    assert found.name == name
+    assert COMMANDS[name].does == found.get_short_help_str(200)
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
+def test_the_help_of_the_whole_imports_no_command(capsys):
+    assert main(["--help"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    for name, entry in COMMANDS.items():
+        assert f"{name} {entry.does.rstrip('.')}" in said
+    code = (
+        "import sys; from locosweep.cli import main; main(['--help']); "
+        "sys.exit('locosweep.cli.options' in sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, stdout=subprocess.DEVNULL)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
 def test_help_fits_a_screen_or_two_and_ends_with_an_example_that_is_understood(name):
     text = help_of(name)
     assert text.count("\n") < 80
     assert "Example:" in text
     shown = text[text.index("Example:") + len("Example:") :].split("\n\n")[0].replace("\\\n", " ")
-    assert shlex.split(shown) == shlex.split(EXAMPLES[name])
-    command = group.commands[name]
-    arguments = shlex.split(EXAMPLES[name])
+    assert shlex.split(shown) == shlex.split(COMMANDS[name].example)
+    arguments = shlex.split(COMMANDS[name].example)
     assert arguments[:2] == ["locosweep", name]
-    with command.make_context(name, arguments[2:], obj=arguments[1:]):
+    with command(name).make_context(name, arguments[2:], obj=arguments[1:]):
         pass
 
 

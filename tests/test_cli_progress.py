@@ -8,7 +8,8 @@ from typing import Any
 
 import pytest
 
-from locosweep.cli import group, main
+from locosweep.cli import main
+from locosweep.cli.commands import COMMANDS, command
 
 ROOT = Path(__file__).parents[1]
 SWEEP = ["sweep", "mean_velocity", "--axis", "mu_static=0.2:0.8:20", "--axis", "segments=2:20",
@@ -64,7 +65,7 @@ def test_none_is_silent(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_every_long_command_has_the_option() -> None:
     having = {
-        name for name, command in group.commands.items()
-        if any("--progress" in param.opts for param in command.params)
+        name for name in COMMANDS
+        if any("--progress" in param.opts for param in command(name).params)
     }  # fmt: skip
     assert having == LONG

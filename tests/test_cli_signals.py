@@ -47,12 +47,15 @@ def test_a_hung_up_sweep_leaves_nothing(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("ctrl_c")
-def test_ctrl_c_while_the_command_is_imported_ends_it_in_one_line(tmp_path: Path) -> None:
+@pytest.mark.parametrize("module", ["commands", "registry_lists"])
+def test_ctrl_c_while_the_command_is_imported_ends_it_in_one_line(
+    module: str, tmp_path: Path
+) -> None:
     script = (
         "import os, signal, sys; from locosweep.__main__ import main\n"
         "class Pressed:\n"
         "    def find_spec(self, name, *rest):\n"
-        "        if name == 'locosweep.cli.heatmap': os.kill(os.getpid(), signal.SIGINT)\n"
+        f"        if name == 'locosweep.cli.{module}': os.kill(os.getpid(), signal.SIGINT)\n"
         "sys.meta_path.insert(0, Pressed()); sys.exit(main())"
     )
     done = subprocess.run(

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from locosweep.cli import group
+from locosweep.cli.commands import COMMANDS, command
 
 ROOT = Path(__file__).parents[1]
 PAGES = [
@@ -109,11 +109,12 @@ def wrong_commands(text: str) -> list[str]:
             program, *words = shlex.split(line, comments=True)
             if program != "locosweep":
                 continue
-            command = group.commands.get(words[0]) if words else None
-            if command is None:
+            if not words or words[0] not in COMMANDS:
                 wrong.append(line)
                 continue
-            options = {name for p in command.params for name in (*p.opts, *p.secondary_opts)}
+            options = {
+                name for p in command(words[0]).params for name in (*p.opts, *p.secondary_opts)
+            }
             given = {word for word in words[1:] if word.startswith("--")}
             wrong += [line] if given - options - {"--help"} else []
     return wrong

@@ -15,34 +15,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from locosweep.cli.blind_check import blind_check
-from locosweep.cli.diagnose import diagnose
-from locosweep.cli.distinguish import distinguish
-from locosweep.cli.examples import epilog
-from locosweep.cli.explore import explore
-from locosweep.cli.export import export
-from locosweep.cli.friction import friction
-from locosweep.cli.gait import gait
-from locosweep.cli.heatmap import heatmap
-from locosweep.cli.init import init
-from locosweep.cli.laws import laws
-from locosweep.cli.merge import merge
-from locosweep.cli.optimum import optimum
-from locosweep.cli.plot import plot
-from locosweep.cli.propagate import propagate
-from locosweep.cli.registry_lists import (
-    drives,
-    effects,
-    gaits,
-    methods,
-    parameters,
-    quantities,
-    reasons,
-    reductions,
-)
-from locosweep.cli.reproduce import reproduce
-from locosweep.cli.screen import screen
-from locosweep.cli.sensitivity import sensitivity
+from locosweep.cli.commands import Commands
 from locosweep.cli.signals import (
     INTERRUPTED,
     end_at_once,
@@ -52,10 +25,6 @@ from locosweep.cli.signals import (
     rest,
     terminated,
 )
-from locosweep.cli.simulate import simulate
-from locosweep.cli.status import status
-from locosweep.cli.sweep import sweep
-from locosweep.cli.verify import verify
 from locosweep.errors import Cancelled, InputError, SolveError, printable
 
 if TYPE_CHECKING:
@@ -72,23 +41,16 @@ def _show_version(ctx: click.Context, _: click.Parameter, value: bool) -> None:
         ctx.exit()
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.group(
+    cls=Commands,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
 @click.option(
     "--version", is_flag=True, is_eager=True, expose_value=False, callback=_show_version,
     help="Show the version and exit.",
 )  # fmt: skip
 def group() -> None:
     """Parameter sweeps for rectilinear locomotion of snake and in-pipe robots."""
-
-
-for _command in (
-    heatmap, explore, sweep, status, verify, merge, export, simulate, gait, init, screen, diagnose,
-    distinguish, friction, blind_check, optimum, propagate, sensitivity, plot, reproduce,
-    quantities, parameters, laws, drives, effects, gaits, methods, reductions, reasons,
-):  # fmt: skip
-    if _command.name:
-        _command.epilog = epilog(_command.name)
-    group.add_command(_command)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -14,6 +14,8 @@ from locosweep.cli.uncertainty_options import known, samples_option, seed_option
 if TYPE_CHECKING:
     from pathlib import Path
 
+    import polars as pl
+
     from locosweep.cli.options import Axis
     from locosweep.specs.simulation import Simulation
 
@@ -99,9 +101,13 @@ def propagate(
     show(json_, report, repr(found), _table(table) if found.axes else None, out, picture)
 
 
-def _table(table: object) -> str:
+def _table(table: pl.DataFrame) -> str:
     import polars as pl
 
+    from locosweep.registry import parameters
+
+    counts = [p.name for p in parameters() if p.integer and p.name in table.columns]
+    table = table.with_columns(pl.col(counts).cast(pl.Int64))
     with pl.Config(tbl_rows=-1, tbl_cols=-1, tbl_hide_dataframe_shape=True, float_precision=4,
                    tbl_hide_column_data_types=True, tbl_formatting="NOTHING",
                    tbl_width_chars=160):  # fmt: skip
