@@ -43,6 +43,7 @@ from locosweep.diagnosis.select.graded import (
     refitted,
 )
 from locosweep.diagnosis.select.isolated import isolated_readings
+from locosweep.diagnosis.select.reading_steps import stepped_readings
 from locosweep.diagnosis.select.search import Search
 from locosweep.diagnosis.select.verdict import Choice, choose, kept_may_show_a_gap, partial_choice
 from locosweep.diagnosis.select.whiteness import stray_readings
@@ -151,12 +152,10 @@ def diagnose(
     names, left_out = candidates(robot, measured)
     task = _Task(tuple(names), max_effects, say)
     selected = _not_searched(data, task) if checked.hopeless else _select(data, task)
-    if data.plan is None and not checked.hopeless and selected.choice.status != "partial":
-        flags, found_later = isolated_readings(selected.search.problem, selected.choice.fit)
-        if found_later:
-            checked = checked.without(flags, found_later)
-            data = _prepared(robot, checked, held, workers)
-            selected = _select(data, task)
+    if data.plan is None and not checked.hopeless:
+        checked, data, selected = _without_late_findings(
+            checked, data, selected, lambda left: _prepared(robot, left, held, workers), task
+        )
     say("where the gap lies")
     judged = data.whole if data.plan else selected.search.problem
     found = Findings(
@@ -256,6 +255,34 @@ def _prepared(robot: Robot, checked: Checked, holdout: Sequence[str] | None, wor
     windows, said = problem_of(kept, plan)
     scale = scale_in_windows(scale, robot, windows)
     return _Data(kept, windows, scale, plan, by_user, (*warnings, said))
+
+
+def _without_late_findings(
+    checked: Checked,
+    data: _Data,
+    selected: _Selected,
+    prepared: Callable[[Checked], _Data],
+    task: _Task,
+) -> tuple[Checked, _Data, _Selected]:
+    """Mask the readings that only fits show to be bad, and choose again."""
+    problem, choice = selected.search.problem, selected.choice
+    if choice.status != "none":
+        flags, found = stepped_readings(problem, selected.search.none, choice.fit)
+        if found:
+            left = checked.without(flags, found)
+            alone = prepared(left)
+            again = _select(alone, task)
+            # Where a cause is named still, jumps may have stood in for it.
+            if not again.choice.classes:
+                return left, alone, again
+    if choice.status == "partial":
+        return checked, data, selected
+    flags, found = isolated_readings(problem, choice.fit)
+    if not found:
+        return checked, data, selected
+    checked = checked.without(flags, found)
+    data = prepared(checked)
+    return checked, data, _select(data, task)
 
 
 def _not_searched(data: _Data, task: _Task) -> _Selected:

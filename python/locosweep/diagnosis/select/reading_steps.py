@@ -1,0 +1,166 @@
+"""Slips that only a replay shows: an error of x that jumps, and is noise about a level between.
+
+No force moves a head from one reading to the next, so that an error of the nominal model that is
+noise about levels is one of the readings. Each jump may be far smaller than the noise of a reading.
+Stairs come close to smooth errors, too, and a force that acts at a few places makes stairs: so they
+have to come closer than a bent line of as many pieces, and some jumps happen while the head rests.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from locosweep.diagnosis.data.readings.finding import Finding
+from locosweep.diagnosis.estimate.least_squares import evaluate
+from locosweep.diagnosis.select.thresholds import LEAST_GAIN, PENALTY
+from locosweep.diagnosis.select.whiteness import whiteness_test
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from locosweep.diagnosis.estimate.least_squares import Fit
+    from locosweep.diagnosis.estimate.problem import Problem
+
+    Floats = NDArray[np.float64]
+    Flags = NDArray[np.bool_]
+
+_PRICE = 2.0 * PENALTY
+"""Of a jump in chi2: its time and its size."""
+_NEAR = 4
+"""Readings on either side of a jump over which a head that rests does not move."""
+_STILL = 0.25
+"""Way of the nominal head there, over the jump, up to which it rests."""
+_RESTING, _FEWEST = 0.25, 2
+"""Share and number of jumps that happen at rest, at least: of an encoder that slips by the clock,
+in four rigs of `locosweep blind-check --only outside --seed 8101`, a third to all; of a magnet's
+stairs, none."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Levels:
+    """Levels of one run's errors of x."""
+
+    at: NDArray[np.intp]
+    """Samples that have a reading."""
+    cuts: list[int]
+    """First reading of each level, and one behind the last."""
+    means: list[float]
+
+    @property
+    def jumps(self) -> int:
+        return len(self.means) - 1
+
+
+def stepped_readings(problem: Problem, none: Fit, best: Fit) -> tuple[list[Flags], list[Finding]]:
+    """Return which positions of each run lie beyond a slip, and the findings.
+
+    There are some only if jumps explain the errors of the nominal model `none` in all runs down
+    to noise, and better than the `best` model by as much as an effect has to.
+    """
+    flags = [np.zeros(run.t.size, dtype=bool) for run in problem.runs]
+    if "x" not in problem.channels:
+        return flags, []
+    every = list(range(len(problem.runs)))
+    before, after = evaluate(problem, [none.unfitted(), best.unfitted()], every)
+    left = before.residual.copy()
+    first = problem.channels.index("x") * problem.count
+    found: list[_Levels] = []
+    bent, resting = 0.0, 0
+    for r in every:
+        a, b = int(problem.starts_at[r]), int(problem.starts_at[r + 1])
+        at = np.flatnonzero(problem.weights["x"][a:b] > 0.0)
+        own = _levels(at, left[first + a + at])
+        bent += _bent_line(left[first + a + at], own.cuts)
+        nominal = problem.measured["x"][a:b][at] * problem.weights["x"][a:b][at]
+        resting += _at_rest(own, nominal - left[first + a + at])
+        for low, high, mean in zip(own.cuts, own.cuts[1:], own.means, strict=False):
+            left[first + a + at[low:high]] -= mean
+        bent -= float(np.sum(left[first + a + at] ** 2))
+        found.append(own)
+    jumps = sum(own.jumps for own in found)
+    price = _PRICE * jumps - PENALTY * len(best.model.free)
+    better = float(after.residual @ after.residual) - float(left @ left) - price
+    if resting < max(_RESTING * jumps, _FEWEST) or min(better, bent) < LEAST_GAIN:
+        return flags, []
+    if whiteness_test(problem, left, every).rejected:
+        return flags, []
+    findings: list[Finding] = []
+    for r, own in enumerate(found):
+        if own.jumps:
+            findings += _findings(problem, r, own, flags[r])
+    return flags, findings
+
+
+def _levels(at: NDArray[np.intp], errors: Floats) -> _Levels:
+    """Cut errors, in deviations, at the jumps that gain more than an effect has to."""
+    sums = np.concatenate([[0.0], np.cumsum(errors)])
+    open_, cuts = [(0, errors.size)], [0, errors.size]
+    while open_:
+        low, high = open_.pop()
+        if high - low < 2:
+            continue
+        middle = np.arange(low + 1, high)
+        left, right = middle - low, high - middle
+        apart = (sums[middle] - sums[low]) / left - (sums[high] - sums[middle]) / right
+        gains = apart**2 * left * right / (high - low)
+        best = int(np.argmax(gains))
+        if gains[best] > LEAST_GAIN:
+            cut = int(middle[best])
+            cuts.append(cut)
+            open_ += [(low, cut), (cut, high)]
+    cuts.sort()
+    means = [
+        float((sums[high] - sums[low]) / (high - low)) if high > low else 0.0
+        for low, high in pairwise(cuts)
+    ]
+    return _Levels(at, cuts, means)
+
+
+def _at_rest(own: _Levels, nominal: Floats) -> int:
+    """Count the jumps beside which the nominal head, in deviations of a reading, does not move."""
+    count = 0
+    for cut, (before, after) in zip(own.cuts[1:-1], pairwise(own.means), strict=True):
+        way = np.ptp(nominal[max(cut - _NEAR, 0) : cut + _NEAR])
+        count += bool(way < _STILL * abs(after - before))
+    return count
+
+
+def _bent_line(errors: Floats, cuts: list[int]) -> float:
+    """Return the squares that a line leaves which bends in the middle of every level."""
+    if len(cuts) == 2:
+        return float(np.sum((errors - errors.mean()) ** 2)) if errors.size else 0.0
+    middle = [0.5 * (low + high - 1) for low, high in pairwise(cuts)]
+    knots = np.unique([0.0, *middle, errors.size - 1.0])
+    index = np.arange(errors.size)
+    hats = np.array([np.interp(index, knots, one) for one in np.eye(knots.size)])
+    along = hats @ errors
+    best = np.linalg.lstsq(hats @ hats.T, along, rcond=None)[0]
+    return float(errors @ errors - along @ best)
+
+
+def _findings(problem: Problem, r: int, own: _Levels, flags: Flags) -> list[Finding]:
+    """Mask all but the longest level of a run, and return a finding for each jump."""
+    run, cuts = problem.runs[r], own.cuts
+    lengths = np.diff(cuts)
+    kept = int(np.argmax(lengths))
+    said = []
+    for k in range(own.jumps):
+        # Each jump spoils the level on its far side, as seen from the one that is kept.
+        spoilt = k if k < kept else k + 1
+        flags[own.at[cuts[spoilt] : cuts[spoilt + 1]]] = True
+        last, next_ = (int(own.at[cuts[k + 1] + i]) for i in (-1, 0))
+        weight = float(problem.weights["x"][int(problem.starts_at[r]) + next_])
+        jump = (own.means[k + 1] - own.means[k]) / weight
+        where = "before" if k < kept else "behind"
+        count = int(lengths[spoilt])
+        note = (
+            f"x jumps by about {jump:.2g} at {run.t[next_]:.4g} s, which the motion does not: "
+            f"slipped? {count} readings {where} the jump are left out"
+        )
+        times = (float(run.t[last]), float(run.t[next_]))
+        said.append(Finding(run.label, *times, "x", "slip", count, masked=True, note=note))
+    return said

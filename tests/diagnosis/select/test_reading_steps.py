@@ -1,0 +1,81 @@
+"""Slips far smaller than the noise of a reading, told by levels of a replay's error."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from locosweep.diagnosis.estimate.least_squares import Model, Nuisances, evaluate, start_fits
+from locosweep.diagnosis.estimate.problem import Problem
+from locosweep.diagnosis.select.reading_steps import stepped_readings
+from locosweep.files.robot import Robot
+from locosweep.files.runs import Run
+from locosweep.simulation.replay import replay_runs
+
+NOISE = 2e-5
+ROBOT = Robot(
+    {"mass": 0.25, "gravity": 9.81, "mu_coulomb": 0.3, "segments": 4.0},
+    {"sensor.position_noise": NOISE},
+)
+T = np.arange(600) * 0.005
+
+
+def measured(steps: float = 0.0, every: float = 0.7, **effects: dict[str, float]) -> list[Run]:
+    """Two runs that move half of the time; readings step by `steps` deviations by the clock."""
+    runs = []
+    for k in range(2):
+        active = (T % 1.0) < 0.5
+        drive = np.where(active, (1.0 + 0.2 * k) * np.sin(4.0 * np.pi * T), 0.0)
+        runs.append(Run(str(k), T, drive, {"x": np.zeros(T.size)}))
+    x = replay_runs(replace(ROBOT, effects=effects), runs)["x"].to_numpy().reshape(2, -1)
+    x = x + np.random.default_rng(3).normal(0.0, NOISE, x.shape)
+    x = x + steps * NOISE * np.floor(T / every)
+    return [replace(run, channels={"x": own}) for run, own in zip(runs, x, strict=True)]
+
+
+def found(runs: list[Run]) -> tuple[list[np.ndarray], list[tuple[float, float, int]]]:
+    problem = Problem(ROBOT, runs, 1)
+    (fit,) = evaluate(problem, start_fits(Nuisances(), Model((), ()), np.zeros((1, 0))))
+    flags, findings = stepped_readings(problem, fit, fit)
+    assert all(one.kind == "slip" and one.masked and one.column == "x" for one in findings)
+    return flags, [(one.t0, one.t1, one.samples) for one in findings]
+
+
+def test_noise_has_none() -> None:
+    flags, findings = found(measured())
+    assert findings == []
+    assert not np.any(flags)
+
+
+def test_steps_of_a_deviation_are_found_where_they_are() -> None:
+    flags, findings = found(measured(steps=1.5))
+    assert len(findings) == 8
+    for (t0, t1, _), at in zip(findings, [0.7, 1.4, 2.1, 2.8] * 2, strict=True):
+        assert t1 - t0 == pytest.approx(0.005)
+        assert t1 == pytest.approx(at, abs=0.06)
+    # One level of each run stays, of 0.7 s.
+    assert [int((~own).sum()) for own in flags] == pytest.approx([140, 140], abs=12)
+    assert sum(samples for _, _, samples in findings) == int(np.sum(flags))
+
+
+@pytest.mark.parametrize(
+    "effects",
+    [
+        {"coulomb_error": {"d_mu": 0.02}},
+        {"sensor_drift": {"b": 4e-5}},
+        {"drive_delay": {"T": 0.002}},
+        {"position_dependent_friction": {"a": 0.1, "L": 0.01, "p": 0.0}},
+    ],
+)
+def test_what_a_model_lacks_is_none(effects: dict[str, dict[str, float]]) -> None:
+    assert found(measured(**effects))[1] == []
+
+
+def test_jumps_while_the_head_moves_are_forces() -> None:
+    runs = measured()
+    moving = (T % 1.0 >= 0.1) & (T % 1.0 < 0.4)
+    steps = 2.0 * NOISE * np.cumsum(np.diff(moving.astype(float), prepend=0.0) > 0)
+    runs = [replace(r, channels={"x": r.channels["x"] + steps}) for r in runs]
+    assert found(runs)[1] == []
