@@ -324,6 +324,7 @@ def _cause(now: _Compared, base: Fit, none: Candidate) -> Cause | None:
     tie = limits.TIE * now.inflation
     alike = [one for one in near if one.deviance - likeliest.deviance < tie]
     own = {_added(one.fit, base): one for one in alike}
+    own |= _narrower(own, {_added(one.fit, base): one for one in able})
     # A law that has another one as its limit is no rival of it.
     names = [
         name
@@ -336,6 +337,19 @@ def _cause(now: _Compared, base: Fit, none: Candidate) -> Cause | None:
     inside = float(weights[behind < tie].sum() / weights.sum())
     agrees = _agrees(now.problem, chosen.fit)
     return Cause(tuple(names), chosen, now.base, agrees=agrees, weight=inside)
+
+
+def _narrower(own: dict[str, Candidate], able: dict[str, Candidate]) -> dict[str, Candidate]:
+    """Return the limits of laws that predict unseen runs about as well as the laws themselves.
+
+    What a wider law gains beside is some of the rest, which bends it.
+    """
+    return {
+        limit: able[limit]
+        for name, wider in own.items()
+        for limit in effect(name).contains
+        if limit in able and able[limit].error <= limits.AS_GOOD_UNSEEN * wider.error
+    }
 
 
 def _motion(problem: Problem) -> float:

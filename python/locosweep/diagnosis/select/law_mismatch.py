@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.diagnosis.effects.catalogue import VARIABLES
-from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all
+from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all, point_of
 from locosweep.diagnosis.estimate.problem import ReplayMeter
+from locosweep.diagnosis.estimate.validation import validation_residuals
 from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.whiteness import noise_level, whiteness_test
@@ -127,6 +128,25 @@ def _together(problem: Problem, parts: Sequence[Floats], runs: Sequence[int]) ->
         for c in range(len(problem.channels))
         for part, n in zip(parts, lengths, strict=True)
     ])  # fmt: skip
+
+
+def formula_share(search: Search, fit: Fit) -> float:
+    """Return the share of the gap beyond noise that a fit takes away by its formulas alone.
+
+    Of root mean squares; the smaller one of the fitted and of the validation data.
+    """
+    problem, none = search.problem, search.none
+    noise = noise_level(problem, fit.residual)
+    points = [point_of(problem, one) for one in (none, fit)]
+    validated = validation_residuals(problem, points)
+    counted = np.count_nonzero(validated[0]) if validated.size else 0
+    pairs = [(none.chi2, fit.chi2, fit.residual.size)]
+    pairs += [(*np.sum(validated**2, axis=1).tolist(), counted)] if counted else []
+    shares = []
+    for before, after, count in pairs:
+        gap, left = (max(chi2 - noise * count, 0.0) for chi2 in (before, after))
+        shares.append(1.0 - float(np.sqrt(left / gap)) if gap > 0.0 else 1.0)
+    return min(shares)
 
 
 def unlisted_rival(

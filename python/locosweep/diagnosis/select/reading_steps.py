@@ -3,7 +3,8 @@
 No force moves a head from one reading to the next, so that an error of the nominal model that is
 noise about levels is one of the readings. Each jump may be far smaller than the noise of a reading.
 Stairs come close to smooth errors, too, and a force that acts at a few places makes stairs: so they
-have to come closer than a bent line of as many pieces, and some jumps happen while the head rests.
+have to come closer than a line with a bend for every level, and some jumps happen while the head
+rests.
 """
 
 from __future__ import annotations
@@ -84,9 +85,10 @@ def stepped_readings(problem: Problem, none: Fit, best: Fit) -> tuple[list[Flags
     jumps = sum(own.jumps for own in found)
     price = _PRICE * jumps - PENALTY * len(best.model.free)
     better = float(after.residual @ after.residual) - float(left @ left) - price
-    if resting < max(_RESTING * jumps, _FEWEST) or min(better, bent) < LEAST_GAIN:
+    if resting < max(_RESTING * jumps, _FEWEST) or better < LEAST_GAIN:
         return flags, []
-    if whiteness_test(problem, left, every).rejected:
+    # The place of a jump is free, which the bends are not.
+    if bent < PENALTY * jumps or whiteness_test(problem, left, every).rejected:
         return flags, []
     findings: list[Finding] = []
     for r, own in enumerate(found):

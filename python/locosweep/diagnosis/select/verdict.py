@@ -14,6 +14,7 @@ from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.extension import extend, singles
 from locosweep.diagnosis.select.law_mismatch import (
     best_with_other_law,
+    formula_share,
     score_with_other_law,
     unlisted_rival,
     without_bending_effect,
@@ -160,6 +161,9 @@ def choose(search: Search, most: int) -> Choice:
     rest = [] if mismatch else remaining(problem, found)
     if rest:
         choice = Choice("unexplained", found, known, whiteness, shape=rest)
+        return _with_ranks(search, choice, tried)
+    if mismatch and formula_share(search, found) < limits.OTHER_LAW_SHARE:
+        choice = Choice("unexplained", found, known, whiteness, shape=remaining(problem, found))
         return _with_ranks(search, choice, tried)
     score = search.score(found) if score is None else score
     unlisted = unlisted_rival(search, known, found, score, mismatch=mismatch)
