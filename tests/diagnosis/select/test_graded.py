@@ -9,7 +9,14 @@ import numpy as np
 from diagnosis_search import search_of
 from diagnosis_small import driven, measured
 from locosweep.diagnosis.select.extension import singles
-from locosweep.diagnosis.select.graded import confirmed_on_kept, graded, predicts_kept, refitted
+from locosweep.diagnosis.select.graded import (
+    Candidate,
+    _narrower,
+    confirmed_on_kept,
+    graded,
+    predicts_kept,
+    refitted,
+)
 
 NAMES = ("viscous_friction", "drive_gain_error", "drive_lag", "sensor_scale", "coulomb_error")
 
@@ -94,3 +101,14 @@ def test_likelihood_beside_the_rest_goes_before_the_error_of_free_runs() -> None
     (cause,) = found.causes
     assert cause.names == ("viscous_friction",)
     assert abs(cause.fit.named()["viscous_friction"]["c"] - 0.15) < 0.01
+
+
+def test_a_limit_that_predicts_as_well_stands_for_its_wider_law() -> None:
+    def candidate(error: float) -> Candidate:
+        return Candidate(None, 0.0, np.array([error**2]))  # type: ignore[arg-type]
+
+    wide = {"supply_sag": candidate(1.0)}
+    able = wide | {"drive_gain_error": candidate(1.2), "viscous_friction": candidate(1.0)}
+    assert set(_narrower(wide, able)) == {"drive_gain_error"}
+    assert not _narrower(wide, wide | {"drive_gain_error": candidate(1.3)})
+    assert not _narrower(wide, wide)

@@ -12,10 +12,12 @@ from locosweep.diagnosis.estimate.least_squares import Nuisances, fit_all, start
 from locosweep.diagnosis.estimate.problem import Problem
 from locosweep.diagnosis.select.law_mismatch import (
     best_with_other_law,
+    formula_share,
     score_with_other_law,
     unlisted_rival,
 )
 from locosweep.diagnosis.select.search import Collection, Search
+from locosweep.diagnosis.select.thresholds import OTHER_LAW_SHARE
 from locosweep.files.runs import runs_from_frame
 from test_diagnosis import ROBOT, drives, measured
 
@@ -108,3 +110,13 @@ def test_a_force_by_position_refutes_a_single_effect_that_it_outdoes() -> None:
         known = Collection({frozenset(): search.none})
         assert search.none.chi2 - found.chi2 > 100.0
         assert unlisted_rival(search, known, found, search.score(found), mismatch=False) == refuted
+
+
+def test_the_formula_of_a_cause_takes_most_of_its_gap_and_an_alien_one_little() -> None:
+    """Drag by the square of the speed is near viscous friction; a drift of readings is not."""
+    frame = measured({"quadratic_drag": {"c2": 0.05}}, drives(count=5))
+    search, fits = fits_of(frame, "viscous_friction", "sensor_drift", held=(4,))
+    near, far = (formula_share(search, fit) for fit in fits)
+    assert near > 0.5
+    assert far < OTHER_LAW_SHARE
+    assert formula_share(search, search.none) == 0.0
