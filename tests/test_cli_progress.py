@@ -69,3 +69,8 @@ def test_every_long_command_has_the_option() -> None:
         if any("--progress" in param.opts for param in command(name).params)
     }  # fmt: skip
     assert having == LONG
+
+
+def test_reproduce_counts_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["reproduce", "2", "--out", str(tmp_path / "out"), "--progress", "json"]) == 0
+    assert {event["unit"] for event in events(capsys.readouterr().err)} == {"files"}

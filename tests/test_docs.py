@@ -270,3 +270,10 @@ def test_python_blocks_run(page: str, tmp_path: Path, monkeypatch: pytest.Monkey
     code = "\n".join(blocks((ROOT / page).read_text(encoding="utf-8"), "python"))
     assert code
     exec(compile(code, page, "exec"), {})  # noqa: S102
+
+
+def test_readme_tells_of_diagnosis_and_of_what_a_build_costs_on_its_first_screen():
+    first = (ROOT / "README.md").read_text().splitlines()[:36]
+    assert any("measured runs" in line for line in first[:10])
+    assert any(re.search(r"\d+ minutes on 2 cores", line) for line in first)
+    assert any(re.search(r"[\d.]+ GB", line) for line in first)

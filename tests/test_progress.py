@@ -5,6 +5,7 @@ import itertools
 import json
 import sys
 from types import SimpleNamespace
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -185,3 +186,34 @@ def test_a_log_gets_a_line_now_and_then(capsys, seconds):
     assert lines[0] == "sweep: 30% of 10 evaluations, 12.0 s, 28 s left"
     assert lines[-1] == "sweep: 100% of 10 evaluations, 40.0 s"
     assert len(lines) == 4
+
+
+def test_a_notebook_gets_a_bar_although_its_error_stream_is_no_terminal(monkeypatch):
+    class Shell:
+        config: ClassVar = {"IPKernelApp": {}}
+
+    class Module:
+        get_ipython = staticmethod(lambda: Shell())
+
+    bars = []
+
+    class Bar:
+        n, total, start_t, ncols = 0, 0, 0.0, 80
+
+        def __init__(self, **_):
+            bars.append(self)
+
+        def update(self, count):
+            self.n += count
+
+        def close(self):
+            pass
+
+    monkeypatch.setitem(sys.modules, "IPython", Module)
+    monkeypatch.setattr("tqdm.auto.tqdm", Bar)
+    meter = Meter("sweep")
+    meter(5, 10, 1.0)
+    assert [bar.n for bar in bars] == [5]
+    monkeypatch.setitem(sys.modules, "IPython", None)
+    Meter("sweep")(5, 10, 1.0)
+    assert len(bars) == 1
