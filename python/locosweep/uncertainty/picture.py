@@ -113,6 +113,7 @@ def bars(found: Sensitivity, ax: Axes | None = None) -> Axes:
     ax.invert_yaxis()
     ax.set_xlim(left=min(0.0, float(table["first_low"].min())))  # type: ignore[arg-type]
     ax.set_xlabel(f"share of the variance of the {found.output.label} [1]\nline: 95 % interval")
+    ax.set_ylabel("unknown parameter")
     ax.legend(fontsize=8, loc="lower right")
     style.grid(ax)
     ax.set_axisbelow(True)
