@@ -78,6 +78,18 @@ def test_points_without_a_value_are_counted_and_are_the_worst():
     assert float(times.quantile(0.0)) == np.nanmin(times.values)
 
 
+def test_quantiles_of_a_grid_are_those_of_its_cells():
+    found = ls.propagate("mean_velocity", FRICTION, segments=[3, 4, 5], slope_deg=[5.0, 15.0],
+                         samples=256)  # fmt: skip
+    some = found.quantile([[0.1, 0.5], [0.6, 0.9]])
+    assert some.shape == (2, 2, 3, 2)
+    cell = found.sel(segments=4, slope_deg=15.0)
+    np.testing.assert_array_equal(some[:, :, 1, 1], cell.quantile([[0.1, 0.5], [0.6, 0.9]]))
+    assert found.mean.shape == found.with_value.shape == (3, 2)
+    known = found.values[1, 1][np.isfinite(found.values[1, 1])]
+    assert cell.mean == pytest.approx(known.mean())
+
+
 def test_the_same_seed_gives_the_same_bits_on_any_threads():
     same = [ls.propagate("mean_velocity", FRICTION, segments=[3, 4], threads=n) for n in (1, 2)]
     np.testing.assert_array_equal(same[0].values, same[1].values)

@@ -65,6 +65,12 @@ def test_intervals_hold_as_often_as_they_say():
     assert 0.90 <= np.mean(inside) <= 0.98
 
 
+def test_one_unknown_makes_all_of_the_variance():
+    found = ls.sensitivity("friction_force", {"mass": (0.2, 0.3)}, mu_coulomb=0.3, speed=1.0)
+    assert found.first == pytest.approx([1.0], abs=1e-3)
+    assert found.total == pytest.approx([1.0], abs=1e-3)
+
+
 def test_points_without_a_value_need_a_word():
     unknown = {"mu_static": "0.4:0.6", "slope_deg": "normal:12:4"}
     known = {"mu_coulomb": 0.3, "segments": 5, "samples": 1024}

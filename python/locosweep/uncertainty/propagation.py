@@ -17,7 +17,7 @@ from locosweep.uncertainty.evaluate import Running, evaluate, split
 from locosweep.uncertainty.unknowns import points, power_of_two, sequence, unknowns, whole_seed
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     import polars as pl
     from matplotlib.axes import Axes
@@ -109,16 +109,12 @@ class Propagation:
     @property
     def with_value(self) -> Floats:
         """Share of the points that have a value, in each cell."""
-        share: Floats = np.isfinite(self.values).mean(axis=-1)
-        return share
+        return self._by_cell(lambda row: np.isfinite(row).mean())
 
     @property
     def mean(self) -> Floats:
         """Mean of the points that have a value; NaN where none has."""
-        count = np.isfinite(self.values).sum(axis=-1)
-        with np.errstate(invalid="ignore"):
-            mean: Floats = np.nansum(self.values, axis=-1) / count
-        return mean
+        return self._by_cell(lambda row: _mean(row[np.isfinite(row)]))
 
     def quantile(self, q: ArrayLike) -> Floats:
         """Return quantiles, in which a point without a value counts as the worst.
@@ -137,15 +133,20 @@ class Propagation:
         if not ((wanted >= 0.0) & (wanted <= 1.0)).all():
             raise InputError(f"q is {q!r}: allowed is 0 to 1")
         worst = -np.inf if quantity(self.output.name).larger_is_better else np.inf
-        whole = np.where(np.isfinite(self.values), self.values, worst)
-        found: Floats = np.quantile(whole, wanted, axis=-1, method="inverted_cdf")
-        return np.where(np.isfinite(found), found, np.nan)
+
+        def quantiles(row: Floats) -> Floats:
+            whole = np.where(np.isfinite(row), row, worst)
+            found: Floats = np.quantile(whole, wanted, method="inverted_cdf")
+            return np.where(np.isfinite(found), found, np.nan)
+
+        rows, cells = self._by_cell(quantiles), len(self.shape)
+        return rows.transpose(*range(cells, rows.ndim), *range(cells))
 
     @property
     def share(self) -> Floats:
         """Share of the points that meet the need, in each cell; those without a value do not."""
-        share: Floats = self._asked().met(self.values).mean(axis=-1)
-        return share
+        asked = self._asked()
+        return self._by_cell(lambda row: asked.met(row).mean())
 
     @property
     def share_interval(self) -> Floats:
@@ -153,11 +154,16 @@ class Propagation:
 
         That of independent points: those of a Sobol sequence mostly lie closer.
         """
-        met = self._asked().met(self.values).sum(axis=-1)
+        met = np.round(self.share * self.samples)
         tail, count = (1.0 - _CONFIDENCE) / 2.0, self.samples
         low = stats.beta.ppf(tail, met, count - met + 1)
         high = stats.beta.ppf(1.0 - tail, met + 1, count - met)
         return np.array([np.where(met == 0, 0.0, low), np.where(met == count, 1.0, high)])
+
+    def _by_cell(self, of: Callable[[Floats], Any]) -> Floats:
+        """Return a number, or several, of each cell's points: one cell after the other."""
+        rows = np.array([of(row) for row in self.values.reshape(-1, self.samples)], np.float64)
+        return rows.reshape((*self.shape, *rows.shape[1:]))
 
     def _asked(self) -> Need:
         if self.need is None:
@@ -243,6 +249,10 @@ class Propagation:
         from locosweep.uncertainty.picture import small
 
         return card(repr(self), small(self))
+
+
+def _mean(values: Floats) -> float:
+    return float(values.mean()) if values.size else np.nan
 
 
 def _span(values: Floats, unit: str) -> str:

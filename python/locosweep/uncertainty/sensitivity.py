@@ -238,7 +238,9 @@ def sensitivity(
     indices = stats.sobol_indices(
         func={"f_A": values[0], "f_B": values[1], "f_AB": values[2:]}, n=own
     )
-    first, total = indices.first_order, indices.total_order
+    first, total = (
+        np.reshape(one, (REPLICATES, many)) for one in (indices.first_order, indices.total_order)
+    )
     names = [one.key for one in found]
     output = Output.of(quantity, None, None)
     return Sensitivity(
