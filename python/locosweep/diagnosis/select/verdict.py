@@ -162,13 +162,13 @@ def choose(search: Search, most: int) -> Choice:
     if rest:
         choice = Choice("unexplained", found, known, whiteness, shape=rest)
         return _with_ranks(search, choice, tried)
-    if mismatch and formula_share(search, found) < limits.OTHER_LAW_SHARE:
-        choice = Choice("unexplained", found, known, whiteness, shape=remaining(problem, found))
-        return _with_ranks(search, choice, tried)
     score = search.score(found) if score is None else score
     unlisted = unlisted_rival(search, known, found, score, mismatch=mismatch)
     if unlisted:
         choice = Choice("unexplained", found, known, whiteness, unlisted=unlisted)
+        return _with_ranks(search, choice, tried)
+    if mismatch and formula_share(search, found) < limits.OTHER_LAW_SHARE:
+        choice = Choice("unexplained", found, known, whiteness, shape=remaining(problem, found))
         return _with_ranks(search, choice, tried)
     search.progress("rivals")
     rivals, known = _rivals(search, known, found)
