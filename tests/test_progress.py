@@ -42,6 +42,12 @@ LONG = {
     "friction": lambda p, _: ls.fit_friction(
         {"t": T, "v": np.sin(9 * T), "force": FORCE}, laws=["coulomb"], progress=p
     ),
+    "propagate": lambda p, _: ls.propagate(
+        "resistance", {"mu_coulomb": "0.1:0.2"}, samples=128, progress=p
+    ),
+    "sensitivity": lambda p, _: ls.sensitivity(
+        "resistance", {"mu_coulomb": "0.1:0.2"}, samples=128, progress=p
+    ),
     "diagnose": reads,
     "distinguish": tells_apart,
     "reproduce": lambda p, folder: reproduce(3, folder, progress=p),

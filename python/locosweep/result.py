@@ -63,6 +63,25 @@ class Output:
         return cls(full, name, reduce, info.unit, info.symbol, label, whole)
 
 
+def for_pandas(table: pl.DataFrame) -> pd.DataFrame:
+    """Return a table of Polars for pandas, words of a fixed list as categories."""
+    try:
+        import pandas as pd
+    except ModuleNotFoundError:
+        raise InputError("to_pandas needs pandas: pip install locosweep[pandas]") from None
+    import polars as pl
+
+    columns: dict[str, Any] = {}
+    for series in table:
+        if series.dtype == pl.Enum:
+            words = series.dtype.categories.to_list()  # type: ignore[attr-defined]
+            codes = series.to_physical().to_numpy()
+            columns[series.name] = pd.Categorical.from_codes(codes, categories=words)
+        else:
+            columns[series.name] = series.to_numpy()
+    return pd.DataFrame(columns)
+
+
 class Result:
     """Values of a sweep, one axis per swept parameter, in order.
 
@@ -292,21 +311,7 @@ class Result:
 
     def to_pandas(self) -> pd.DataFrame:
         """Return the table of `to_polars` for pandas; needs the extra ``pandas``."""
-        try:
-            import pandas as pd
-        except ModuleNotFoundError:
-            raise InputError("to_pandas needs pandas: pip install locosweep[pandas]") from None
-        import polars as pl
-
-        columns: dict[str, Any] = {}
-        for series in self.to_polars():
-            if series.dtype == pl.Enum:
-                words = series.dtype.categories.to_list()  # type: ignore[attr-defined]
-                codes = series.to_physical().to_numpy()
-                columns[series.name] = pd.Categorical.from_codes(codes, categories=words)
-            else:
-                columns[series.name] = series.to_numpy()
-        return pd.DataFrame(columns)
+        return for_pandas(self.to_polars())
 
     def __arrow_c_stream__(self, requested_schema: object = None) -> object:
         """Hand the table of `to_polars` to any library that speaks Arrow."""

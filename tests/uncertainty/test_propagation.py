@@ -1,6 +1,7 @@
 """Forward uncertainty: the same numbers as single sweeps, and what is said of them."""
 
 import json
+import pickle
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -97,6 +98,30 @@ def test_the_same_seed_gives_the_same_bits_on_any_threads():
     assert (other.values != same[0].values).all()
 
 
+def test_shares_differ_from_seed_to_seed_by_what_the_documentation_says():
+    unknown = FRICTION | {"slope_deg": "normal:8:2"}
+    shares = [
+        ls.propagate("mean_velocity", unknown, need=">= 0.05", segments=[4, 6, 8], stroke=0.02,
+                     seed=seed).share
+        for seed in range(12)
+    ]  # fmt: skip
+    assert (np.std(shares, axis=0) > 0.0).all()
+    assert np.std(shares, axis=0).max() < 1e-3
+
+
+def test_results_come_back_from_copies_and_are_tables_and_arrays():
+    found = ls.propagate("final_position", {"mu_coulomb": "0.2:0.4"}, law="stribeck",
+                         drive="sine", drive_amplitude=2.0, mu_static=0.5, duration=0.2,
+                         mass=[0.2, 0.3], samples=16)  # fmt: skip
+    again = pickle.loads(pickle.dumps(found))  # noqa: S301
+    assert repr(again) == repr(found)
+    np.testing.assert_array_equal(np.asarray(again), found.values)
+    assert found.how["law"] == "stribeck"
+    assert list(found.to_pandas()["mass"]) == [0.2, 0.3]
+    assert "law stribeck" in found.sel(mass=0.2).plot().get_title(loc="left")
+    plt.close("all")
+
+
 def test_a_part_and_its_pictures():
     found = ls.propagate("mean_velocity", FRICTION, segments=[3, 4, 5], slope_deg=[0.0, 5.0],
                          need=">= 0.06", samples=256)  # fmt: skip
@@ -167,3 +192,12 @@ def test_command(tmp_path, capsys):
     assert sum(report["statuses"].values()) == 5 * 256
     assert main([*arguments, "--unknown", "mass=3:1"]) == 2
     assert "allowed is LOW < HIGH" in capsys.readouterr().err
+
+
+def test_a_picture_that_cannot_be_drawn_leaves_no_table(tmp_path, capsys):
+    out, picture = tmp_path / "table.csv", tmp_path / "speed.png"
+    arguments = ["propagate", "mean_velocity", "--axis", "segments=2:6", "--axis", "slope_deg=0,5",
+                 "--set", "mu_static=0.5", "--unknown", "mu_coulomb=0.2:0.3"]  # fmt: skip
+    assert main([*arguments, "--out", str(out), "--plot", str(picture)]) == 2
+    assert "a picture of 2 axes, segments, slope_deg" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []

@@ -1,6 +1,7 @@
 """Sobol indices: closed forms, intervals that hold, failures that are told."""
 
 import json
+import pickle
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -90,6 +91,9 @@ def test_an_index_that_may_be_zero_is_told_as_a_bound():
     assert found.to_polars()["unknown"].to_list() == ["mu_static", "mass"]
     assert "below 0.01" in repr(found).splitlines()[-1]
     assert "<img" in found._repr_html_()
+    again = pickle.loads(pickle.dumps(found))  # noqa: S301
+    assert repr(again) == repr(found)
+    assert list(found.to_pandas()["unknown"]) == ["mu_static", "mass"]
     assert found.plot().get_xlabel().startswith("share of the variance")
     plt.close("all")
 

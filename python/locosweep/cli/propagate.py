@@ -7,9 +7,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import AXIS, CURVES, PICTURE, QUANTITY, called, meter, show
+from locosweep.cli.options import AXIS, CURVES, PICTURE, QUANTITY, meter, show
 from locosweep.cli.simulation_options import refuse_idle, simulation_options
-from locosweep.cli.uncertainty_options import known, samples_option, seed_option, unknown_option
+from locosweep.cli.uncertainty_options import (
+    known,
+    samples_option,
+    save_plot,
+    seed_option,
+    unknown_option,
+)
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -60,33 +66,25 @@ def propagate(
     In each design the same points are tried. A point where the robot does not move counts as the
     worst in quantiles, and meets no need.
     """
+    from locosweep.files.atomic import write_frame
     from locosweep.specs.span import Span
     from locosweep.uncertainty.propagation import propagate as run
+    from locosweep.uncertainty.propagation import too_many
 
+    if picture is not None and len(dict(axes)) > 1:
+        raise too_many(dict(axes))
     refuse_idle(dict(axes), (quantity,), simulation)
     grid: dict[str, Any] = {name: axis.values(name) if isinstance(axis, Span) else list(axis)
                             for name, axis in axes}  # fmt: skip
     given = known(robot, settings, unknown, simulation, grid)
     found = run(
         quantity, unknown, need=need, samples=samples, seed=seed, threads=threads,
-        progress=meter(quantity) or False, **grid, **given,
+        progress=meter(quantity), **grid, **given,
     )  # fmt: skip
     table = found.to_polars()
     if out is not None:
-        from locosweep.files.atomic import replacing
-
-        with replacing(out) as temporary:
-            if out.suffix.lower() == ".csv":
-                table.write_csv(temporary)
-            else:
-                table.write_parquet(temporary)
-    if picture is not None:
-        from locosweep.plot import style
-        from locosweep.plot.save import save_figure
-
-        ax = style.figure(6.8, 4.6).subplots()
-        found.plot(ax)
-        save_figure(ax, picture, command=called(ctx))
+        write_frame(out, table)
+    save_plot(ctx, found, picture)
     report = {
         "quantity": quantity,
         "unit": found.output.unit,

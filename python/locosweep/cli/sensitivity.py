@@ -7,9 +7,15 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import PICTURE, QUANTITY, called, meter, show
+from locosweep.cli.options import PICTURE, QUANTITY, meter, show
 from locosweep.cli.simulation_options import refuse_idle, simulation_options
-from locosweep.cli.uncertainty_options import known, samples_option, seed_option, unknown_option
+from locosweep.cli.uncertainty_options import (
+    known,
+    samples_option,
+    save_plot,
+    seed_option,
+    unknown_option,
+)
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -55,15 +61,9 @@ def sensitivity(
     given = known(robot, settings, unknown, simulation)
     found = run(
         quantity, unknown, failed=failed, samples=samples, seed=seed, threads=threads,
-        progress=meter(quantity) or False, **given,
+        progress=meter(quantity), **given,
     )  # fmt: skip
-    if picture is not None:
-        from locosweep.plot import style
-        from locosweep.plot.save import save_figure
-
-        ax = style.figure(6.8, 1.6 + 0.6 * len(found.names)).subplots()
-        found.plot(ax)
-        save_figure(ax, picture, command=called(ctx))
+    save_plot(ctx, found, picture)
     report = {
         "quantity": quantity,
         "unit": found.output.unit,

@@ -6,13 +6,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from locosweep.cli.options import fixed, pair_option
+from locosweep.cli.options import called, fixed, pair_option
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from pathlib import Path
 
     from locosweep.specs.simulation import Simulation
+    from locosweep.uncertainty.propagation import Propagation
+    from locosweep.uncertainty.sensitivity import Sensitivity
 
 unknown_option = pair_option(
     "unknown", "--unknown", metavar="NAME=DISTRIBUTION",
@@ -40,3 +42,13 @@ def known(
     names = {key.partition("/")[0] for key in unknown}
     given = dict(fixed(robot, settings, [*axes, *names]))
     return {**given, **simulation.options()}
+
+
+def save_plot(ctx: click.Context, found: Propagation | Sensitivity, picture: Path | None) -> None:
+    """Write the picture of what was found, if one is asked for."""
+    if picture is None:
+        return
+    from locosweep.plot.save import save_figure
+    from locosweep.uncertainty.picture import drawn
+
+    save_figure(drawn(found), picture, command=called(ctx))

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from locosweep.plot import style
 from locosweep.registry import Status, drive, law, parameter, quantity, words_of_name
 from locosweep.result import OF_AXIS
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable
+    from collections.abc import Collection, Iterable, Mapping
 
     from locosweep.result import Output, Result
 
@@ -17,6 +17,18 @@ _BOUNDS = ("time_step", "tolerance", "segments_min", "segments_max")
 """Parameters of how something is found: their defaults tell nothing of a robot."""
 _WIDTH = 74
 """Letters of a line that is as wide as a heat map, formulas counted as they are drawn."""
+
+
+class Holding(Protocol):
+    """What holds parameters fixed: a sweep, or points drawn from what is unknown."""
+
+    @property
+    def fixed(self) -> Mapping[str, float]:
+        """Value of every parameter that is known."""
+
+    @property
+    def how(self) -> Mapping[str, str]:
+        """Law, drive, method and gait of what was simulated."""
 
 
 def better_when_larger(output: Output) -> bool:
@@ -46,7 +58,9 @@ def fixed_settings(result: Result, output: Output, shown: Collection[str]) -> li
     return words
 
 
-def fixed_values(result: Result, output: Output, shown: Collection[str]) -> list[tuple[str, float]]:
+def fixed_values(
+    result: Holding, output: Output, shown: Collection[str]
+) -> list[tuple[str, float]]:
     """Return name and value of what a result holds fixed and an output hangs on.
 
     Parameters at a default that leaves something out (0, infinity, a factor of 1) are not

@@ -173,7 +173,7 @@ class Plotter:
             handles.append(star)
         handles += cells.hatch_cells(ax, codes, x_edges, y_edges, partial(reason, self.result))
         fixed = fixed_settings(self.result, output, self.result.axes)
-        dress(ax, title([style.simulated(self.result), *words], fixed, note), handles)
+        dress(ax, title([style.simulated(self.result.how), *words], fixed, note), handles)
         cells.name_axis(ax.xaxis, x, xs)
         cells.name_axis(ax.yaxis, y, ys)
         return ax
@@ -280,7 +280,7 @@ class Plotter:
             for code in sorted(seen - {0})
         ]
         fixed = fixed_settings(self.result, output, self.result.axes)
-        dress(ax, title([style.simulated(self.result), *words], fixed, note), gaps, handles)
+        dress(ax, title([style.simulated(self.result.how), *words], fixed, note), gaps, handles)
         cells.name_axis(ax.xaxis, x, xs)
         ax.set_ylabel(style.output_label(output))
         if output.integer:

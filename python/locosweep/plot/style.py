@@ -18,12 +18,12 @@ from locosweep.plot.numbers import plain_numbers
 from locosweep.registry import parameter, words_of_name
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-    from locosweep.result import Output, Result
+    from locosweep.result import Output
 
 SEQUENTIAL = "viridis"
 DIVERGING = "RdBu_r"
@@ -102,11 +102,9 @@ def setting(name: str, value: float) -> str:
     return f"${record.symbol}$ = {with_unit(value, record.unit)}"
 
 
-def simulated(result: Result) -> str:
-    """Law and drive, or gait, of a result that was simulated, else nothing."""
-    return ", ".join(
-        f"{name} {result.how[name]}" for name in ("law", "drive", "gait") if name in result.how
-    )
+def simulated(how: Mapping[str, str]) -> str:
+    """Law and drive, or gait, of what was simulated, else nothing."""
+    return ", ".join(f"{name} {how[name]}" for name in ("law", "drive", "gait") if name in how)
 
 
 _ROOM = 3, 52

@@ -34,7 +34,7 @@ class Running:
 
     threads: int | None = None
     memory_limit: int | None = None
-    progress: bool | Progress = False
+    progress: bool | Progress | None = None
     token: CancelToken | None = None
 
 
@@ -51,14 +51,14 @@ class Evaluated:
 def split(known: Mapping[str, Any], names: set[str]) -> tuple[Grid, dict[str, Any]]:
     """Part the grid from the choice of a simulation; refuse what is given twice."""
     choice = {name: value for name, value in known.items() if name in CHOICE}
-    robot = known.get("robot")
     given = {name: value for name, value in known.items() if name not in CHOICE}
     for name in names & set(given):
         raise InputError(f"{name} is given twice: as unknown and beside it")
-    if robot is not None and isinstance(getattr(robot, "parameters", None), dict):
+    own = getattr(given.get("robot"), "parameters", None)
+    if isinstance(own, dict):
         # What is unknown of a robot goes before its file.
-        rest = {k: v for k, v in robot.parameters.items() if k not in names}
-        given = {**rest, **{k: v for k, v in given.items() if k != "robot"}}
+        del given["robot"]
+        given = {name: value for name, value in own.items() if name not in names} | given
     return Grid(**given), choice
 
 

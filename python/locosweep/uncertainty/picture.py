@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from locosweep.errors import InputError
 from locosweep.plot import style
+from locosweep.plot.caption import fixed_values, title
 from locosweep.plot.current import current_axes
 from locosweep.registry import parameter
-from locosweep.uncertainty.propagation import QUANTILES, Propagation
+from locosweep.uncertainty.propagation import QUANTILES, Propagation, too_many
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from locosweep.uncertainty.sensitivity import Sensitivity
 
 _BINS = 60
+"""Of a histogram: each about two dots of a small picture wide."""
+_LARGE = (6.8, 4.6)
+"""Inches of a picture of a distribution."""
 _FEW = 41
 """Cells along an axis up to which each has a marker."""
 _SIZE = (4.6, 3.2)
@@ -29,16 +32,21 @@ _SIZE = (4.6, 3.2)
 def distribution(found: Propagation, ax: Axes | None = None) -> Axes:
     """Draw a histogram, or quantiles along the only axis."""
     if len(found.axes) > 1:
-        names = ", ".join(found.axes)
-        raise InputError(f"there are {len(found.axes)} axes, {names}: allowed is one, see sel")
-    ax = current_axes(ax, 6.8, 4.6)
+        raise too_many(found.axes)
+    ax = current_axes(ax, *_LARGE)
     if found.axes:
         _along(found, ax)
     else:
         _histogram(found, ax)
     unknown = ", ".join(f"${parameter(name).symbol}$" for name in found.points)
-    ax.set_title(f"{found.samples} points of {unknown}", fontsize=10, loc="left")
+    _title(found, ax, f"{found.samples} points of {unknown}", {*found.points, *found.axes})
     return ax
+
+
+def _title(found: Propagation | Sensitivity, ax: Axes, words: str, shown: set[str]) -> None:
+    """Write what is drawn, what was simulated and what is fixed above axes."""
+    fixed = [style.setting(*one) for one in fixed_values(found, found.output, shown)]
+    ax.set_title(title([style.simulated(found.how), words], fixed), fontsize=9, loc="left")
 
 
 def _histogram(found: Propagation, ax: Axes) -> None:
@@ -98,7 +106,7 @@ def _along(found: Propagation, ax: Axes) -> None:
 def bars(found: Sensitivity, ax: Axes | None = None) -> Axes:
     """Draw first-order and total indices of each parameter."""
     table = found.to_polars()
-    ax = current_axes(ax, 6.8, 1.6 + 0.6 * len(found.names))
+    ax = current_axes(ax, *_size(found))
     places = np.arange(len(found.names))
     for kind, shift, (colour, _, _) in zip(("first", "total"), (-0.2, 0.2), style.LINES,
                                            strict=False):  # fmt: skip
@@ -117,7 +125,13 @@ def bars(found: Sensitivity, ax: Axes | None = None) -> Axes:
     ax.legend(fontsize=8, loc="lower right")
     style.grid(ax)
     ax.set_axisbelow(True)
+    _title(found, ax, "", {name.partition("/")[0] for name in found.names})
     return ax
+
+
+def _size(found: Propagation | Sensitivity) -> tuple[float, float]:
+    """Return width and height of a picture in inches."""
+    return _LARGE if isinstance(found, Propagation) else (6.8, 1.9 + 0.6 * len(found.names))
 
 
 def _words(name: str) -> str:
@@ -128,11 +142,13 @@ def _words(name: str) -> str:
 
 def small(found: Propagation | Sensitivity) -> Figure | None:
     """Return the picture that a notebook shows, if one says anything."""
-    made = style.figure(*_SIZE)
-    if isinstance(found, Propagation):
-        if len(found.axes) > 1 or not found.with_value.any():
-            return None
-        distribution(found, made.subplots())
-    else:
-        bars(found, made.subplots())
+    if isinstance(found, Propagation) and (len(found.axes) > 1 or not found.with_value.any()):
+        return None
+    return drawn(found, _SIZE)
+
+
+def drawn(found: Propagation | Sensitivity, size: tuple[float, float] | None = None) -> Figure:
+    """Return a picture that pyplot does not know of, of a size in inches or its own."""
+    made = style.figure(*(size or _size(found)))
+    found.plot(made.subplots())
     return made

@@ -12,13 +12,14 @@ from scipy import stats
 from locosweep.errors import InputError
 from locosweep.grid import select
 from locosweep.registry import Status, quantity
-from locosweep.result import Output
+from locosweep.result import Output, for_pandas
 from locosweep.uncertainty.evaluate import Running, evaluate, split
 from locosweep.uncertainty.unknowns import points, power_of_two, sequence, unknowns, whole_seed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    import pandas as pd
     import polars as pl
     from matplotlib.axes import Axes
     from numpy.typing import ArrayLike, NDArray
@@ -80,6 +81,8 @@ class Propagation:
         Status codes (see ``locosweep.Status``).
     need : Need or None
         What the quantity has to meet.
+    how : dict of str to str
+        Law, drive, method and gait of what was simulated.
     """
 
     def __init__(
@@ -91,10 +94,11 @@ class Propagation:
         values: Floats,
         status: NDArray[np.uint8],
         need: Need | None,
+        how: Mapping[str, str],
     ) -> None:
         self.output = output
         self.axes, self.fixed, self.points = dict(axes), dict(fixed), dict(points)
-        self.values, self.status, self.need = values, status, need
+        self.values, self.status, self.need, self.how = values, status, need, dict(how)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -191,7 +195,9 @@ class Propagation:
         for dimension in reversed(range(len(index))):
             values = np.take(values, index[dimension], axis=dimension)
             status = np.take(status, index[dimension], axis=dimension)
-        return Propagation(self.output, axes, fixed, self.points, values, status, self.need)
+        return Propagation(
+            self.output, axes, fixed, self.points, values, status, self.need, self.how
+        )
 
     def to_polars(self) -> pl.DataFrame:
         """Return a table, a row a cell: axes, mean, quantiles, shares, the commonest failure."""
@@ -211,6 +217,14 @@ class Propagation:
             columns["share_low"], columns["share_high"] = low.ravel(), high.ravel()
         columns["without_value"] = self._why()
         return pl.DataFrame(columns).fill_nan(None)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return the table of `to_polars` for pandas; needs the extra ``pandas``."""
+        return for_pandas(self.to_polars())
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        """Values, as ``np.asarray`` asks for them: shape (axes, samples)."""
+        return np.array(self.values, dtype=dtype, copy=copy)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the distribution: as a histogram, or its quantiles along the only axis of the grid.
@@ -251,6 +265,12 @@ class Propagation:
         return card(repr(self), small(self))
 
 
+def too_many(axes: Mapping[str, Any]) -> InputError:
+    """Return what is said of a picture of a distribution over more than one axis."""
+    names = ", ".join(axes)
+    return InputError(f"a picture of {len(axes)} axes, {names}, is asked for: allowed is one")
+
+
 def _mean(values: Floats) -> float:
     return float(values.mean()) if values.size else np.nan
 
@@ -272,7 +292,7 @@ def propagate(
     seed: int = 0,
     threads: int | None = None,
     memory_limit: int | None = None,
-    progress: bool | Progress = False,
+    progress: bool | Progress | None = None,
     token: CancelToken | None = None,
     **known: Any,
 ) -> Propagation:
@@ -333,4 +353,6 @@ def propagate(
     running = Running(threads, memory_limit, progress, token)
     made = evaluate(quantity, grid, sample, choice, running)
     output = Output.of(quantity, None, None)
-    return Propagation(output, grid.axes, made.fixed, sample, made.values, made.status, asked)
+    return Propagation(
+        output, grid.axes, made.fixed, sample, made.values, made.status, asked, made.how
+    )

@@ -8,13 +8,14 @@ import numpy as np
 from scipy import stats
 
 from locosweep.errors import InputError
-from locosweep.result import Output
+from locosweep.result import Output, for_pandas
 from locosweep.uncertainty.evaluate import Running, evaluate, split
 from locosweep.uncertainty.unknowns import points, power_of_two, sequence, unknowns, whole_seed
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    import pandas as pd
     import polars as pl
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
@@ -51,6 +52,8 @@ class Sensitivity:
     failed : float or None
     fixed : dict of str to float
         Every parameter that is known, defaults included.
+    how : dict of str to str
+        Law, drive, method and gait of what was simulated.
     """
 
     def __init__(
@@ -60,9 +63,10 @@ class Sensitivity:
         indices: tuple[Floats, Floats],
         deviation: float,
         failures: tuple[float, float | None],
-        fixed: Mapping[str, float],
+        known: tuple[Mapping[str, float], Mapping[str, str]],
     ) -> None:
-        self.output, self.names, self.fixed = output, names, dict(fixed)
+        self.output, self.names = output, names
+        self.fixed, self.how = dict(known[0]), dict(known[1])
         self.first, self.first_interval = _summed_up(indices[0])
         self.total, self.total_interval = _summed_up(indices[1])
         self.deviation = deviation
@@ -84,6 +88,10 @@ class Sensitivity:
             }
         )
         return table.sort("total", descending=True)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return the table of `to_polars` for pandas; needs the extra ``pandas``."""
+        return for_pandas(self.to_polars())
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw both indices of each parameter as bars with their intervals.
@@ -152,7 +160,7 @@ def sensitivity(
     seed: int = 0,
     threads: int | None = None,
     memory_limit: int | None = None,
-    progress: bool | Progress = False,
+    progress: bool | Progress | None = None,
     token: CancelToken | None = None,
     **known: Any,
 ) -> Sensitivity:
@@ -212,7 +220,7 @@ def sensitivity(
         raise InputError(f"{name} has {len(grid.axes[name])} values: allowed is one number")
     many, own = len(found), count // REPLICATES
     # Column i of the second half stands in for column i of the first, one after the other.
-    drawn = np.stack([sequence(2 * many, own, whole_seed(seed) + r) for r in range(REPLICATES)])
+    drawn = np.stack([sequence(2 * many, own, whole_seed(seed), r) for r in range(REPLICATES)])
     here, there = drawn[..., :many], drawn[..., many:]
     sets = [here, there]
     for i in range(many):
@@ -244,5 +252,6 @@ def sensitivity(
     names = [one.key for one in found]
     output = Output.of(quantity, None, None)
     return Sensitivity(
-        output, names, (first, total), deviation, (missing, failed if missing else None), made.fixed
+        output, names, (first, total), deviation, (missing, failed if missing else None),
+        (made.fixed, made.how),
     )  # fmt: skip
