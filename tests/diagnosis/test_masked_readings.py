@@ -173,3 +173,23 @@ class TestDegenerate:
     def test_one_short_run(self):
         frame = measured(**LAG).filter((pl.col("run") == "1") & (pl.col("t") < 0.35))
         assert 0.0 <= diagnose(frame, ROBOT, threads=1).probability <= 1.0
+
+
+def test_slips_of_two_deviations_are_a_fault_of_the_readings_and_no_drift() -> None:
+    # Half of the time the head rests; the encoder slips by two deviations of its noise every 0.7 s.
+    t = np.arange(800) * 0.005
+    wave = np.where(t % 1.0 < 0.5, np.sin(4.0 * np.pi * t), 0.0)
+    runs = [Run(str(k), t, (1.0 + 0.2 * k) * wave, {"x": np.zeros(t.size)}) for k in range(3)]
+    x = replay_runs(ROBOT, runs)["x"].to_numpy()
+    x = x + np.random.default_rng(3).normal(0.0, NOISE, x.size)
+    frame = pl.DataFrame({
+        "run": np.repeat(list("012"), t.size),
+        "t": np.tile(t, 3),
+        "drive": np.concatenate([run.drive for run in runs]),
+        "x": x + 2.0 * NOISE * np.floor(np.tile(t, 3) / 0.7),
+    })  # fmt: skip
+    found = diagnose(frame, ROBOT)
+    assert not found.effects, found
+    kinds = [row["kind"] for row in found.report["readings"]]
+    assert kinds.count("slip") == len(kinds) >= 10
+    assert any("which the motion does not: slipped?" in said for said in found.warnings)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import offset_copy
 
 from locosweep.plot import style
 from locosweep.plot.caption import fixed_values, title
@@ -25,8 +26,10 @@ _LARGE = (6.8, 4.6)
 """Inches of a picture of a distribution."""
 _FEW = 41
 """Cells along an axis up to which each has a marker."""
-_SIZE = (4.6, 3.2)
-"""Inches of a small picture."""
+_SIZE, _FONT = (4.6, 3.2), 8
+"""Inches of a small picture, and points of its letters."""
+_BELOW = -32.0
+"""Points from the axis below a picture to the legend below its label."""
 
 
 def distribution(found: Propagation, ax: Axes | None = None) -> Axes:
@@ -98,8 +101,10 @@ def _along(found: Propagation, ax: Axes) -> None:
     shares.plot(axis[order], share, color="0.3", linestyle=":", linewidth=1.6)
     shares.set(ylim=(0.0, 1.05), ylabel=f"share of points {words} [1]")
     ax.plot([], [], color="0.3", linestyle=":", linewidth=1.6, label=f"share {words} (right)")
-    # Beside the curves there is always room below the picture.
-    ax.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, frameon=False)
+    # Curves fill the picture: below its labels there is always room.
+    below = offset_copy(ax.transAxes, fig=ax.get_figure(root=True), y=_BELOW, units="points")
+    ax.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=below,
+              ncols=2, frameon=False)  # fmt: skip
     style.grid(ax)
 
 
@@ -144,11 +149,18 @@ def small(found: Propagation | Sensitivity) -> Figure | None:
     """Return the picture that a notebook shows, if one says anything."""
     if isinstance(found, Propagation) and (len(found.axes) > 1 or not found.with_value.any()):
         return None
-    return drawn(found, _SIZE)
+    # Names of parameters are long.
+    made = style.figure(*(_SIZE if isinstance(found, Propagation) else _size(found)))
+    found.plot(made.subplots())
+    for ax in made.axes:
+        ax.tick_params(labelsize=_FONT)
+        for text in (ax.xaxis.label, ax.yaxis.label):
+            text.set_fontsize(_FONT)
+    return made
 
 
-def drawn(found: Propagation | Sensitivity, size: tuple[float, float] | None = None) -> Figure:
-    """Return a picture that pyplot does not know of, of a size in inches or its own."""
-    made = style.figure(*(size or _size(found)))
+def drawn(found: Propagation | Sensitivity) -> Figure:
+    """Return the picture without making it the current one of pyplot."""
+    made = style.figure(*_size(found))
     found.plot(made.subplots())
     return made

@@ -1,4 +1,4 @@
-"""Slips far smaller than the noise of a reading, told by levels of a replay's error."""
+"""Slips of about the noise of a reading, told by levels of a replay's error."""
 
 from __future__ import annotations
 

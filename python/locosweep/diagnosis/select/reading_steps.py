@@ -1,10 +1,11 @@
-"""Slips that only a replay shows: an error of x that jumps, and is noise about a level between.
+"""Slips that only a replay shows: the error of the nominal model jumps from level to level.
 
-No force moves a head from one reading to the next, so that an error of the nominal model that is
-noise about levels is one of the readings. Each jump may be far smaller than the noise of a reading.
-Stairs come close to smooth errors, too, and a force that acts at a few places makes stairs: so they
-have to come closer than a line with a bend for every level, and some jumps happen while the head
-rests.
+No force moves a head from one reading to the next, so jumps between levels of pure noise are a fault
+of the readings. Single jumps may be about the noise of a reading, as many readings tell a level.
+
+Two kinds of forces also make errors that levels come close to. Smooth ones are followed better by a
+line with a bend for every level. One that acts at a few places, such as a magnet, never makes a jump
+while the head rests.
 """
 
 from __future__ import annotations
