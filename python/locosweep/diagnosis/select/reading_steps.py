@@ -1,11 +1,12 @@
 """Slips that only a replay shows: the error of the nominal model jumps from level to level.
 
-No force moves a head from one reading to the next, so jumps between levels of pure noise are a fault
-of the readings. Single jumps may be about the noise of a reading, as many readings tell a level.
+No force moves a head from one reading to the next, so jumps between levels of pure noise are a
+fault of the readings. Single jumps may be about the noise of a reading, as many readings tell a
+level.
 
-Two kinds of forces also make errors that levels come close to. Smooth ones are followed better by a
-line with a bend for every level. One that acts at a few places, such as a magnet, never makes a jump
-while the head rests.
+Two kinds of forces also make errors that levels come close to. Smooth ones are followed better by
+a line with a bend for every level. One that acts at a few places, such as a magnet, never makes a
+jump while the head rests.
 """
 
 from __future__ import annotations
