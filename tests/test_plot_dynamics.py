@@ -1,6 +1,5 @@
 """Pictures of friction laws and of motion: labels, units, rest, legends, one frame."""
 
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -254,11 +253,11 @@ class TestHeatmaps:
         assert len({style.hatch(code) for code in codes}) == len(codes)
 
     def test_law_and_drive_stand_in_the_title(self):
-        known = SimpleNamespace(how={"law": "dahl", "drive": "sine", "method": "rosenbrock"})
-        assert style.simulated(known) == "law dahl, drive sine"
+        how = {"law": "dahl", "drive": "sine", "method": "rosenbrock"}
+        assert style.simulated(how) == "law dahl, drive sine"
         result = ls.sweep("final_position", law="dahl", mu_coulomb=[0.1, 0.3],
                           drive_force=[1, 2], duration=0.5)  # fmt: skip
-        assert result.plot.heatmap().get_title().splitlines()[0] == style.simulated(result)
+        assert result.plot.heatmap().get_title().splitlines()[0] == style.simulated(result.how)
 
     def test_a_trace_of_the_other_sign_does_not_take_half_of_the_colours(self):
         values = np.array([-1e-7, 0.1, 0.5])
