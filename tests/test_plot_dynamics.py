@@ -1,6 +1,5 @@
 """Pictures of friction laws and of motion: labels, units, rest, legends, one frame."""
 
-
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
