@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -64,3 +66,20 @@ def test_swept_distance_starts_anew_where_the_head_turns() -> None:
     assert not m.swept[m.v <= 0.0].any()
     assert m.swept.max() > 0.0
     assert (m.swept >= 0.0).all()
+
+
+def test_an_error_by_the_way_since_the_start_is_in_the_terms_of_a_reading() -> None:
+    """As of a bent scale, in runs that begin in different places and mostly rest."""
+    ramp = np.clip(np.linspace(-4.0, 5.0, 500), 0.0, 1.0)
+    moved = np.concatenate([ramp, -0.8 * ramp])
+    m = replace(
+        sliding(samples=moved.size),
+        x=moved + np.repeat([0.0, 0.5], ramp.size),
+        v=np.gradient(moved) * (np.abs(np.gradient(moved)) > 1e-9),
+        run=np.repeat([0, 1], ramp.size),
+    )
+    groups, _ = terms_of("reading", m)
+    error = moved * np.abs(moved)
+    terms = np.vstack(groups).T
+    left = error - terms @ np.linalg.lstsq(terms, error, rcond=None)[0]
+    assert np.sqrt(np.mean(left**2)) < 1e-3 * np.sqrt(np.mean(error**2))

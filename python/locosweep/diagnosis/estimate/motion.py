@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _KNOTS = 9
+_KNOTS_ALONG = 25
+"""Knots of what depends on the place: it may change within a small part of the travel."""
 _LAGS = 8
 _LONGEST = 0.08
 """Longest time that a drive is looked back, in the longest run's."""
@@ -104,7 +106,7 @@ def terms_of(variable: str, m: Motion) -> tuple[list[Floats], bool]:
         case "speed":
             return [_hats(m.v, forward) * forward, _hats(m.v, backward) * backward], True
         case "place":
-            return [_hats(m.x, moving, 25) * sign], True
+            return [_hats(m.x, moving, _KNOTS_ALONG) * sign], True
         case "terrain":
             return [_hats(m.x, moving)], True
         case "load":
@@ -125,7 +127,7 @@ def terms_of(variable: str, m: Motion) -> tuple[list[Floats], bool]:
         case "history":
             return _history(m), True
         case "reading":
-            return [_hats(m.x, every)], False
+            return _readings(m), False
         case "clock":
             return [_hats(m.t, every)], False
         case "late":
@@ -151,6 +153,17 @@ def _history(m: Motion) -> list[Floats]:
     changes = np.array(rows)
     rises = np.abs(changes + m.drive) < np.abs(m.drive)
     return [changes * rises, changes * ~rises]
+
+
+def _readings(m: Motion) -> list[Floats]:
+    """Errors by the way since a run began, as of a scale, and by the place where they differ.
+
+    Knots are where the head moves: at rest it may be in few places for most of the time.
+    """
+    first = np.flatnonzero(np.diff(m.run, prepend=-1))
+    moved = m.x - np.repeat(m.x[first], np.diff(first, append=m.x.size))
+    ways = [moved] if np.ptp(m.x[first]) == 0.0 else [moved, m.x]
+    return [_hats(way, m.v != 0.0, _KNOTS_ALONG) for way in ways]
 
 
 def response(forces: Floats, m: Motion) -> tuple[Floats, Floats]:
