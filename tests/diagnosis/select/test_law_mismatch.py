@@ -6,16 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 import polars as pl
+import pytest
 
 from locosweep.diagnosis.effects.scale import scale_of
-from locosweep.diagnosis.estimate.least_squares import Nuisances, fit_all, start_fits
+from locosweep.diagnosis.estimate.least_squares import Fit, Nuisances, fit_all, start_fits
 from locosweep.diagnosis.estimate.problem import Problem
+from locosweep.diagnosis.select import law_mismatch
 from locosweep.diagnosis.select.law_mismatch import (
     best_with_other_law,
     formula_share,
     score_with_other_law,
     unlisted_rival,
 )
+from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.search import Collection, Search
 from locosweep.diagnosis.select.thresholds import OTHER_LAW_SHARE
 from locosweep.files.runs import runs_from_frame
@@ -120,3 +123,44 @@ def test_the_formula_of_a_cause_takes_most_of_its_gap_and_an_alien_one_little() 
     assert near > 0.5
     assert far < OTHER_LAW_SHARE
     assert formula_share(search, search.none) == 0.0
+
+
+def test_a_kept_run_without_a_gap_says_nothing_of_a_formula() -> None:
+    runs = drives(count=5)
+    runs[4] = replace(runs[4], drive=0.2 * runs[4].drive)
+    frame = measured({"quadratic_drag": {"c2": 0.05}}, runs)
+    search, (fit,) = fits_of(frame, "viscous_friction", held=(4,))
+    assert formula_share(search, fit) > OTHER_LAW_SHARE
+
+
+@pytest.mark.parametrize(("own", "stands"), [(0.99e3, True), (0.95e3, True), (0.85e3, False)])
+def test_a_law_may_be_behind_by_what_knots_make_out(
+    own: float, stands: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of 1000 for every other variable."""
+    search, (fit,) = fits_of(
+        measured({"quadratic_drag": {"c2": 0.05}}, drives(count=5)), "viscous_friction"
+    )
+
+    def factor(_: NonparametricCorrection, variables: list[str], __: float) -> float:
+        return own if variables == ["speed"] else 1e3
+
+    monkeypatch.setattr(NonparametricCorrection, "log_bayes_factor", factor)
+    monkeypatch.setattr(NonparametricCorrection, "log_bayes_factor_by_run", lambda *_: 0.0)
+    assert (score_with_other_law(search, fit) is not None) == stands
+
+
+def test_a_law_that_is_behind_comes_after_those_that_are_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    frame = measured({"quadratic_drag": {"c2": 0.05}}, drives(count=5))
+    search, level = fits_of(frame, "viscous_friction", "drive_lag")
+    scored = {"viscous_friction": (True, 1.0), "drive_lag": (False, 2.0)}
+
+    def score(_: Search, fit: Fit) -> tuple[tuple[bool, float] | None, list[str]]:
+        return scored.get(fit.model.names[0]), []
+
+    monkeypatch.setattr(law_mismatch, "_score_with_other_law", score)
+    assert best_with_other_law(search, level) == (2.0, level[1])
+    del scored["drive_lag"]
+    assert best_with_other_law(search, level) == (1.0, level[0])

@@ -46,9 +46,9 @@ def best_with_other_law(search: Search, level: Sequence[Fit]) -> tuple[float, Fi
     tried = list(level[:_TRIED])
     found = []
     for i, fit in enumerate(tried):
-        score, others = _score_with_other_law(search, fit)
-        if score is not None:
-            found.append((score, i))
+        scored, others = _score_with_other_law(search, fit)
+        if scored is not None:
+            found.append((*scored, i))
         # No effect acts through some: a force by the position alone, an acceleration.
         others = [v for v in others if v in VARIABLES.values()]
         for variable in others[:_TRIED_NEXT]:
@@ -56,21 +56,26 @@ def best_with_other_law(search: Search, level: Sequence[Fit]) -> tuple[float, Fi
             tried += islice(new, int(len(tried) < _MOST_TRIED))
     if not found:
         return None
-    score, i = min(found)
+    _, score, i = min(found)
     return score, tried[i]
 
 
 def score_with_other_law(search: Search, fit: Fit) -> float | None:
     """Score of a fit with other laws of its effects; None if another variable does better."""
-    return _score_with_other_law(search, fit)[0] if _variables(fit) else None
+    scored = _score_with_other_law(search, fit)[0] if _variables(fit) else None
+    return None if scored is None else scored[1]
 
 
 def _variables(fit: Fit) -> list[str]:
     return list(dict.fromkeys(VARIABLES[n] for n in fit.model.names if n in VARIABLES))
 
 
-def _score_with_other_law(search: Search, fit: Fit) -> tuple[float | None, list[str]]:
-    """Score of a fit with other laws, and what carries something beside it, the most first."""
+def _score_with_other_law(search: Search, fit: Fit) -> tuple[tuple[bool, float] | None, list[str]]:
+    """Score of a fit with other laws, and what carries something beside it, the most first.
+
+    With the score comes whether some other variable is clearly likelier, if only by what knots
+    make out.
+    """
     own = _variables(fit)
     problem = search.problem
     terms = NonparametricCorrection(problem, fit)
@@ -79,13 +84,15 @@ def _score_with_other_law(search: Search, fit: Fit) -> tuple[float | None, list[
     log_factor = terms.log_bayes_factor(own, noise)
     others = {v: terms.log_bayes_factor([v], noise) for v in terms.variables if v not in own}
     most = sorted((v for v in others if others[v] > 0.0), key=lambda v: -others[v])
-    if not own or log_factor < max(others.values(), default=0.0) - limits.AS_WELL:
+    best = max(others.values(), default=0.0)
+    if not own or log_factor < best - max(limits.AS_WELL, limits.AS_WELL_SHARE * best):
         return None, most
     if whiteness_test(problem, left).rejected or terms.significant(own, noise):
         return None, most
     if terms.predictive_gain(own, noise) <= 0.0 or not _holds(problem, fit, own, noise):
         return None, most
-    return search.score(fit) - log_factor * noise, most
+    behind = best - log_factor > limits.AS_WELL
+    return (behind, search.score(fit) - log_factor * noise), most
 
 
 def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool:
@@ -133,20 +140,18 @@ def _together(problem: Problem, parts: Sequence[Floats], runs: Sequence[int]) ->
 def formula_share(search: Search, fit: Fit) -> float:
     """Return the share of the gap beyond noise that a fit takes away by its formulas alone.
 
-    Of root mean squares; the smaller one of the fitted and of the validation data.
+    Of root mean squares over the fitted and the validation data together: either alone may hold
+    next to no gap.
     """
     problem, none = search.problem, search.none
     noise = noise_level(problem, fit.residual)
-    points = [point_of(problem, one) for one in (none, fit)]
-    validated = validation_residuals(problem, points)
-    counted = np.count_nonzero(validated[0]) if validated.size else 0
-    pairs = [(none.chi2, fit.chi2, fit.residual.size)]
-    pairs += [(*np.sum(validated**2, axis=1).tolist(), counted)] if counted else []
-    shares = []
-    for before, after, count in pairs:
-        gap, left = (max(chi2 - noise * count, 0.0) for chi2 in (before, after))
-        shares.append(1.0 - float(np.sqrt(left / gap)) if gap > 0.0 else 1.0)
-    return min(shares)
+    validated = validation_residuals(problem, [point_of(problem, one) for one in (none, fit)])
+    count = none.residual.size + np.count_nonzero(validated[:1])
+    gap, left = (
+        max(one.chi2 + float(e @ e) - noise * count, 0.0)
+        for one, e in zip((none, fit), validated, strict=True)
+    )
+    return 1.0 - float(np.sqrt(left / gap)) if gap > 0.0 else 1.0
 
 
 def unlisted_rival(
