@@ -419,12 +419,15 @@ def _has_load(case: Case) -> bool:
     return "mu_coulomb" in case.experiment.rig.nominal
 
 
+RUNS = {change.name: change for change in MENU}
+
+
 class TestNextRun:
     """Runs of the menu, carried out in the reality."""
 
-    @pytest.mark.parametrize("name", [name for name, _, _ in MENU])
+    @pytest.mark.parametrize("name", RUNS)
     def test_a_longer_session_reads_as_the_case_does(self, case: Case, name: str) -> None:
-        longer = nextrun._longer(case, name)
+        longer = nextrun._longer(case, RUNS[name])
         if name in ("turn round", "incline"):
             assert longer is None, "a pendulum has no slope"
             return
@@ -440,7 +443,7 @@ class TestNextRun:
     def test_a_heavier_head_moves_less(self, case: Case) -> None:
         spans = []
         for name in ("slower", "payload"):
-            longer = nextrun._longer(case, name)
+            longer = nextrun._longer(case, RUNS[name])
             assert longer is not None
             spans.append(float(np.ptp(longer.read([case.world], COARSE, 1)[0][-1]["x"])))
         assert spans[1] < spans[0]
@@ -448,8 +451,8 @@ class TestNextRun:
     @pytest.mark.slow
     def test_only_a_force_sensor_tells_back_emf_from_viscous_friction(self, case: Case) -> None:
         assert case.world.effects[0][0] == "viscous_friction"
-        assert nextrun._nearest(case, "reverse", ["back_emf"]) < ALIKE
-        assert nextrun._nearest(case, "force sensor", ["back_emf"]) > ALIKE
+        assert nextrun._nearest(case, RUNS["reverse"], ["back_emf"]) < ALIKE
+        assert nextrun._nearest(case, RUNS["force sensor"], ["back_emf"]) > ALIKE
 
     def test_a_turned_robot_has_the_slope_error_turned(self) -> None:
         slope = ("slope_error", "law", {"d_alpha_deg": 0.3})
@@ -467,7 +470,7 @@ class TestNextRun:
     @pytest.mark.slow
     def test_levels_at_the_known_one_change_no_run_with_a_payload(self) -> None:
         case = next(c for c in (draw_case(1, i) for i in range(20)) if _has_load(c))
-        longer = nextrun._longer(case, "payload")
+        longer = nextrun._longer(case, RUNS["payload"])
         assert longer is not None
         level = case.experiment.rig.level
         same = ("direction_dependent_friction", "law",

@@ -18,7 +18,7 @@ from locosweep.diagnosis.data.readings.columns import check_columns
 from locosweep.diagnosis.data.readings.drive_spikes import check_drives
 from locosweep.diagnosis.data.readings.find import Checked, check_readings
 from locosweep.diagnosis.data.readings.finding import sentences
-from locosweep.diagnosis.design.next_experiment import next_experiment
+from locosweep.diagnosis.design.next_experiment import both_ways, next_experiment
 from locosweep.diagnosis.effects.catalogue import candidates
 from locosweep.diagnosis.effects.scale import scale_of
 from locosweep.diagnosis.estimate.equation_error import EquationError, equation_error
@@ -43,6 +43,7 @@ from locosweep.diagnosis.select.graded import (
     refitted,
 )
 from locosweep.diagnosis.select.isolated import isolated_readings
+from locosweep.diagnosis.select.law_mismatch import BY_PLACE
 from locosweep.diagnosis.select.reading_steps import stepped_readings
 from locosweep.diagnosis.select.search import Search
 from locosweep.diagnosis.select.verdict import Choice, choose, kept_may_show_a_gap, partial_choice
@@ -168,6 +169,7 @@ def diagnose(
         next_experiment=_next_experiment(selected, data),
         left_out=left_out,
         readings=checked.findings,
+        unlisted=selected.unlisted,
         warnings=(*notices, *data.warnings, *selected.warnings),
     )
     asked = {
@@ -224,6 +226,12 @@ class _Selected:
     """Causes beside what nobody explains, where no set of effects leaves but noise."""
     to_all: bool = False
     """True if the models were fitted to all runs, those kept for a check too."""
+
+    @property
+    def unlisted(self) -> str:
+        """Variable of a force that no effect stands for and that does better than any, if any."""
+        beside = self.graded.unlisted if self.graded else ""
+        return beside or self.choice.unlisted
 
 
 def _reading_checks(robot: Robot, records: Sequence[Run]) -> Checked:
@@ -380,6 +388,8 @@ def _next_experiment(selected: _Selected, data: _Data) -> dict[str, Any]:
     """Say which further run would separate what ties."""
     search, choice = selected.search, selected.choice
     fits = choice.tied
+    if selected.unlisted == BY_PLACE:
+        return both_ways(data.whole)
     if len(fits) < 2:
         return {"separates": [], "suggestion": None}
     search.progress("next experiment")

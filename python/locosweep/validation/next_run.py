@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from locosweep.diagnosis.design.menu import FORCE_NOISE, MENU, PAYLOAD
+from locosweep.diagnosis.design.menu import FORCE_NOISE, MENU
 from locosweep.files.runs import Run
 from locosweep.simulation.replay import effects
 from locosweep.validation.cases import absent_of, draw_case, scale_of_runs
@@ -23,6 +23,7 @@ from locosweep.validation.sizes import ALIKE, Nuisances, rival_distances
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from locosweep.diagnosis.design.menu import Change
     from locosweep.validation.cases import Case
     from locosweep.validation.experiment import Effect
 
@@ -43,30 +44,28 @@ class NextRun:
 
 @dataclass(frozen=True)
 class _Longer(Experiment):
-    """Runs and one more, which may be of a heavier or turned robot, or read a force."""
+    """Runs and one more, which changes one thing."""
 
-    heavier: bool = False
-    turned: bool = False
-    reads_force: bool = False
+    change: Change
 
     def read(self, worlds: Sequence[World], step: float, threads: int) -> list[list[Readings]]:
         """Run all drives in all worlds, the last one with its changes."""
-        rig = self.rig
-        if self.heavier:
-            rig = replace(rig, nominal={**rig.nominal, "mass": PAYLOAD * rig.nominal["mass"]})
+        change = self.change
+        mass = change.mass * self.rig.nominal["mass"]
+        rig = replace(self.rig, nominal={**self.rig.nominal, "mass": mass})
         extra = Experiment(rig, self.drives[-1:], self.sensors)
         last = list(worlds)
-        if self.turned:
+        if change.turned:
             last = [replace(w, effects=tuple(map(_turned, w.effects))) for w in worlds]
-        if self.heavier and "mu_coulomb" in self.rig.nominal:
-            more = (PAYLOAD - 1.0) * self.rig.level
+        if change.mass != 1.0 and "mu_coulomb" in self.rig.nominal:
+            more = (change.mass - 1.0) * self.rig.level
             last = [replace(w, effects=tuple(_loaded(e, more) for e in w.effects)) for w in last]
         before = Experiment(self.rig, self.drives[:-1], self.sensors).read(worlds, step, threads)
         after = extra.read(last, step, threads)
-        if self.reads_force:
+        if change.added:
             for runs in before:
                 for run in runs:
-                    run["force"] = np.zeros_like(run["x"])
+                    run[change.added] = np.zeros_like(run["x"])
         return [[*a, *b] for a, b in zip(before, after, strict=True)]
 
 
@@ -88,45 +87,34 @@ def _loaded(effect: Effect, more: float) -> Effect:
     return name, form, {k: v + more if k in levels else v for k, v in values.items()}
 
 
-def _longer(case: Case, name: str) -> _Longer | None:
+def _longer(case: Case, change: Change) -> _Longer | None:
     """Return the runs of a case with one more of the menu; None where it has no meaning."""
     experiment = case.experiment
     rig, sensors = experiment.rig, experiment.sensors
-    if rig.rotary and name in ("turn round", "incline"):
-        return None
-    force = name == "force sensor"
-    if force and "force" in sensors.channels:
+    if (rig.rotary and change.on_slope) or change.added in sensors.channels:
         return None
     read = experiment.read([case.world], COARSE, 1)[0]
     far = int(np.argmax([np.ptp(run["x"]) for run in read]))
     drive = experiment.drives[far]
     pattern = Run("next", drive.t, drive.command, {"x": read[far]["x"]}, drive.slope_deg)
-    change = next(change for known, change, _ in MENU if known == name)
-    run = change(pattern, rig.nominal["slope_deg"])
+    run = change.of(pattern, rig.nominal["slope_deg"])
     slope = drive.slope_deg if run.slope_deg is None else run.slope_deg
     new = Drive(run.since_start, run.drive, slope, (drive.start[0], 0.0), drive.seed, True)
-    if force:
+    if change.added:
         largest = float(np.abs(drive.command).max()) * rig.nominal["gain"]
         sensors = replace(
-            sensors, channels=(*sensors.channels, "force"), force_noise=FORCE_NOISE * largest
+            sensors, channels=(*sensors.channels, change.added), force_noise=FORCE_NOISE * largest
         )
-    return _Longer(
-        rig,
-        (*experiment.drives, new),
-        sensors,
-        heavier=name == "payload",
-        turned=name == "turn round",
-        reads_force=force,
-    )
+    return _Longer(rig, (*experiment.drives, new), sensors, change)
 
 
-def _nearest(case: Case, name: str, rivals: Sequence[str]) -> float:
+def _nearest(case: Case, change: Change, rivals: Sequence[str]) -> float:
     """Distance of the nearest rival over the runs so far and one more, in deviations.
 
     Where the true effect follows another law than its name's, that name leaves something
     as well: what rivals leave more counts.
     """
-    longer = _longer(case, name)
+    longer = _longer(case, change)
     if longer is None:
         return 0.0
     nuisances = Nuisances(longer, scale_of_runs(case.experiment), World(case.world.shifts), 1)
@@ -152,6 +140,6 @@ def carried_out(name: str, seed: int, index: int, report: dict[str, Any]) -> Nex
     if len(true) != 1 or true[0] not in members or len(members) < 2:
         return None
     rivals = [member for member in members if member != true[0]]
-    resolving = {run for run, _, _ in MENU if _nearest(case, run, rivals) >= ALIKE}
+    resolving = {run.name for run in MENU if _nearest(case, run, rivals) >= ALIKE}
     proposed = planned["menu"][0]["run"] if planned.get("possible") else ""
     return NextRun(name, proposed, proposed in resolving, bool(resolving))

@@ -8,16 +8,16 @@ from locosweep.files.runs import Run
 
 T = np.arange(0.0, 2.0, 0.01)
 RUN = Run("a", T, np.sin(3.0 * T), {"x": 0.1 * T}, None)
-CHANGES = {name: change for name, change, _ in MENU}
+CHANGES = {change.name: change for change in MENU}
 
 
 def changed(name, run=RUN, slope=2.0):
-    return CHANGES[name](run, slope)
+    return CHANGES[name].of(run, slope)
 
 
 def test_every_run_has_a_name_of_its_own_and_a_sentence():
     assert len(CHANGES) == len(MENU)
-    assert all(sentence for _, _, sentence in MENU)
+    assert all(change.what for change in MENU)
 
 
 @pytest.mark.parametrize("name", CHANGES)
@@ -50,6 +50,16 @@ def test_dwell_pauses_four_times():
     begins = np.flatnonzero(np.diff(rests.astype(int)) == 1)
     assert begins.size == 4
     assert changed("dwell").t.size == T.size + 4 * (T.size // 10)
+
+
+def test_back_goes_the_same_way_twice():
+    run = changed("back")
+    np.testing.assert_array_equal(run.drive, [*RUN.drive, *-RUN.drive])
+    assert run.t[-1] == pytest.approx(2.0 * T[-1], rel=0.01)
+
+
+def test_later_waits_as_long_as_the_run_takes():
+    np.testing.assert_array_equal(changed("later").drive, [*np.zeros(T.size), *RUN.drive])
 
 
 def test_payload_and_force_sensor_repeat_the_run():

@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 
 from locosweep.diagnosis import diagnose
 from locosweep.diagnosis.design import next_experiment as experiment
-from locosweep.diagnosis.design.menu import MENU
+from locosweep.diagnosis.design.menu import MENU, Change
 from locosweep.diagnosis.effects.scale import scale_of
 from locosweep.diagnosis.estimate.least_squares import (
     Fit,
@@ -54,13 +54,12 @@ def fitted() -> tuple[Search, list[Fit]]:
     return found, fit_all(problem, starts, steps=20)
 
 
-@pytest.mark.parametrize("name", [name for name, _, _ in MENU])
+@pytest.mark.parametrize("change", MENU, ids=lambda change: change.name)
 def test_a_distance_is_what_another_least_squares_leaves(
-    fitted: tuple[Search, list[Fit]], name: str
+    fitted: tuple[Search, list[Fit]], change: Change
 ) -> None:
     search, fits = fitted
-    change = next(change for known, change, _ in MENU if known == name)
-    planned = experiment._planned(search, name, change)
+    planned = experiment._planned(search, change)
     problem = planned.seen_by(fits[0])
     place = problem.parameter_index("payload_mass", "dm")
 
@@ -100,8 +99,8 @@ def test_no_run_is_proposed_where_none_can_tell() -> None:
     assert all(row["distance"] < 1.0 for row in told["menu"] if row["run"] != "force sensor")
 
 
-@pytest.mark.parametrize("name", [name for name, _, _ in MENU])
-def test_the_truth_leaves_nothing_of_what_it_predicts(name: str) -> None:
+@pytest.mark.parametrize("change", MENU, ids=lambda change: change.name)
+def test_the_truth_leaves_nothing_of_what_it_predicts(change: Change) -> None:
     """Also where the head slides down an incline before the drive sets in."""
     slippery = replace(ROBOT, parameters={**ROBOT.parameters, "mu_coulomb": 0.05})
     frame = replay_runs(slippery, drives()).select("run", "t", "x")
@@ -115,8 +114,7 @@ def test_the_truth_leaves_nothing_of_what_it_predicts(name: str) -> None:
         problem = Problem(slippery, records, 1, speed_scale=scale.speed)
         nuisances = Nuisances((), (0.0, 0.0, 0.0, 0.0), scale.speed)
         found = Search(problem, nuisances, scale, (), lambda _: None)
-        change = next(change for known, change, _ in MENU if known == name)
-        planned = experiment._planned(found, name, change)
+        planned = experiment._planned(found, change)
         made = planned.seen_by(found.none)
         left = made.residuals([point_of(made, found.none)])[0]
         assert np.linalg.norm(left) < 1e-6
@@ -136,3 +134,34 @@ def test_repeats_are_asked_for_where_one_run_says_too_little(
         assert said in told["suggestion"], told
         assert told["possible"] == (said != "no motion")
         assert told["menu"][0]["distance"] == pytest.approx(distance)
+
+
+def test_runs_that_pass_no_place_both_ways_are_driven_back(
+    fitted: tuple[Search, list[Fit]],
+) -> None:
+    problem = fitted[0].problem
+    way = problem.runs[0].t / problem.runs[0].t[-1]
+    for x, proposed in ((way, True), (np.sin(6.0 * way), False), (np.full(way.size, 0.1), True)):
+        runs = [replace(run, channels={"x": x[: run.t.size]}) for run in problem.runs]
+        told = experiment.both_ways(replace(problem, runs=runs))
+        assert bool(told["suggestion"]) == proposed, told
+
+
+@pytest.mark.whole
+def test_a_force_along_a_way_that_is_driven_once_asks_for_the_way_back() -> None:
+    """A spring to the start, in runs that only go forward."""
+    forward = [replace(run, drive=np.abs(run.drive)) for run in drives(count=5)]
+    nominal = replay_runs(ROBOT, forward)
+    pulled = [
+        replace(
+            run, drive=run.drive - 0.05 * nominal.filter(pl.col("run") == run.label)["x"].to_numpy()
+        )
+        for run in forward
+    ]
+    frame = measured({}, pulled).with_columns(
+        drive=pl.Series(np.concatenate([run.drive for run in forward]))
+    )
+    found = diagnose(frame, ROBOT)
+    assert found.status == "unexplained", found
+    assert found.unlisted, found
+    assert "back over the same way" in found.next_experiment["suggestion"]

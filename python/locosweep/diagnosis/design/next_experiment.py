@@ -13,7 +13,7 @@ import numpy as np
 from scipy.special import ndtr
 
 from locosweep.diagnosis.data.noise import Noise
-from locosweep.diagnosis.design.menu import FORCE_NOISE, MENU, PAYLOAD
+from locosweep.diagnosis.design.menu import BACK, FORCE_NOISE, MENU
 from locosweep.diagnosis.effects.catalogue import starts_of
 from locosweep.diagnosis.estimate.least_squares import (
     Fit,
@@ -27,10 +27,11 @@ from locosweep.diagnosis.estimate.problem import Problem
 from locosweep.files.runs import Run
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
+    from locosweep.diagnosis.design.menu import Change
     from locosweep.diagnosis.select.search import Search
 
     Floats = NDArray[np.float64]
@@ -49,6 +50,8 @@ _REPEATS = 4
 """Most repeats of a run that are proposed: the squares of what they tell add up."""
 _HOPE = 0.05
 """Chance of an answer that so many repeats have to add."""
+_PLACES = 20
+"""Parts of the travel of which one has to be passed both ways; laws along it have as many knots."""
 _FAR = 1e6
 """Distance beyond which farther is no better."""
 _LOST = 1e50
@@ -97,20 +100,21 @@ def next_experiment(
     likely = _EQUAL / len(fits) + (1.0 - _EQUAL) * likely
     likely = likely / likely.sum()
     plans = []
-    for name, change, text in MENU:
-        if _has_meaning(search, name):
-            planned = _planned(search, name, change)
+    for change in MENU:
+        if _has_meaning(search.problem, change):
+            planned = _planned(search, change)
             table = _linearised(planned, fits)
-            plans.append((*_promise(table.min(axis=1), likely), name, text, planned, table))
+            plans.append((*_promise(table.min(axis=1), likely), change, planned, table))
     plans.sort(key=lambda plan: plan[:2], reverse=True)
     rows: list[dict[str, Any]] = []
     found: dict[str, Floats] = {}
-    for _, _, name, text, planned, table in plans[:_SHOWN]:
+    for _, _, change, planned, table in plans[:_SHOWN]:
+        name = change.name
         found[name] = np.array(
             [_refitted(search, planned, fits, i, row) for i, row in enumerate(table)]
         )
         chance, distance = _promise(found[name], likely)
-        rows.append({"run": name, "distance": distance, "chance": chance, "what": text})
+        rows.append({"run": name, "distance": distance, "chance": chance, "what": change.what})
     rows.sort(key=lambda row: (row["chance"], row["distance"]), reverse=True)
     best = rows[0]
     alone = _linearised(_planned(search), fits).min(axis=1)
@@ -128,6 +132,26 @@ def next_experiment(
     return {"separates": separates, "suggestion": said, "possible": True, "menu": rows}
 
 
+def both_ways(problem: Problem) -> dict[str, Any]:
+    """Propose to go back the same way, if no place was passed in either direction.
+
+    Friction along the way is then as good as any force by place: only friction turns round with
+    the motion.
+    """
+    passed: dict[bool, set[int]] = {True: set(), False: set()}
+    places = [run.channels["x"] for run in problem.runs if "x" in run.channels]
+    low, high = min(map(np.nanmin, places)), max(map(np.nanmax, places))
+    for x in places:
+        at = (_PLACES * (x[np.isfinite(x)] - low) / max(high - low, 1e-300)).astype(int)
+        steps = np.diff(at)
+        for forward in passed:
+            passed[forward] |= set(at[1:][steps > 0 if forward else steps < 0].tolist())
+    if passed[True] & passed[False]:
+        return {"separates": [], "suggestion": None}
+    said = f"{BACK.what}: friction turns round with the motion, a force by place does not"
+    return {"separates": [], "suggestion": said, "possible": True, "menu": []}
+
+
 def _promise(distances: Floats, weights: Floats) -> tuple[float, float]:
     """Return the probability that the truth is told from all others, and the mean distance."""
     least = np.clip(distances, 1e-9, _FAR)
@@ -135,42 +159,38 @@ def _promise(distances: Floats, weights: Floats) -> tuple[float, float]:
     return float(chance), float(weights @ np.minimum(distances, _FAR))
 
 
-def _has_meaning(search: Search, name: str) -> bool:
+def _has_meaning(problem: Problem, change: Change) -> bool:
     """Return whether a run of the menu is another one on this rig."""
-    if name == "force sensor":
-        return "force" not in search.problem.channels
-    return name not in ("turn round", "incline") or not search.problem.position_matters
+    measured = change.added in problem.channels
+    return not measured and not (change.on_slope and problem.position_matters)
 
 
-def _planned(
-    search: Search, name: str = "", change: Callable[[Run, float], Run] | None = None
-) -> _Planned:
+def _planned(search: Search, change: Change | None = None) -> _Planned:
     """Return the runs so far and, with a change, one of the menu."""
     problem = search.problem
     noise = dict(problem.noise)
     channels = list(problem.channels)
-    if name == "force sensor":
+    if change is not None and change.added:
         deviation = FORCE_NOISE * search.scale.force
-        noise["force"] = Noise(deviation, deviation, 0.0, stated=False)
-        channels.append("force")
+        noise[change.added] = Noise(deviation, deviation, 0.0, stated=False)
+        channels.append(change.added)
     runs = [_blank(run, problem.channels) for run in problem.runs]
     new_run = len(runs)
-    if change is not None:
-        spans = [
-            float(np.nanmax(r.channels["x"]) - np.nanmin(r.channels["x"])) for r in problem.runs
-        ]
-        pattern = problem.runs[int(np.argmax(spans))]
-        run = change(pattern, problem.nominal["slope_deg"])
-        # It starts at the position of its pattern.
-        made = {c: np.full(run.t.size, pattern.start[0] if c == "x" else 0.0) for c in channels}
-        runs.append(Run("next", run.t, run.drive, made, run.slope_deg))
+    if change is None:
+        return _Planned(Problem(problem.robot, runs, problem.threads, known=noise), new_run)
+    spans = [float(np.nanmax(r.channels["x"]) - np.nanmin(r.channels["x"])) for r in problem.runs]
+    pattern = problem.runs[int(np.argmax(spans))]
+    run = change.of(pattern, problem.nominal["slope_deg"])
+    # It starts at the position of its pattern.
+    made = {c: np.full(run.t.size, pattern.start[0] if c == "x" else 0.0) for c in channels}
+    runs.append(Run("next", run.t, run.drive, made, run.slope_deg))
     blank = Problem(
         problem.robot,
         runs,
         problem.threads,
         known=noise,
-        payload_factors={new_run: PAYLOAD} if name == "payload" else {},
-        reversed_runs=frozenset({new_run}) if name == "turn round" else frozenset(),
+        payload_factors={new_run: change.mass} if change.mass != 1.0 else {},
+        reversed_runs=frozenset({new_run}) if change.turned else frozenset(),
     )
     return _Planned(blank, new_run)
 

@@ -95,6 +95,8 @@ class Findings:
     warnings: tuple[str, ...]
     readings: tuple[Finding, ...] = ()
     """Faults of readings."""
+    unlisted: str = ""
+    """Variable of a force that no effect stands for and that does better than any, if any."""
 
     @property
     def named(self) -> bool:
@@ -146,7 +148,7 @@ def assemble(found: Findings, source: Source) -> Diagnosis:
         "law_mismatch": choice.law_mismatch,
         "contributions": shares,
         "remaining": _remaining(found, gap),
-        "unlisted": _unlisted(found),
+        "unlisted": unlisted_of(found.unlisted, None) if found.unlisted else None,
         "summary": "",
     }
     report: dict[str, Any] = {
@@ -225,13 +227,6 @@ def _shape(found: Findings) -> list[dict[str, Any]]:
     if found.graded is not None:
         return shape_of(found.graded.problem, found.graded.last.fit)
     return shapes(found.choice.shape)
-
-
-def _unlisted(found: Findings) -> dict[str, Any] | None:
-    """Return what a cause that is not in the list looks like, if one does better than any."""
-    if found.graded is not None and found.graded.unlisted:
-        return unlisted_of(found.graded.unlisted, None)
-    return unlisted_of(found.choice.unlisted, None) if found.choice.unlisted else None
 
 
 def _traces(comparison: Comparison) -> tuple[Trace, ...]:

@@ -32,7 +32,8 @@ _MOST_TRIED = 10
 """Such fits at most, with those by other variables."""
 _TRIED_NEXT = 3
 """Variables beside a fit whose effects are tried next."""
-UNLISTED = ("terrain", "acceleration")
+BY_PLACE = "terrain"
+UNLISTED = (BY_PLACE, "acceleration")
 """Variables of forces that no effect stands for: the position in either direction, as of a tether,
 a magnet or a wall, and the acceleration."""
 
@@ -169,7 +170,7 @@ def unlisted_rival(
     alone = -limits.WIDER_LAW_GAIN if single else limits.LEAST_GAIN
     # Terms by the acceleration hold friction of either direction: as well as another law of it is
     # what they always do.
-    variables = UNLISTED if single else UNLISTED[:1]
+    variables = UNLISTED if single else (BY_PLACE,)
     sets = dict.fromkeys([frozenset[str](), *(names - {name} for name in names)])
     noise = noise_level(search.problem, found.residual)
     ahead = {"": 0.0}
