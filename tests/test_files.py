@@ -302,7 +302,7 @@ class TestResult:
 
     def test_xarray_missing(self, monkeypatch):
         monkeypatch.setitem(sys.modules, "xarray", None)
-        with pytest.raises(ls.InputError, match=r"pip install locosweep\[xarray\]"):
+        with pytest.raises(ls.InputError, match=r"pip install '\.\[xarray\]'"):
             ls.sweep("resistance", mu_coulomb=0.3).to_xarray()
 
     def save(self, folder):

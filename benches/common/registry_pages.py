@@ -27,7 +27,7 @@ def effects() -> str:
     for effect in known:
         said = [f"- {_words(key)}: {value}" for key, value in _others(effect, _OF_EFFECT)]
         parts += [
-            f"## {effect.name}\n\n{effect.meaning.capitalize()} (site: {effect.site}).\n",
+            f"## {effect.name}\n\n{_sentence(effect.meaning)} (site: {effect.site}).\n",
             f"```math\n{effect.formula}\n```\n",
             _parameters(effect.parameters),
         ]
@@ -47,7 +47,7 @@ def quantities() -> str:
         for q in group:
             names = ", ".join(f"`{p.name}`" for p in q.parameters)
             parts.append(
-                f"### {q.name}\n\n{q.meaning[0].upper()}{q.meaning[1:]}.\n\n"
+                f"### {q.name}\n\n{_sentence(q.meaning)}.\n\n"
                 f"```math\n{q.formula}\n```\n\n"
                 f"- Parameters: {names}\n- Source: {q.source}\n- Limits: {q.limits}\n"
             )
@@ -72,8 +72,25 @@ def parameters() -> str:
         named = [[f"`{name}`", meaning] for name, meaning in known.items()]
         parts.append(f"## {title}\n\n{rows([head, *named])}")
     statuses = [["status", "name", "meaning"]]
-    statuses += [[str(int(s)), f"`{s.name}`", s.sentence] for s in ls.Status]
-    return "\n".join([*parts, f"## Statuses\n\n{rows(statuses)}"])
+    statuses += [[str(int(s)), f"`{s.name.lower()}`", s.sentence] for s in ls.Status]
+    said = "In Python, names are in capitals: `ls.Status.DIVERGED`."
+    parts.append(f"## Statuses\n\n{said}\n\n{rows(statuses)}")
+    return "\n".join([*parts, f"## Robot files\n\n{_robot_files()}"])
+
+
+def _robot_files() -> str:
+    """Return the keys of a robot file by their table."""
+    known = [p for p in (*_core.parameters(), *_core.file_keys()) if p.file_key]
+    found = [(*p.file_key, _unit(p.unit), p.meaning) for p in known]
+    choices = _core.file_choices()
+    found += [(table, key, "-", " or ".join(map(repr, names))) for table, key, names in choices]
+    lines = [[f"`[{table}]`", f"`{key}`", *rest] for table, key, *rest in found]
+    lines = [["table", "key", "unit", "meaning"], *sorted(lines, key=lambda line: line[0])]
+    return (
+        "TOML, in SI units; `locosweep init` writes one with comments. A model that a diagnosis "
+        "found has tables `[effects.NAME]`, too, with the parameters of the [effect](effects.md)."
+        "\n\n"
+    ) + rows(lines)
 
 
 def _parameters(records: Iterable[Any]) -> str:
@@ -108,6 +125,10 @@ _WORDS = {
     "shown": "motion of the head that shows it",
     "variable": "variable of another functional form",
 }
+
+
+def _sentence(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}"
 
 
 def _words(key: str) -> str:

@@ -58,7 +58,7 @@ TARGETS = [
     Target(LUGRE, "scipy.LSODA", "LSODA", {}),
     Target(LUGRE, "diffrax", "diffrax, Kvaerno5", {}),
     Target(LUGRE, "numba.rk4", "numba, RK4", {}),
-    Target(PULSES, "ours.located", "our RK4, stops to 1e-9", {"avx2": 35, "avx512": 80}),
+    Target(PULSES, "ours.located", "locosweep RK4, stops to 1e-9", {"avx2": 35, "avx512": 80}),
     Target(PULSES, "numba.located", "numba, RK4, stops to 1e-9 s", {}),
     Target(PULSES, "numba.exact", "numba, exact pieces", {}),
     Target(PULSES, "numpy", "numpy, exact pieces", {}),

@@ -68,7 +68,7 @@ def for_pandas(table: pl.DataFrame) -> pd.DataFrame:
     try:
         import pandas as pd
     except ModuleNotFoundError:
-        raise InputError("to_pandas needs pandas: pip install locosweep[pandas]") from None
+        raise InputError("to_pandas needs pandas: pip install '.[pandas]' in a clone") from None
     import polars as pl
 
     columns: dict[str, Any] = {}
@@ -322,7 +322,7 @@ class Result:
         try:
             import xarray as xr
         except ModuleNotFoundError:
-            raise InputError("to_xarray needs xarray: pip install locosweep[xarray]") from None
+            raise InputError("to_xarray needs xarray: pip install '.[xarray]' in a clone") from None
         dims = list(self.axes)
         data = {}
         for output in self.outputs:

@@ -22,7 +22,7 @@ BEGIN = 1_700_000_000_000_000_000
 @pytest.fixture
 def writer() -> Any:
     """Return the library's writer and its messages, or skip."""
-    reason = "rosbags is not installed (pip install locosweep[ros])"
+    reason = "rosbags is not installed (pip install '.[ros]')"
     return pytest.importorskip("rosbags.rosbag2", reason=reason)
 
 
@@ -162,7 +162,7 @@ def test_without_the_extra_the_error_says_how_to_install_it(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setitem(__import__("sys").modules, "rosbags.highlevel", None)
-    with pytest.raises(InputError, match=r"pip install locosweep\[ros\]"):
+    with pytest.raises(InputError, match=r"pip install '\.\[ros\]'"):
         read_bag(tmp_path / "run.mcap", FIELDS)
 
 

@@ -261,7 +261,7 @@ def test_the_extra_is_named_where_zarr_is_missing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "zarr", None)
-    with pytest.raises(ls.InputError, match=r"need zarr: pip install locosweep\[runs\]"):
+    with pytest.raises(ls.InputError, match=r"need zarr: pip install '\.\[runs\]'"):
         ls.sweep(**SPEC, out=tmp_path / "run")
     assert not (tmp_path / "run").exists()
 

@@ -192,5 +192,5 @@ def test_the_extra_is_named_where_xarray_is_missing(monkeypatch: pytest.MonkeyPa
     for name in [n for n in sys.modules if n.split(".")[0] == "xarray"]:
         monkeypatch.setitem(sys.modules, name, None)
     monkeypatch.delitem(sys.modules, "locosweep.virtual_grid.backend")
-    with pytest.raises(ls.InputError, match=r"pip install locosweep\[xarray\]"):
+    with pytest.raises(ls.InputError, match=r"pip install '\.\[xarray\]'"):
         ls.open_grid(SPEC)

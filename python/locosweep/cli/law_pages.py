@@ -65,7 +65,8 @@ def _section(law: registry.Law) -> str:
     names = ", ".join(f"`{p.name}`" for p in law.parameters)
     exact = "Motion under a stepwise drive is known in closed form.\n\n" if law.exact else ""
     return (
-        f"### {law.name}\n\n{law.meaning.capitalize()}.\n\n```math\n{law.formula}\n```\n\n{exact}"
+        f"### {law.name}\n\n{law.meaning[0].upper()}{law.meaning[1:]}.\n\n"
+        f"```math\n{law.formula}\n```\n\n{exact}"
         f"- Parameters: {names}\n- Source: {law.source}\n- Limits: {law.limits}\n"
     )
 

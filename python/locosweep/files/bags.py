@@ -131,7 +131,7 @@ def _read(path: Path, fields: list[_Field]) -> dict[str, _Series]:
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
         raise InputError(
-            f"{path}: bags need the package rosbags: pip install locosweep[ros]"
+            f"{path}: bags need the package rosbags: pip install '.[ros]' in a clone"
         ) from None
     if not path.exists():
         raise DataFileError(f"{path}: no such file")

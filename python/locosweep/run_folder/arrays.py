@@ -36,7 +36,7 @@ def need(module: str, extra: str = "runs") -> Any:
         return importlib.import_module(module)
     except ModuleNotFoundError:
         name = module.partition(".")[0]
-        raise InputError(f"run folders need {name}: pip install locosweep[{extra}]") from None
+        raise InputError(f"run folders need {name}: pip install '.[{extra}]' in a clone") from None
 
 
 def array_names(cells: Cells) -> list[str]:

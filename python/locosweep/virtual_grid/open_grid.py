@@ -50,6 +50,6 @@ def open_grid(spec: Spec | str | os.PathLike[str]) -> xr.Dataset:
     try:
         from locosweep.virtual_grid.backend import dataset
     except ModuleNotFoundError:
-        raise InputError("open_grid needs xarray: pip install locosweep[xarray]") from None
+        raise InputError("open_grid needs xarray: pip install '.[xarray]' in a clone") from None
 
     return dataset(cells_of_spec(spec if isinstance(spec, Spec) else Spec.load(spec)))
