@@ -11,8 +11,10 @@ import numpy as np
 import polars as pl
 import pytest
 
-from locosweep.diagnosis import Diagnosis
+from locosweep.diagnosis import Diagnosis, pipeline
 from locosweep.diagnosis.pipeline import diagnose
+from locosweep.diagnosis.select.search import Search
+from locosweep.diagnosis.select.verdict import Choice, choose
 from locosweep.errors import InputError
 from locosweep.files.robot import Robot, load_robot
 from locosweep.files.runs import Run, load_runs
@@ -197,6 +199,20 @@ def test_runs_that_are_refuted_by_the_one_kept_are_all_fitted() -> None:
     assert found.gap["held_out"] == []
     assert found.gap["shrink"] is None
     assert any("all are fitted" in warning for warning in found.warnings)
+
+
+def test_what_kept_runs_refute_names_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuted(search: Search, most: int) -> Choice:
+        return replace(choose(search, most), law_mismatch=True, missed=True)
+
+    monkeypatch.setattr(pipeline, "choose", refuted)
+    monkeypatch.setattr(pipeline, "_graded", lambda _data, _task, first: first)
+    frame = measured({"coulomb_error": {"d_mu": 0.03}}, drives())
+    found = diagnose(frame, ROBOT, holdout=["1"])
+    assert found.status == "unexplained"
+    verdict = found.report["verdict"]
+    assert (verdict["equivalent"], verdict["alternatives"]) == ([], [])
+    assert not verdict["law_mismatch"]
 
 
 def test_runs_asked_for_are_kept() -> None:

@@ -11,7 +11,7 @@ from locosweep import _core
 from locosweep.diagnosis.data.checks import check_runs, usable
 from locosweep.diagnosis.data.chosen import as_labels, chosen
 from locosweep.diagnosis.data.gap_drives import told_by_motion
-from locosweep.diagnosis.data.holdout import hold_out
+from locosweep.diagnosis.data.holdout import hold_out, known_labels
 from locosweep.diagnosis.data.inputs import nominal_model, read_runs
 from locosweep.diagnosis.data.noise import noise_warnings
 from locosweep.diagnosis.data.readings.columns import check_columns
@@ -35,6 +35,7 @@ from locosweep.diagnosis.estimate.window_plan import (
     scale_in_windows,
 )
 from locosweep.diagnosis.report.assemble import Findings, Source, assemble
+from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.graded import (
     Graded,
     confirmed_on_kept,
@@ -49,7 +50,7 @@ from locosweep.diagnosis.select.search import Search
 from locosweep.diagnosis.select.verdict import Choice, choose, kept_may_show_a_gap, partial_choice
 from locosweep.diagnosis.select.whiteness import stray_readings
 from locosweep.engine import whole
-from locosweep.errors import InputError
+from locosweep.errors import DataFileError, InputError
 from locosweep.files.csv_form import CsvForm
 from locosweep.linear_algebra import on_one_thread
 from locosweep.progress import Steps, progress_of
@@ -64,9 +65,6 @@ if TYPE_CHECKING:
     from locosweep.files.robot import Robot
     from locosweep.files.runs import Run
     from locosweep.progress import Progress
-
-_SURE = (0.5, 0.95)
-"""Least and largest probability of `unexplained` where the kept runs refute a cause."""
 
 
 @on_one_thread
@@ -147,6 +145,7 @@ def diagnose(
         runs, columns or {}, units or {}, robot, CsvForm(separator, decimal)
     )
     records = chosen(records, wanted)
+    known_labels(records, held)
     checked = _reading_checks(robot, records)
     data = _prepared(robot, checked, held, workers)
     measured = {c for run in data.whole.runs for c in run.channels}
@@ -155,8 +154,9 @@ def diagnose(
     selected = _not_searched(data, task) if checked.hopeless else _select(data, task)
     if data.plan is None and not checked.hopeless:
         checked, data, selected = _without_late_findings(
-            checked, data, selected, lambda left: _prepared(robot, left, held, workers), task
+            checked, data, selected, lambda left: _if_enough(robot, left, held, workers), task
         )
+    next_run = _next_experiment(selected, data)
     say("where the gap lies")
     judged = data.whole if data.plan else selected.search.problem
     found = Findings(
@@ -166,7 +166,7 @@ def diagnose(
         plan=data.plan,
         graded=selected.graded,
         kept_by_user=data.held_by_user,
-        next_experiment=_next_experiment(selected, data),
+        next_experiment=next_run,
         left_out=left_out,
         readings=checked.findings,
         unlisted=selected.unlisted,
@@ -188,7 +188,7 @@ def _steps(most: int) -> list[str]:
     """Name the steps of a diagnosis in their order; a search may leave some out."""
     several = [f"{count} effects at once" for count in range(2, most + 1)]
     searched = ["single effects", *several, "rivals", "causes beside what nobody explains"]
-    return ["reading", *searched, "where the gap lies", "next experiment"]
+    return ["reading", *searched, "next experiment", "where the gap lies"]
 
 
 @dataclass(frozen=True)
@@ -250,12 +250,19 @@ def _prepared(robot: Robot, checked: Checked, holdout: Sequence[str] | None, wor
     """Choose the runs that are kept from fits, and cut them where they are long."""
     runs, spoilt = usable(told_by_motion(checked.runs, robot))
     warnings = [*checked.warnings, *sentences(checked.findings), *spoilt]
+    left = {run.label for run in runs}
+    kept_labels = [label for label in holdout or () if label in left]
+    warnings += [
+        f"run {label} was to be kept from the fit: too few of its readings can be used"
+        for label in holdout or ()
+        if label not in left
+    ]
     if not checked.hopeless:
         warnings += [*check_runs(runs, robot), *noise_warnings(runs, sensor_of(robot))]
     scale = scale_of(robot, runs)
     problem = Problem(robot, runs, workers, speed_scale=scale.speed)
     gaps = gaps_of(problem, Nuisances((), spread_of(robot), scale.speed))
-    held, fraction, by_user = hold_out(runs, holdout, gaps)
+    held, fraction, by_user = hold_out(runs, kept_labels, gaps)
     kept = replace(problem, held=held, train_fraction=fraction, meter=ReplayMeter())
     plan = None if checked.hopeless else plan_of(kept)
     if plan is None:
@@ -265,38 +272,51 @@ def _prepared(robot: Robot, checked: Checked, holdout: Sequence[str] | None, wor
     return _Data(kept, windows, scale, plan, by_user, (*warnings, said))
 
 
+def _if_enough(
+    robot: Robot, checked: Checked, holdout: Sequence[str] | None, workers: int
+) -> _Data | None:
+    """Prepare runs from which readings were masked; None if too few are left."""
+    try:
+        return _prepared(robot, checked, holdout, workers)
+    except DataFileError:
+        return None
+
+
 def _without_late_findings(
     checked: Checked,
     data: _Data,
     selected: _Selected,
-    prepared: Callable[[Checked], _Data],
+    prepared: Callable[[Checked], _Data | None],
     task: _Task,
 ) -> tuple[Checked, _Data, _Selected]:
-    """Mask the readings that only fits show to be bad, and choose again."""
+    """Mask the readings that only fits show to be bad, and choose again.
+
+    `prepared` is None where too few readings would be left.
+    """
     problem, choice = selected.search.problem, selected.choice
     if choice.status != "none":
         flags, found = stepped_readings(problem, selected.search.none, choice.fit)
         if found:
             left = checked.without(flags, found)
             alone = prepared(left)
-            again = _select(alone, task)
+            again = _select(alone, task) if alone else None
             # Where a cause is named still, jumps may have stood in for it.
-            if not again.choice.classes:
+            if alone and again and again.choice.status in ("none", "unexplained"):
                 return left, alone, again
     if choice.status == "partial":
         return checked, data, selected
     flags, found = isolated_readings(problem, choice.fit)
     if not found:
         return checked, data, selected
-    checked = checked.without(flags, found)
-    data = prepared(checked)
-    return checked, data, _select(data, task)
+    left = checked.without(flags, found)
+    alone = prepared(left)
+    return (left, alone, _select(alone, task)) if alone else (checked, data, selected)
 
 
 def _not_searched(data: _Data, task: _Task) -> _Selected:
     """Leave readings unexplained that no cause could make."""
     search = _search_of(data.problem, data.scale, replace(task, names=()), None, judges=False)
-    choice = replace(choose(search, 1), status="unexplained", probability=_SURE[1])
+    choice = replace(choose(search, 1), status="unexplained", probability=limits.UNEXPLAINED_SURE)
     return _Selected(search, choice)
 
 
@@ -310,9 +330,16 @@ def _select(data: _Data, task: _Task) -> _Selected:
     if may_add and (choice.refuted or kept_may_show_a_gap(search, choice)):
         selected = _fitted_to_all(data, task, selected)
     elif choice.refuted and choice.fit.model.names:
-        sure = float(np.clip(1.0 - choice.probability, *_SURE))
-        refuted = replace(choice, status="unexplained", probability=sure)
-        said = "the runs kept from the fit refute what the others allow"
+        sure = float(np.clip(1.0 - choice.probability, limits.TOSS_UP, limits.UNEXPLAINED_SURE))
+        refuted = replace(
+            choice,
+            status="unexplained",
+            probability=sure,
+            classes=[],
+            sets=[],
+            law_mismatch=False,
+        )
+        said = "the readings kept from the fit refute what the others allow"
         selected = _Selected(search, refuted, (said,))
     if selected.choice.status == "unexplained" and not selected.choice.outdone:
         return _graded(data, task, selected)
@@ -342,15 +369,17 @@ def _graded(data: _Data, task: _Task, first: _Selected) -> _Selected:
         if not found.causes:
             return replace(first, graded=found)
     choice = partial_choice(first.choice, found, fits)
+    # Shares are of unseen runs now, whatever was said of fits to all.
+    said_before = () if first.to_all else first.warnings
     if data.held_by_user or predicts_kept(own, choice.fit):
-        return replace(first, search=own, choice=choice, graded=found)
+        return _Selected(own, choice, said_before, found)
     # What the kept runs say, each run left out in turn says as well, with one run less to fit.
     choice = partial_choice(first.choice, found, refitted(search, found))
     said = (
         "the runs kept from the fit say too little alone: models are fitted to all, and shares "
         "are of runs that are left out in turn"
     )
-    return _Selected(search, choice, (*first.warnings, said), found, to_all=True)
+    return _Selected(search, choice, (*said_before, said), found, to_all=True)
 
 
 def _fitted_to_all(data: _Data, task: _Task, first: _Selected) -> _Selected:
@@ -368,7 +397,7 @@ def _fitted_to_all(data: _Data, task: _Task, first: _Selected) -> _Selected:
     if first.choice.status == "none":
         said = "show a gap that the others do not"
     said += ": all are fitted, and how far the gap shrinks on unseen ones is not known"
-    return _Selected(search, choice, (f"the runs kept from the fit {said}",))
+    return _Selected(search, choice, (f"the runs kept from the fit {said}",), to_all=True)
 
 
 def _search_of(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from locosweep.diagnosis.data.holdout import hold_out
+from locosweep.diagnosis.data.holdout import hold_out, known_labels
 from locosweep.errors import InputError
 from locosweep.files.runs import Run
 
@@ -22,7 +22,8 @@ class TestAsked:
 
     def test_a_name_that_is_none(self) -> None:
         with pytest.raises(InputError, match="no run 7: there are r0, r1"):
-            hold_out(runs(2), ["7"], [1.0] * 2)
+            known_labels(runs(2), ["7"])
+        known_labels(runs(2), ["r1"])
 
     def test_one_has_to_be_left(self) -> None:
         with pytest.raises(InputError, match="leave at least one"):
@@ -32,6 +33,12 @@ class TestAsked:
 class TestChosen:
     def test_one_run_keeps_its_last_part(self) -> None:
         assert hold_out(runs(1), None, [1.0]) == ((), 0.7, False)
+
+    def test_of_one_run_the_last_readings_are_kept(self) -> None:
+        (run,) = runs(1)
+        x = np.where(np.arange(10) < 5, run.t, np.nan)
+        (_, fraction, _) = hold_out([Run("r0", run.t, run.t, {"x": x})], None, [1.0])
+        assert fraction == pytest.approx(0.3)
 
     def test_the_gap_most_like_that_of_all(self) -> None:
         # The mean is 25: 18 is next in difference, 33 in ratio, which counts.

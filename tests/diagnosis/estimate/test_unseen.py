@@ -11,7 +11,7 @@ from diagnosis_search import fit_of, search_of
 from diagnosis_small import driven, measured
 from locosweep.diagnosis.estimate import unseen
 from locosweep.diagnosis.estimate.least_squares import evaluate, start_fits
-from locosweep.diagnosis.estimate.unseen import groups_of, unseen_squares, without_each
+from locosweep.diagnosis.estimate.unseen import groups_of, without_each
 
 HIDDEN = {"drive_gain_error": {"e": -0.01}}
 
@@ -50,25 +50,3 @@ def test_a_start_speed_that_only_the_left_out_run_knows_stays(
     low, high = model.free[0].low, model.free[0].high
     assert first[0] == pytest.approx(np.clip(whole.theta[0] + pull, low, high))
     assert second[1] != whole.theta[1]
-
-
-def test_errors_are_those_of_the_position_in_its_unit() -> None:
-    runs = measured({"viscous_friction": {"c": 0.1}}, driven(4))
-    search = search_of(runs, "viscous_friction")
-    fits = evaluate(search.problem, [search.none, fit_of(search, "viscous_friction").unfitted()])
-    squares, counts = unseen_squares(search.problem, fits, groups_of(search.problem, range(4)))
-    assert counts.tolist() == [run.t.size for run in runs]
-    plain = search.problem.replay([search.problem.plain()])["x"][0] - search.problem.measured["x"]
-    total = [float(np.sum(part**2)) for part in np.split(plain, search.problem.starts_at[1:-1])]
-    assert squares[0] == pytest.approx(total, rel=0.01)
-    assert np.sqrt(squares[1].sum() / counts.sum()) == pytest.approx(1e-5, rel=0.1)
-
-
-def test_a_gap_in_the_readings_does_not_count() -> None:
-    runs = measured({}, driven(2))
-    x = runs[0].channels["x"].copy()
-    x[50:80] = np.nan
-    runs = [replace(runs[0], channels={"x": x}), runs[1]]
-    search = search_of(runs, "viscous_friction")
-    _, counts = unseen_squares(search.problem, [search.none], [[0], [1]])
-    assert counts.tolist() == [runs[0].t.size - 30, runs[1].t.size]

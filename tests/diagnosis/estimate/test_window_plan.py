@@ -16,6 +16,7 @@ from locosweep.diagnosis.estimate.window_plan import (
     WindowPlan,
     adjoining_windows,
     decimated,
+    for_planning,
     plan_of,
     problem_of,
 )
@@ -88,3 +89,28 @@ def test_thinning_keeps_the_impulse():
     assert few.t.size == run.t.size / 5
     assert np.sum(few.drive * 5e-3) == pytest.approx(np.sum(run.drive * 1e-3), abs=1e-12)
     assert decimated(run, 0.0015) is run
+
+
+def test_a_hole_in_the_readings_makes_windows_no_shorter():
+    frame = measured(SLED, {"viscous_friction": {"c": 0.15}}, drives(SLED, 1, 30.0))
+    hole = pl.when(pl.col("t").is_between(10.0, 16.0)).then(None)
+    holed = frame.with_columns(x=hole.otherwise("x"))
+    plans = [plan_of(whole(SLED, one)) for one in (frame, holed)]
+    assert [plan.seconds for plan in plans if plan] == pytest.approx([0.469] * 2, rel=0.01)
+
+
+def test_thinning_keeps_the_samples_that_have_a_reading():
+    run = drives(SLED, 1, 4.0, 1e-3)[0]
+    x = np.where(np.arange(run.t.size) % 5 == 3, 0.1, np.nan)
+    few = decimated(replace(run, channels={"x": x}), 0.005)
+    assert np.isfinite(few.channels["x"]).all()
+    assert few.t[0] == pytest.approx(0.003)
+
+
+def test_planned_runs_begin_at_rest():
+    (run,) = drives(SLED, 1, 40.0, 0.01)
+    late = replace(run, drive=np.where(run.t > 12.0, run.drive, 0.0))
+    problem = for_planning(whole(SLED, measured(SLED, {}, [late])))
+    x = problem.runs[0].channels["x"]
+    assert np.abs(x[:50] - x[0]).max() < 1e-3
+    assert np.ptp(x) > 0.01

@@ -86,6 +86,8 @@ def test_causes_that_the_kept_runs_do_not_show_are_left_out() -> None:
     own = search_of(runs, *NAMES, held=(4,))
     fits = refitted(own, found)
     assert confirmed_on_kept(own, found, fits).causes == found.causes
+    none_kept = search_of(runs, *NAMES)
+    assert confirmed_on_kept(none_kept, found, fits).causes == found.causes
     assert predicts_kept(own, fits[frozenset({"viscous_friction"})])
     # Without the effect in the kept run, nothing is left of it.
     other = [*runs[:4], rig({}, hidden=0.003)[4]]

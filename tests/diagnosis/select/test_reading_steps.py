@@ -79,3 +79,13 @@ def test_jumps_while_the_head_moves_are_forces() -> None:
     steps = 2.0 * NOISE * np.cumsum(np.diff(moving.astype(float), prepend=0.0) > 0)
     runs = [replace(r, channels={"x": r.channels["x"] + steps}) for r in runs]
     assert found(runs)[1] == []
+
+
+def test_a_single_run_is_looked_at_to_its_end() -> None:
+    """Fits see its first part only: what they do not see is no level of its own."""
+    (run, _) = measured(steps=3.0)
+    problem = Problem(ROBOT, [run], 1, train_fraction=0.7)
+    (fit,) = evaluate(problem, start_fits(Nuisances(), Model((), ()), np.zeros((1, 0))))
+    flags, findings = stepped_readings(problem, fit, fit)
+    assert [one.t1 for one in findings] == pytest.approx([0.7, 1.4, 2.1, 2.8], abs=0.06)
+    assert int((~flags[0]).sum()) == pytest.approx(140, abs=12)

@@ -40,9 +40,7 @@ def check_runs(runs: Sequence[Run], robot: Robot) -> list[str]:
     nominal = nominal_of(robot)
     warnings = []
     if len(runs) == 1:
-        warnings.append(
-            "one run only: its last part validates the fit, and no second run confirms the result"
-        )
+        warnings.append("one run only: no second run confirms the result")
     elif len(runs) < _FEW:
         warnings.append(f"{len(runs)} runs only: intervals are wider than with {_FEW} or more")
     drives = [run.drive for run in runs]

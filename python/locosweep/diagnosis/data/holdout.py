@@ -14,7 +14,15 @@ if TYPE_CHECKING:
     from locosweep.files.runs import Run
 
 _TAIL = 0.7
-"""Training fraction of a single run; its rest validates."""
+"""Share of a single run's readings that fits see; its rest validates."""
+
+
+def known_labels(runs: Sequence[Run], asked: Sequence[str] | None) -> None:
+    """Refuse labels of runs to be kept that no run has."""
+    labels = [run.label for run in runs]
+    for label in asked or ():
+        if label not in labels:
+            raise InputError(f"holdout: no run {label}: there are {', '.join(labels)}")
 
 
 def hold_out(
@@ -26,17 +34,16 @@ def hold_out(
     One run is split in time instead: the training fraction is then below 1. `gaps` are the
     squared errors of the nominal model per sample, run by run.
     """
-    labels = [run.label for run in runs]
     if asked:
-        for label in asked:
-            if label not in labels:
-                raise InputError(f"holdout: no run {label}: there are {', '.join(labels)}")
-        held = tuple(i for i, label in enumerate(labels) if label in asked)
+        held = tuple(i for i, run in enumerate(runs) if run.label in asked)
         if len(held) == len(runs):
             raise InputError("holdout: all runs are kept from the fit: leave at least one")
         return held, 1.0, True
     if len(runs) == 1:
-        return (), _TAIL, False
+        size = runs[0].t.size
+        read = np.flatnonzero(np.isfinite(runs[0].channels["x"]))
+        all_read = read.size == size
+        return (), _TAIL if all_read else float(read[int(_TAIL * read.size)]) / size, False
     # The runs whose gap is most like that of all, but not the richest, which fits need,
     # and no slope that only they have.
     size = np.log(np.maximum(np.array(gaps), 1e-300))

@@ -51,7 +51,8 @@ _REPEATS = 4
 _HOPE = 0.05
 """Chance of an answer that so many repeats have to add."""
 _PLACES = 20
-"""Parts of the travel of which one has to be passed both ways; laws along it have as many knots."""
+"""Parts of the travel, of which one has to be passed both ways: laws along it have about as many
+knots."""
 _FAR = 1e6
 """Distance beyond which farther is no better."""
 _LOST = 1e50
@@ -138,15 +139,15 @@ def both_ways(problem: Problem) -> dict[str, Any]:
     Friction along the way is then as good as any force by place: only friction turns round with
     the motion.
     """
-    passed: dict[bool, set[int]] = {True: set(), False: set()}
-    places = [run.channels["x"] for run in problem.runs if "x" in run.channels]
-    low, high = min(map(np.nanmin, places)), max(map(np.nanmax, places))
-    for x in places:
-        at = (_PLACES * (x[np.isfinite(x)] - low) / max(high - low, 1e-300)).astype(int)
-        steps = np.diff(at)
-        for forward in passed:
-            passed[forward] |= set(at[1:][steps > 0 if forward else steps < 0].tolist())
-    if passed[True] & passed[False]:
+    motions = problem.motions
+    low, high = min(m.x.min() for m in motions), max(m.x.max() for m in motions)
+    forward: set[int] = set()
+    backward: set[int] = set()
+    for m in motions:
+        at = (_PLACES * (m.x - low) / max(high - low, 1e-300)).astype(int)
+        forward |= set(at[m.v > m.resting_speed].tolist())
+        backward |= set(at[m.v < -m.resting_speed].tolist())
+    if forward & backward:
         return {"separates": [], "suggestion": None}
     said = f"{BACK.what}: friction turns round with the motion, a force by place does not"
     return {"separates": [], "suggestion": said, "possible": True, "menu": []}

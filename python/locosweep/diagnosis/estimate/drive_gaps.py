@@ -138,7 +138,9 @@ def _of_nominal(problem: Problem, r: int) -> tuple[Floats, Floats]:
     are too short for either to matter.
     """
     run = problem.runs[r]
-    drives = _by_gap(run) if problem.starts_vary else np.zeros((0, run.t.size))
+    if not problem.starts_vary or run.drive_deviation is None:
+        return np.zeros((0, run.t.size)), np.zeros((0, run.t.size))
+    drives = _by_gap(run)
     slope = problem.nominal["slope_deg"] if run.slope_deg is None else run.slope_deg
     ways = [run.drive, *(run.drive + size * drive for size in _DEVIATIONS for drive in drives)]
     job = _core.Replay({**problem.nominal}, [(run.since_start, way, slope) for way in ways])

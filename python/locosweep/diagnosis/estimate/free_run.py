@@ -30,8 +30,7 @@ def free_errors(
     for r, a, _ in cuts:
         motion = problem.motions[r]
         # A head that rests starts at rest: noise of its speed would break it away.
-        limit = 4.0 * motion.deviation + 0.01 * float(np.abs(motion.v).max(initial=0.0))
-        still = abs(motion.v[a]) < limit
+        still = abs(motion.v[a]) < motion.resting_speed
         starts.append((motion.x[a], 0.0 if still else motion.v[a]))
     read = problem.job.run(
         [(r, a, b, list(point.names)) for r, a, b in cuts],

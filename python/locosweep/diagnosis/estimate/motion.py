@@ -142,7 +142,7 @@ def _history(m: Motion) -> list[Floats]:
     mean of two. A drive may well take longer to switch off than on.
     """
     step = float(np.median(np.diff(m.t)[np.diff(m.run) == 0]))
-    longest = _LONGEST * float(m.t.max())
+    longest = _LONGEST * max(float(np.ptp(m.t[m.run == r])) for r in np.unique(m.run))
     rows = []
     for lag in np.geomspace(min(0.5 * step, longest), longest, _LAGS):
         late = np.zeros_like(m.drive)

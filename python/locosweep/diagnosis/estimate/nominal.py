@@ -47,7 +47,8 @@ def gaps_of(problem: Problem, nuisances: Nuisances) -> list[float]:
         e = fit_nominal(problem, replace(nuisances, start_offsets=())).residual
     else:
         e = problem.residuals([problem.plain()], every)[0]
-    return [float(np.mean(e[problem.of_run(r, every)] ** 2)) for r in every]
+    own = [e[problem.of_run(r, every)] for r in every]
+    return [float(part @ part) / max(int(np.count_nonzero(part)), 1) for part in own]
 
 
 def spread_of(robot: Robot) -> tuple[float, float, float, float]:

@@ -190,6 +190,17 @@ class Problem:
         """States in which runs begin, for another problem of the same runs."""
         return self.starts
 
+    def of_all_samples(self) -> Problem:
+        """Return the problem of the same runs in which every sample counts, without a rest."""
+        return replace(
+            self,
+            train_fraction=1.0,
+            rest=(),
+            known_shifts=None,
+            wider=(),
+            initial=self.initial_or_none,
+        )
+
     @cached_property
     def measured(self) -> dict[str, Floats]:
         """Readings of all runs, NaN where nothing was measured."""
@@ -432,7 +443,7 @@ class Problem:
         Starts are shifted within the sensors' noise, at most by its deviation. NaN where nothing
         was measured or counts.
         """
-        whole = replace(self, rest=(), meter=self.meter) if self.rest else self
+        whole = replace(self, rest=()) if self.rest else self
         e = whole.residuals(points, runs, most=1.0)
         samples, rank = self.samples_of(runs), self.channels.index("x")
         ends = np.cumsum(self.lengths)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.diagnosis.estimate.least_squares import jacobian_of, point_of
+from locosweep.diagnosis.estimate.least_squares import jacobian_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -68,22 +68,3 @@ def _bounds(fit: Fit) -> tuple[Floats, Floats]:
         high[i] = _FARTHEST * fit.nuisances.spread[uncertain]
         low[i] = -high[i]
     return low, high
-
-
-def unseen_squares(
-    problem: Problem, fits: Sequence[Fit], groups: Sequence[Sequence[int]]
-) -> tuple[Floats, Floats]:
-    """Return sums of squared errors of x on groups of runs, and the readings of each.
-
-    Of every fit those of parameters fitted to the other groups; shapes (fits, groups) and
-    (groups,), in the square of the channel's unit.
-    """
-    moved = [without_each(problem, fit, groups) for fit in fits]
-    squares = np.zeros((len(fits), len(groups)))
-    counts = np.zeros(len(groups))
-    for g, group in enumerate(groups):
-        points = [point_of(problem, fit, theta[g]) for fit, theta in zip(fits, moved, strict=True)]
-        errors = problem.position_errors(points, group)
-        squares[:, g] = np.nansum(errors**2, axis=1)
-        counts[g] = np.isfinite(errors[0]).sum()
-    return squares, counts

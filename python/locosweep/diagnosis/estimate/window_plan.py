@@ -11,7 +11,7 @@ from locosweep.diagnosis.data.noise import Noise
 from locosweep.diagnosis.effects.scale import scale_of
 from locosweep.diagnosis.estimate.free_run import free_errors
 from locosweep.diagnosis.estimate.problem import Problem
-from locosweep.diagnosis.estimate.shooting import WindowProblem, cut
+from locosweep.diagnosis.estimate.shooting import WindowProblem, cut, knows_start
 from locosweep.diagnosis.estimate.windows import (
     LEAD,
     LEAST,
@@ -156,21 +156,27 @@ def _reach(whole: Problem, longest: float, share: float = REACH) -> float:
 
 
 def _compare(whole: Problem, seconds: float) -> tuple[float, float]:
-    """Root mean squares of error and motion in nominal free runs of some length."""
+    """Root mean squares of error and motion in nominal free runs of some length.
+
+    Of those whose start and something behind it was measured; 0 where there are none.
+    """
     cuts = []
     for r, run in enumerate(whole.runs):
         since = run.since_start
         marks = np.arange(0.0, max(since[-1] - seconds, 0.0) + 0.5 * seconds, seconds)
         for a in np.searchsorted(since, marks):
             b = int(np.searchsorted(since, since[a] + seconds, side="right"))
-            if b - a >= 5:
+            known = knows_start(run, int(a), LEAD * seconds)
+            if b - a >= 5 and known and np.isfinite(run.channels["x"][a:b]).any():
                 cuts.append((r, int(a), b))
+    if not cuts:
+        return 0.0, 0.0
     cuts = [cuts[i] for i in spread(len(cuts), _WINDOWS)]
     errors, motions = [], []
     for (r, a, b), e in zip(cuts, free_errors(whole, whole.plain(), cuts), strict=True):
         x = whole.runs[r].channels["x"][a:b]
         errors.append(e[np.isfinite(e)])
-        motions.append((x - x[np.isfinite(x)][0])[np.isfinite(x)] if np.isfinite(x).any() else x)
+        motions.append((x - x[np.isfinite(x)][0])[np.isfinite(x)])
     error, motion = np.concatenate(errors), np.concatenate(motions)
     return float(np.sqrt(np.mean(error**2))), float(np.sqrt(np.mean(motion**2)))
 
@@ -198,7 +204,12 @@ def decimated(run: Run, interval: float) -> Run:
     k = int(1.0001 * interval / step)
     if k < 2:
         return run
-    starts = np.arange(0, run.t.size, k)
+    # Of a sensor that is read more rarely than the drive, the samples that have a reading.
+    read = np.isfinite(run.channels["x"])
+    phase = int(np.argmax([np.count_nonzero(read[i::k]) for i in range(k)]))
+    starts = np.arange(phase, run.t.size, k)
+    run = run if phase == 0 else _from(run, phase)
+    starts -= phase
     width = np.append(np.diff(run.t), step)
 
     def mean(values: Floats) -> Floats:
@@ -314,8 +325,12 @@ def for_planning(whole: Problem) -> Problem:
 
 
 def _first(run: Run, begins: int) -> Run:
-    end = int(min(run.t.size, max(2 * begins, begins + _PLANNED)))
-    a = max(0, end - _PLANNED)
+    a = max(0, begins - _PLANNED // 2)
+    return _from(run, a, a + _PLANNED)
+
+
+def _from(run: Run, a: int, end: int | None = None) -> Run:
+    """Return a part of a run."""
     channels = {name: values[a:end] for name, values in run.channels.items()}
     bounds = None if run.drive_deviation is None else run.drive_deviation[a:end]
     return Run(run.label, run.t[a:end], run.drive[a:end], channels, run.slope_deg, bounds)

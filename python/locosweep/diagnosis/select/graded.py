@@ -82,8 +82,8 @@ class Cause:
     chosen: Candidate
     before: Candidate
     """The model without it."""
-    agrees: bool
-    """True if its parameters agree between runs within what the rest allows."""
+    agrees: bool | None
+    """True if its parameters agree between runs within what the rest allows; None with one run."""
     weight: float
     """Weight of its class among the causes that unseen runs confirm as well."""
 
@@ -105,6 +105,8 @@ class Graded:
     none: Candidate
     ranked: tuple[Candidate, ...]
     """Single effects, the likeliest first."""
+    inflation: float = 1.0
+    """Factor by which differences in deviance of `ranked` count for less."""
     unlisted: str = ""
     """Variable of a force that no effect stands for and that does better than any, if any."""
 
@@ -124,9 +126,9 @@ def graded(search: Search, known: Collection, most: int) -> Graded:
     base, unlisted = search.none, ""
     causes: list[Cause] = []
     now = _compared(search, force, base, _more(search, known, base))
-    first, ranked = now.base, sorted(now.others, key=lambda c: c.deviance)
+    first, ranked = now, sorted(now.others, key=lambda c: c.deviance)
     while len(causes) < most:
-        cause = _cause(now, base, first)
+        cause = _cause(now, base, first.base)
         unlisted = _unlisted(now, cause) if cause else ""
         if cause is None or unlisted:
             break
@@ -136,7 +138,15 @@ def graded(search: Search, known: Collection, most: int) -> Graded:
             beside = replace(search, problem=now.problem, judges=False)
             added = [*_extended(beside, base), *_more(search, known, base)]
             now = _compared(search, force, base, added)
-    return Graded(now.rest, now.problem, tuple(causes), first, tuple(ranked), unlisted)
+    return Graded(
+        now.rest,
+        now.problem,
+        tuple(causes),
+        first.base,
+        tuple(ranked),
+        first.inflation,
+        unlisted,
+    )
 
 
 def refitted(search: Search, found: Graded) -> Found:
@@ -167,6 +177,8 @@ def confirmed_on_kept(search: Search, found: Graded, fits: Found) -> Graded:
     `fits` are the models of the causes without these runs.
     """
     problem = search.problem
+    if not problem.held:
+        return found
     chain = [search.none, *(fits[frozenset(cause.fit.model.names)] for cause in found.causes)]
     points = [point_of(problem, fit) for fit in chain]
     errors = np.sqrt(np.nanmean(problem.position_errors(points, list(problem.held)) ** 2, axis=1))
@@ -288,12 +300,14 @@ def _later_or_kept(problem: Problem, fits: Sequence[Fit], groups: Sequence[list[
     points = [_points(problem, fits)] * len(groups)
     if problem.train_fraction == 1.0:
         return _block_errors(problem, points, groups, limits.UNSEEN_BLOCKS)
-    later = replace(problem, train_fraction=1.0, rest=(), initial=problem.initial_or_none)
+    later = problem.of_all_samples()
     own = np.flatnonzero(~problem.seen)
     errors = later.position_errors(points[0], range(len(problem.runs)))[:, own]
     parts = np.array_split(np.arange(own.size), limits.UNSEEN_BLOCKS)
     rows = [np.nanmean(errors[:, part] ** 2, axis=1) for part in parts
             if np.isfinite(errors[0, part]).any()]  # fmt: skip
+    if not rows:
+        return _block_errors(problem, points, groups, limits.UNSEEN_BLOCKS)
     return np.array(rows).T
 
 
@@ -396,12 +410,14 @@ def _unlisted(now: _Compared, cause: Cause) -> str:
     return best if factors[best] > least else ""
 
 
-def _agrees(problem: Problem, fit: Fit) -> bool:
+def _agrees(problem: Problem, fit: Fit) -> bool | None:
     """Return whether the parameters of a fit agree between runs: Cochran's Q beside the rest.
 
     The rest is known to first order only: a spread that is a small part of a parameter is none.
     """
     groups = groups_of(problem, problem.fitted)
+    if len(groups) < 2:
+        return None
     (fit,) = evaluate(problem, [fit.unfitted()])
     slopes = jacobian_of(problem, fit)[: len(fit.model.free)]
     weights, pulls = [], []

@@ -39,12 +39,10 @@ def isolated_readings(problem: Problem, fit: Fit) -> tuple[list[Flags], list[Fin
 
     An error of the model grows and fades over many samples, a bad reading comes and goes.
     """
-    every = list(range(len(problem.runs)))
-    (whole,) = evaluate(problem, [fit], every)
+    problem, every = problem.of_all_samples(), list(range(len(problem.runs)))
+    (whole,) = evaluate(problem, [fit.unfitted()], every)
     flags = [np.zeros(run.t.size, dtype=bool) for run in problem.runs]
     findings: list[Finding] = []
-    if "x" not in problem.channels:
-        return flags, findings
     first = problem.channels.index("x") * problem.count
     for r, run in enumerate(problem.runs):
         a, b = int(problem.starts_at[r]), int(problem.starts_at[r + 1])

@@ -147,7 +147,7 @@ def formula_share(search: Search, fit: Fit) -> float:
     problem, none = search.problem, search.none
     noise = noise_level(problem, fit.residual)
     validated = validation_residuals(problem, [point_of(problem, one) for one in (none, fit)])
-    count = none.residual.size + np.count_nonzero(validated[:1])
+    count = np.count_nonzero(none.residual) + np.count_nonzero(validated[:1])
     gap, left = (
         max(one.chi2 + float(e @ e) - noise * count, 0.0)
         for one, e in zip((none, fit), validated, strict=True)

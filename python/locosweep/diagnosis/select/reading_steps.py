@@ -67,9 +67,7 @@ def stepped_readings(problem: Problem, none: Fit, best: Fit) -> tuple[list[Flags
     to noise, and better than the `best` model by as much as an effect has to.
     """
     flags = [np.zeros(run.t.size, dtype=bool) for run in problem.runs]
-    if "x" not in problem.channels:
-        return flags, []
-    every = list(range(len(problem.runs)))
+    problem, every = problem.of_all_samples(), list(range(len(problem.runs)))
     before, after = evaluate(problem, [none.unfitted(), best.unfitted()], every)
     left = before.residual.copy()
     first = problem.channels.index("x") * problem.count

@@ -140,10 +140,8 @@ def _scalings(changes: Floats, residual: Floats) -> tuple[Floats, Floats, Floats
 def informative_runs(problem: Problem, fit: Fit) -> list[int]:
     """Return the fitted runs that hold most of what an evaluated fit leaves, a sample."""
     chosen = problem.fitted
-    left = [
-        float(np.square(fit.residual[problem.of_run(r, chosen)]).sum() / problem.lengths[r])
-        for r in chosen
-    ]
+    own = [fit.residual[problem.of_run(r, chosen)] for r in chosen]
+    left = [float(part @ part) / max(int(np.count_nonzero(part)), 1) for part in own]
     order = np.argsort(-np.array(left), kind="stable")
     return sorted(chosen[i] for i in order[:INFORMATIVE_RUNS])
 

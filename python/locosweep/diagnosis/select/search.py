@@ -70,9 +70,11 @@ class Search:
 
     def unseen_chi2(self, fit: Fit) -> float:
         """Chi2 of what fits have not seen; 0 where that does not judge."""
+        if not self.judges:
+            return 0.0
         if fit not in self._unseen:
             e = validation_residuals(self.problem, [point_of(self.problem, fit)])[0]
-            self._unseen[fit] = float(e @ e) if self.judges else 0.0
+            self._unseen[fit] = float(e @ e)
         return self._unseen[fit]
 
     def is_noise(self, fit: Fit) -> bool:

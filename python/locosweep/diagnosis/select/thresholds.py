@@ -31,7 +31,7 @@ second use was set on the first 113 cases of `locosweep blind-check --only outsi
 WHITENESS_LIMIT = 5.0
 """Deviations beyond which means of blocks of residuals are not noise.
 
-Five scales, three channels and the tails of chi2 make 5 one in some 3000 runs
+Four scales, up to five channels and the tails of chi2 make 5 one in some 3000 runs
 of white noise; what is left of an alien cause of size 10 stands at 5 or more.
 """
 SIGNIFICANCE = 1e-4

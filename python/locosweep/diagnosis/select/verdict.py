@@ -102,7 +102,8 @@ def partial_choice(first: Choice, found: Graded, fits: Found) -> Choice:
     known = first.known.adding(fits)
     last = fits[frozenset(found.causes[-1].fit.model.names)]
     deviances = np.array([one.deviance for one in found.ranked])
-    weights = np.exp(-0.5 * (deviances - deviances.min()) / limits.TEMPER)
+    scale = limits.TEMPER * found.inflation
+    weights = np.exp(-0.5 * (deviances - deviances.min()) / scale)
     ranked = [
         (known.fits[frozenset(one.fit.model.names)], weight)
         for one, weight in zip(found.ranked, (weights / weights.sum()).tolist(), strict=True)
@@ -232,7 +233,7 @@ def _misses(search: Search, fit: Fit) -> bool:
         e = validation_residuals(problem, [point_of(problem, one)])[0]
         squares.append(float(e @ e))
     before, after = squares
-    if after > max(limits.HELD_OUT_REST * before, limits.HELD_OUT_NOISE * e.size):
+    if after > max(limits.HELD_OUT_REST * before, limits.HELD_OUT_NOISE * np.count_nonzero(e)):
         return True
     if not problem.held or not whiteness_test(problem, e, problem.held).rejected:
         return False

@@ -39,7 +39,7 @@ def check_drives(runs: Sequence[Run]) -> tuple[list[Run], list[Finding]]:
             times = float(run.t[first]), float(run.t[last])
             findings.append(
                 Finding(run.label, *times, "drive", "spike", last - first + 1, masked=True,
-                        note="taken as the command before")
+                        note="taken as the command before" if first else "taken as 0")
             )  # fmt: skip
         kept.append(run if np.array_equal(drive, run.drive) else replace(run, drive=drive))
     return kept, findings

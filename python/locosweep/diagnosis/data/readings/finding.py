@@ -91,4 +91,5 @@ def _sentence(group: Sequence[Finding]) -> str:
         said = f"{count} readings of {first.column} between {low:.{_SHOWN}g} and "
         said += f"{high:.{_SHOWN}g} s {several}"
     note = f" ({first.note})" if first.note else ""
-    return f"run {first.run}: {said}{note}: left out"
+    done = "" if first.column == "drive" else ": left out"
+    return f"run {first.run}: {said}{note}{done}"
