@@ -82,4 +82,4 @@ def test_an_error_by_the_way_since_the_start_is_in_the_terms_of_a_reading() -> N
     error = moved * np.abs(moved)
     terms = np.vstack(groups).T
     left = error - terms @ np.linalg.lstsq(terms, error, rcond=None)[0]
-    assert np.sqrt(np.mean(left**2)) < 1e-3 * np.sqrt(np.mean(error**2))
+    assert np.sqrt(np.mean(left**2)) < 1e-2 * np.sqrt(np.mean(error**2))

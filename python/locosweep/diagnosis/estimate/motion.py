@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _KNOTS = 9
+_KNOTS_BENT = 13
+"""Knots of laws that bend sharply: limits, dead zones, scales. With more of them, 2 of 371 sets of
+runs without a gap were told one by the rounding of their readings, which goes by the place."""
 _KNOTS_ALONG = 25
 """Knots of what depends on the place: it may change within a small part of the travel."""
 _LAGS = 8
@@ -118,7 +121,7 @@ def terms_of(variable: str, m: Motion) -> tuple[list[Floats], bool]:
         case "turned":
             return [_hats(m.turned, forward) * forward, _hats(m.turned, backward) * backward], True
         case "drive":
-            return [_hats(m.drive, moving, 13)], True
+            return [_hats(m.drive, moving, _KNOTS_BENT)], True
         case "sag":
             return [_hats(m.t, moving) * m.drive], True
         case "acceleration":
@@ -163,7 +166,7 @@ def _readings(m: Motion) -> list[Floats]:
     first = np.flatnonzero(np.diff(m.run, prepend=-1))
     moved = m.x - np.repeat(m.x[first], np.diff(first, append=m.x.size))
     ways = [moved] if np.ptp(m.x[first]) == 0.0 else [moved, m.x]
-    return [_hats(way, m.v != 0.0, _KNOTS_ALONG) for way in ways]
+    return [_hats(way, m.v != 0.0, _KNOTS_BENT) for way in ways]
 
 
 def response(forces: Floats, m: Motion) -> tuple[Floats, Floats]:
