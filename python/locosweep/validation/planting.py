@@ -31,7 +31,7 @@ from locosweep.diagnosis.data.noise import noise_of
 from locosweep.diagnosis.data.regimes import measured_motion
 from locosweep.diagnosis.effects.scale import scale_of
 from locosweep.files.robot import Robot
-from locosweep.simulation.replay import effect, nominal_of
+from locosweep.simulation.replay import effect, nominal_of, sensor_of
 from locosweep.validation.extra_friction import LAWS, drives_with, rests_at_first
 
 if TYPE_CHECKING:
@@ -80,12 +80,7 @@ class Rig:
     @cached_property
     def motions(self) -> tuple[MeasuredMotion, ...]:
         """Smoothed motion of each run."""
-        sensor = {
-            key.removeprefix("sensor."): float(value)
-            for key, value in self.robot.other.items()
-            if key.startswith("sensor.")
-        }
-        noise = noise_of("x", self.runs, sensor)
+        noise = noise_of("x", self.runs, sensor_of(self.robot))
         return tuple(measured_motion(run, noise) for run in self.runs)
 
 

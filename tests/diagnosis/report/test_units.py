@@ -5,7 +5,8 @@ import re
 import pytest
 
 import locosweep as ls
-from locosweep.diagnosis.report.units import is_rotary, rotary_unit, rounded, scale, sized
+from locosweep.diagnosis.report.units import rotary_unit, rounded, scale, sized
+from locosweep.files.robot import is_rotary
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ import numpy as np
 
 from locosweep.diagnosis.data.noise import noise_of
 from locosweep.diagnosis.data.regimes import measured_motion
-from locosweep.simulation.replay import nominal_of
+from locosweep.simulation.replay import nominal_of, sensor_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -54,12 +54,7 @@ def told_by_motion(runs: Sequence[Run], robot: Robot) -> list[Run]:
     if all(run.drive_deviation is None for run in runs):
         return list(runs)
     nominal = nominal_of(robot)
-    sensor = {
-        key.removeprefix("sensor."): float(value)
-        for key, value in robot.other.items()
-        if key.startswith("sensor.")
-    }
-    noise = noise_of("x", runs, sensor)
+    noise = noise_of("x", runs, sensor_of(robot))
     slides = [_slides(run, noise, nominal["gain"] / nominal["mass"]) for run in runs]
     answers = [right for one in slides for right in one.known_switches()]
     if len(answers) < _KNOWN or np.mean(answers) < _RIGHT:

@@ -59,7 +59,7 @@ def noise_of(channel: str, runs: Sequence[Run], sensor: Mapping[str, float]) -> 
     stated = sensor.get(f"{kind}_noise")
     step = sensor.get(f"{kind}_resolution", 0.0)
     seen, grain = _seen([run.channels[channel] for run in runs if channel in run.channels])
-    # A grain finer than a thousandth of the noise is how the file was printed.
+    # A grain much finer than the noise is how the file was printed.
     step = max(step, grain if grain > 0.3 * seen else 0.0)
     if stated is None:
         sd = max(seen, step / np.sqrt(12.0), 1e-12)

@@ -21,7 +21,7 @@ _DOUBT = 3.0
 
 @dataclass(frozen=True)
 class Scale:
-    """Sizes of a rig and of its runs, all positive, SI; formulas of effects know their names."""
+    """Sizes of a rig and of its runs, none negative, SI; formulas of effects know their names."""
 
     mass: float
     level: float

@@ -24,7 +24,7 @@ _DEVIATIONS = 3.0
 _LEAST_SAMPLES = 5
 """Samples that a start speed is read off, at least."""
 _GAIN = 16.0
-"""Gain in chi2 on its run that a start speed needs."""
+"""Gain in chi2 on its run that a start speed needs: four deviations."""
 
 
 @dataclass(frozen=True)

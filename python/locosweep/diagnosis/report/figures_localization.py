@@ -12,7 +12,7 @@ from matplotlib.patheffects import withStroke
 from locosweep.diagnosis.data.regimes import REGIMES
 from locosweep.diagnosis.report import figures_style as style
 from locosweep.diagnosis.report.figures_motion import gap_channel, residual
-from locosweep.diagnosis.report.units import is_rotary
+from locosweep.files.robot import is_rotary
 from locosweep.plot.numbers import PlainNumbers, log_axis, plain_numbers
 from locosweep.plot.style import figure
 

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.font_manager import FontProperties, findfont, get_font
 
-from locosweep.diagnosis.report.units import is_rotary, scale
+from locosweep.diagnosis.report.units import scale
 from locosweep.files.channels import CHANNELS
+from locosweep.files.robot import is_rotary
 from locosweep.plot import style as plot_style
 from locosweep.registry import words_of_name
 

@@ -200,7 +200,7 @@ def force_view(problem: Problem, point: Point, mass: float) -> dict[str, Any]:
     for (r, a, b), e in zip(cuts, free_errors(problem, point, cuts), strict=True):
         run, x, v = problem.runs[r], problem.motions[r].x, problem.motions[r].v
         t, ok = run.t[a:b], np.isfinite(e)
-        if ok.sum() < 8 or np.abs(v[a:b]).min() < 3.0 * problem.motions[r].deviation:
+        if ok.sum() < 8 or np.abs(v[a:b]).min() < problem.motions[r].resting_speed:
             continue
         base = np.vander(t[ok] - t[0], 3)
         bend = np.linalg.lstsq(base, e[ok], rcond=None)[0][0]

@@ -14,8 +14,9 @@ from locosweep.diagnosis.report.figures_cause import leading
 from locosweep.diagnosis.report.figures_motion import runs_small
 from locosweep.diagnosis.report.figures_style import unit_text, words
 from locosweep.diagnosis.report.sentences import advice, shortfall
-from locosweep.diagnosis.report.units import WIDE, is_rotary, rotary_unit, rounded
+from locosweep.diagnosis.report.units import WIDE, rotary_unit, rounded
 from locosweep.diagnosis.report.written import HEADLINES, interval, number, percent, plain, sizes
+from locosweep.files.robot import is_rotary
 from locosweep.plot.explorer.page import digest_of, json_block, script_of, templates
 from locosweep.plot.html import picture_of
 from locosweep.simulation.replay import effect

@@ -7,7 +7,7 @@ import re
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from locosweep.files.robot import Robot
+    pass
 
 _TURNING = {"N": "N m", "kg": "kg m^2", "m": "rad"}
 """Units of a rig that turns, by those of one that slides: torque, inertia, angle."""
@@ -18,11 +18,6 @@ WIDE = 1.96
 """Standard deviations to either end of a 95 % interval."""
 _MOST = 12
 """Digits that an interval may ask for."""
-
-
-def is_rotary(robot: Robot) -> bool:
-    """Return whether a model is that of a rig that turns."""
-    return robot.other.get("bench.kind") == "rotary"
 
 
 def rotary_unit(unit: str) -> str:

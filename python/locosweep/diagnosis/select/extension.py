@@ -41,8 +41,8 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.select.search import Search
 
 _CHANGES = np.geomspace(1e-4, 0.5, 27)
-"""Changes of a threshold that are tried, in sizes of the parameter: from what a sample resolves
-of a motion to all of its range, each a third larger than the last."""
+"""Changes of a threshold that are tried, in sizes of the parameter or in its logarithm: from what
+a sample resolves of a motion to all of its range, each a third larger than the last."""
 
 
 def singles(search: Search) -> Collection:

@@ -200,7 +200,7 @@ def without_bending_effect(
         through = {VARIABLES.get(n) for n in rest} - {None}
         gain, whole = fewer.chi2 - found.chi2, search.none.chi2 - found.chi2
         if through & {VARIABLES.get(n) for n in alike} and gain < min(
-            limits.BENDING_SHARE * whole, 5.0 * limits.LEAST_GAIN
+            limits.BENDING_SHARE * whole, limits.BENDING_GAIN
         ):
             return fewer
     return None

@@ -8,7 +8,7 @@ from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all
 from locosweep.diagnosis.select.effort import LEVEL_WORK
 from locosweep.diagnosis.select.extension import extend, extend_each, pairs
 from locosweep.diagnosis.select.score import gains, remaining, total
-from locosweep.diagnosis.select.thresholds import TIE
+from locosweep.diagnosis.select.thresholds import STALLED, TIE
 from locosweep.diagnosis.select.whiteness import noise_level
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def is_stalled(problem: Problem, before: Fit, after: Fit) -> bool:
     """Return whether the last effect has left more than half of a rest far above the noise."""
     noise = problem.degrees() * noise_level(problem, after.residual)
-    return after.chi2 - noise > max(0.5 * (before.chi2 - noise), noise)
+    return after.chi2 - noise > max(STALLED * (before.chi2 - noise), noise)
 
 
 def forward(

@@ -288,7 +288,7 @@ def is_limit(fit: Fit, name: str) -> bool:
         if f.effect != name or not f.log:
             continue
         low, high = np.log(f.low), np.log(f.high)
-        edge = 0.02 * (high - low)
+        edge = limits.AT_AN_END * (high - low)
         if fit.theta[i] < low + edge or fit.theta[i] > high - edge:
             return True
     return False
@@ -301,10 +301,9 @@ def _classes(
     reference = total(search, found)
     tie = limits.TIE
     if mismatch:
-        # A law that does not fit leaves more than noise, and so may its rivals.
         own = list(dict.fromkeys(VARIABLES[n] for n in names if n in VARIABLES))
         left = NonparametricCorrection(search.problem, found).corrected_residual(own)
-        tie += 0.25 * (found.chi2 - float(left @ left))
+        tie += limits.MISFIT_TIE * (found.chi2 - float(left @ left))
     classes = [[name] for name in names]
     sets: list[list[str]] = []
     for rival in rivals:

@@ -19,7 +19,11 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 BLOCKS = (4, 16, 64, 256)
-"""Samples of a block; its mean is tested."""
+"""Samples of a block, whose mean is tested: from what a break-away takes to what a drift does."""
+_FEWEST, _FEWEST_BLOCKS = 32, 4
+"""Samples, and blocks of a length, that a test needs at least."""
+_LEAST_NOISE = 0.5
+"""Least variance of noise, in that stated: where too large a noise is stated, no gap below is."""
 
 
 @dataclass(frozen=True)
@@ -67,12 +71,14 @@ def white_variance(values: Floats) -> float:
 
 def noise_level(problem: Problem, residual: Floats) -> float:
     """Return the variance of the white part of residuals, 1 where the stated noise is right."""
-    parts = [values for _, _, values in residuals_by_run(problem, residual) if values.size >= 32]
+    parts = [
+        values for _, _, values in residuals_by_run(problem, residual) if values.size >= _FEWEST
+    ]
     if not parts:
         return 1.0
     counts = np.array([values.size for values in parts])
     levels = np.array([white_variance(values) for values in parts])
-    return max(float(np.average(levels, weights=counts)), 0.5)
+    return max(float(np.average(levels, weights=counts)), _LEAST_NOISE)
 
 
 def whiteness_test(
@@ -88,9 +94,9 @@ def whiteness_test(
     worst = WhitenessTest("x", 1, -np.inf, 0.0)
     for c, runs_of in parts.items():
         total = np.concatenate(runs_of) if runs_of else np.zeros(0)
-        if total.size < 32:
+        if total.size < _FEWEST:
             continue
-        base = max(white_variance(total), 0.5)
+        base = max(white_variance(total), _LEAST_NOISE)
         mean = float(total @ total) / total.size
         excess = float(np.sqrt(max(mean - base, 0.0)))
         for n in BLOCKS:
@@ -99,7 +105,7 @@ def whiteness_test(
                 continue
             squares = np.concatenate(sums) ** 2 / base
             count = squares.size
-            if count < 4:
+            if count < _FEWEST_BLOCKS:
                 continue
             # Wilson and Hilferty make chi2 normal far into its tail.
             z = ((squares.sum() / count) ** (1 / 3) - (1 - 2 / (9 * count))) / np.sqrt(
