@@ -313,7 +313,7 @@ class TestOut:
         ({"over": "mu_coulomb", "reduce": ["max", "min"], "q": 0.5}, "q"),
         ({"over": "mu_coulomb", "reduce": "quantile"}, "q is missing"),
         ({"over": "mu_coulomb", "reduce": "quantile", "q": 1.5}, "q is 1.5"),
-        ({"over": "mu_coulomb", "reduce": "quantile", "q": float("nan")}, "q is NaN"),
+        ({"over": "mu_coulomb", "reduce": "quantile", "q": float("nan")}, "q is nan"),
         ({"memory_limit": 10}, "limit"),
         ({"threads": 2**64}, "threads is 1.84e[+]19: allowed is a whole number up to"),
         ({"chunk": 10**30}, "chunk is 1e[+]30: allowed is a whole number up to"),
@@ -530,3 +530,40 @@ def test_vectors_are_compiled_into_their_kernels():
     if platform.machine() in ("x86_64", "AMD64"):
         assert b"vectorize_avx2" in symbols
     assert b"__fearless_simd_kernel" not in symbols
+
+
+def test_progress_with_a_used_token_counts_from_zero():
+    token, calls = ls.CancelToken(), []
+    for _ in range(2):
+        ls.sweep(
+            "mean_velocity", **{**LONG, "viscous": 0.1, "segments": range(2, 300)},
+            over="segments", reduce="mean", token=token, progress=lambda *a: calls.append(a),
+        )  # fmt: skip
+    assert max(done for done, _, _ in calls) == calls[-1][1]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ({"grid": {"segments": 4}}, "grid is a dict"),
+        ({"out": 5}, "out is 5"),
+        ({"token": 5}, "token is 5"),
+        ({"memory_limit": "1GB"}, "memory_limit is '1GB'"),
+        ({"law": "lugre"}, "law is given, but mean_velocity is not simulated"),
+        ({"quantity": None}, "quantity is None"),
+        ({"reduce": 5}, "reduce is 5"),
+        ({"over": "segments", "reduce": "quantile", "q": "0.5"}, "q is '0.5'"),
+        ({"over": "segments", "reduce": "quantile", "q": True}, "q is True"),
+    ],
+)
+def test_what_is_no_argument_of_a_sweep_is_named(wrong, words):
+    with pytest.raises(ls.InputError, match=words):
+        ls.sweep(
+            **{"quantity": "mean_velocity", **MU, "mu_static": 0.5, "segments": [3, 4], **wrong}
+        )
+
+
+def test_a_part_without_axes_has_the_shape_of_one_value():
+    one = ls.sweep("mean_velocity", **MU, mu_static=0.5, segments=[3, 4]).sel(segments=4)
+    assert one.values.shape == one.shape == ()
+    assert float(one.to_xarray()["mean_velocity"]) == float(one.values)

@@ -416,7 +416,7 @@ class TestCommand:
         infinite = frame.with_columns(force=pl.lit(float("inf")))
         assert "infinite" in refused(table(tmp_path, infinite), "--out", "o")
         gone = frame.with_columns(force=pl.lit(None, dtype=pl.Float64))
-        assert "usable samples" in refused(table(tmp_path, gone), "--out", "o")
+        assert "column force: no values" in refused(table(tmp_path, gone), "--out", "o")
         still = frame.with_columns(v=0.0)
         assert "never move" in refused(table(tmp_path, still), "--out", "o")
         fake = tmp_path / "fake.parquet"

@@ -9,11 +9,13 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 
 import locosweep as ls
 from locosweep import _core
 from locosweep.cli import main
+from locosweep.plot.gait import joint_forces
 from locosweep.simulation.gait import gait_parameters
 
 ROOT = Path(__file__).parents[1]
@@ -428,3 +430,21 @@ def test_no_such_file(tmp_path, capsys):
     assert main(["gait", str(tmp_path / "none.toml"), "--out", str(tmp_path / "out")]) == 2
     assert "none.toml" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("samples", [2, 7, 601])
+@pytest.mark.parametrize("segments", [3, 4, 5])
+def test_the_last_sample_is_the_end(samples, segments):
+    run = ls.run_gait(
+        "single", segments=segments, mu_static=0.5, mu_coulomb=0.3, drive_limit=0.85,
+        break_away=0, cycles=1, samples=samples,
+    )  # fmt: skip
+    assert len(run.t) == samples
+    assert run.t[-1] == pytest.approx(run.results["time"], rel=1e-9)
+
+
+def test_a_trace_of_one_sample_is_drawn():
+    run = ls.run_gait("single", segments=3, mu_static=0.5, mu_coulomb=0.3, drive_limit=0.85,
+                      break_away=0, every=1000.0)  # fmt: skip
+    assert len(run.t) == 1
+    assert joint_forces(run, Figure().subplots()).get_ylabel()

@@ -8,7 +8,7 @@ import sys
 import matplotlib as mpl
 import numpy as np
 import pytest
-from matplotlib.colors import BoundaryNorm, CenteredNorm, to_rgb
+from matplotlib.colors import BoundaryNorm, CenteredNorm, LogNorm, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.mathtext import MathTextParser
 from matplotlib.patches import PathPatch
@@ -524,3 +524,35 @@ def test_cells_overlap_so_that_vector_pictures_have_no_seams(speed):
     assert mesh.get_linewidth()[0] > 0
     mesh.figure.canvas.draw()
     np.testing.assert_array_equal(mesh.get_edgecolor(), mesh.get_facecolor())
+
+
+def test_a_quantile_says_which():
+    r = ls.sweep("mean_velocity", **MU, mass=np.linspace(0.1, 0.4, 5), segments=[3, 4],
+                 slope_deg=[0, 5], over="mass", reduce="quantile", q=0.05)  # fmt: skip
+    title = " ".join(r.plot.heatmap().get_title().split())
+    assert "$q$ = 0.05" in title
+    assert "(0.05)" in repr(r)
+
+
+def test_a_closed_form_beside_a_simulated_output_is_not_called_simulated():
+    r = ls.sweep(["mean_velocity", "final_position"], **MU, slope_deg=[0, 5], segments=[3, 4])
+    assert "drive" not in r.plot.heatmap(value="mean_velocity").get_title()
+    assert "drive" in r.plot.heatmap(value="final_position").get_title()
+
+
+@pytest.mark.parametrize("slopes", [[-30.0, -20.0], [-20.0, 0.0, 30.0], [0.0, 30.0]])
+def test_colours_of_a_log_norm_take_values_of_any_sign_and_size(slopes):
+    r = ls.sweep("resistance", mu_coulomb=0.3, slope_deg=slopes, mass=np.geomspace(1e-9, 1e3, 9))
+    ax = r.plot.heatmap("mass", "slope_deg", norm=LogNorm(1e-3, 1.0))
+    ax.figure.canvas.draw()
+
+
+def test_a_value_between_two_gaps_is_a_point():
+    r = ls.sweep("cycle_time", slope_deg=[-30, 0, 40], segments=4, mu_static=0.5, mu_coulomb=0.3)
+    assert np.isfinite(r.values).tolist() == [False, True, False]
+    points = [line for line in r.plot.curves("slope_deg").lines if line.get_marker() != ""]
+    assert any(line.get_xdata().tolist() == [0.0] for line in points)
+
+
+def test_counts_are_written_in_full():
+    assert style.setting("segments", 12345.0) == "$N$ = 12345"

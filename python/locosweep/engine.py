@@ -174,6 +174,13 @@ def sweep(
         quantity, reduce, q=q, table=table, over=over, law=law, drive=drive, gait=gait,
         method=method,
     )  # fmt: skip
+    if grid is not None and not isinstance(grid, Grid):
+        raise InputError(
+            f"grid is a {type(grid).__name__}: allowed is a Grid, or parameters by name"
+        )
+    if token is not None and not isinstance(token, _core.CancelToken):
+        raise InputError(f"token is {token!r}: allowed is a CancelToken")
+    memory_limit = whole("memory_limit", memory_limit)
     grid = (Grid() if grid is None else grid).with_fixed(fixed)
     if isinstance(out, str | os.PathLike):
         from locosweep.run_folder.fill import Options, sweep_into
@@ -237,6 +244,8 @@ def _arrays(
     limit: int | None,
 ) -> list[NDArray[Any]]:
     if out is not None:
+        if not isinstance(out, np.ndarray | list | tuple):
+            raise InputError(f"out is {out!r}: allowed are arrays, or the path of a folder")
         given = [out] if isinstance(out, np.ndarray) else list(out)
         if len(given) != count:
             raise InputError(f"out has {len(given)} arrays: the sweep has {count} outputs")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from numbers import Real
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -82,7 +83,7 @@ class Grid:
         if not parameters:
             return self
         for name in parameters:
-            if name == _ROBOT and _ROBOT not in self.axes:
+            if name == _ROBOT:
                 continue
             if name in self.axes or name in self.fixed:
                 raise InputError(f"{name} is given twice: in the grid and beside it")
@@ -112,7 +113,11 @@ def _read(name: str, value: Any) -> tuple[float, NDArray[np.float64] | None]:
         return float(real_array(name, value)), None
     if hasattr(value, "magnitude") and hasattr(value, "to"):
         unit = parameter(name).unit
-        value = value.to("dimensionless" if unit == "1" else unit).magnitude
+        try:
+            value = value.to("dimensionless" if unit == "1" else unit).magnitude
+        except Exception as error:
+            # Pint, or whatever else has a magnitude, says itself what does not fit.
+            raise InputError(f"{name} is {value}: {error}") from None
     array = real_array(name, value)
     if array.ndim > 1:
         raise InputError(
@@ -126,6 +131,13 @@ def _read(name: str, value: Any) -> tuple[float, NDArray[np.float64] | None]:
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, Real) and not isinstance(value, bool | np.bool_)
+
+
+def number(name: str, value: Any, allowed: str) -> float:
+    """Refuse what is no finite number, and say what is `allowed`."""
+    if not _is_number(value) or not math.isfinite(value):
+        raise InputError(f"{name} is {value!r}: allowed is {allowed}")
+    return float(value)
 
 
 def real_array(name: str, value: Any) -> NDArray[np.float64]:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 from locosweep import _core
 from locosweep.errors import InputError
+from locosweep.grid import number
+from locosweep.registry import quantity as quantity_named
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -53,12 +55,15 @@ class Request:
         **choice: str | None,
     ) -> Self:
         """Check names and pairs; `choice` has over, law, drive, gait and method."""
-        names = [quantity] if isinstance(quantity, str) else list(quantity)
-        how = [reduce] if reduce is None or isinstance(reduce, str) else list(reduce)
+        names = _names("quantity", quantity)
+        how = [None] if reduce is None else _names("reduce", reduce)
         if not names or not how:
             raise InputError(f"{'quantity' if not names else 'reduce'} is empty: name at least one")
-        if q is not None and "quantile" not in how:
-            raise InputError(f"q is {q!r}: allowed only together with reduce 'quantile'")
+        if q is not None:
+            if "quantile" not in how:
+                raise InputError(f"q is {q!r}: allowed only together with reduce 'quantile'")
+            q = number("q", q, "a number from 0 to 1")
+        _check_choice(names, {**choice, "table": table})
         outputs = [(name, r, q if r == "quantile" else None) for name in names for r in how]
         if len(set(outputs)) < len(outputs):
             raise InputError("quantity or reduce names the same thing twice")
@@ -91,6 +96,21 @@ class Request:
             table=self.table,
             sample=list((sample or {}).items()),
         )
+
+
+def _names(key: str, given: str | Sequence[str | None]) -> list[Any]:
+    """Return what was given as a list of names."""
+    some = [given] if isinstance(given, str) else given
+    if not isinstance(some, list | tuple) or not all(isinstance(n, str | None) for n in some):
+        raise InputError(f"{key} is {given!r}: allowed is a name, or several")
+    return list(some)
+
+
+def _check_choice(names: Sequence[str], choice: Mapping[str, Any]) -> None:
+    """Refuse how to simulate where nothing is simulated."""
+    given = [key for key, value in choice.items() if value is not None and key != "over"]
+    if given and not any(quantity_named(name).simulated for name in names):
+        raise InputError(f"{given[0]} is given, but {', '.join(names)} is not simulated")
 
 
 def how(job: _core.Sweep, table: Samples | None) -> dict[str, str]:

@@ -230,7 +230,7 @@ class Result:
         Parameters
         ----------
         method : {None, "nearest"}
-            None takes values as they stand in the axis; "nearest" the next ones.
+            None takes values as they stand in the axis; "nearest" the nearest of the axis.
         **at
             By name of an axis: a number takes the axis away, and stands in ``fixed``
             then; a sequence keeps these values, in its order.
@@ -262,7 +262,7 @@ class Result:
         def part(array: NDArray[Any]) -> NDArray[Any]:
             for dimension in reversed(range(len(index))):
                 array = np.take(array, index[dimension], axis=dimension)
-            return np.ascontiguousarray(array)
+            return np.asarray(array, order="C")
 
         statuses = {o.name: part(self.status_of(o.name)) for o in self.outputs}
         values = [part(self[o.name]) for o in self.outputs]
@@ -328,7 +328,8 @@ class Result:
         for output in self.outputs:
             attributes = {"units": output.unit, "long_name": output.label}
             data[output.name] = (dims, self[output.name], attributes)
-            data[f"{output.name}_status"] = (dims, self.status_of(output.name), {"units": "1"})
+            attributes = {"units": "1", "long_name": f"status of {output.label}"}
+            data[f"{output.name}_status"] = (dims, self.status_of(output.name), attributes)
         coords = {
             name: (
                 name,
@@ -337,7 +338,7 @@ class Result:
             )
             for name, axis in self.axes.items()
         }
-        return xr.Dataset(data, coords, attrs=dict(self.fixed))
+        return xr.Dataset(data, coords, attrs={**self.fixed, **self.how})
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the long table to a Parquet file that `load` reads back exactly."""
@@ -365,7 +366,8 @@ class Result:
                     text += f", {works.mean():.1%} of the cells"
             else:
                 text = "no cell has a value"
-            lines.append(f"  {output.label}: {text}")
+            q = f" ({self.q:g})" if output.reduce == "quantile" else ""
+            lines.append(f"  {output.label}{q}: {text}")
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:

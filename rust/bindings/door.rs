@@ -44,6 +44,8 @@ pub fn enter<T: Send>(
 ) -> PyResult<T> {
     keep_panics_quiet();
     let begin = Instant::now();
+    // A token counts what all its calls have done.
+    let before = control.done.load(Ordering::Relaxed);
     let mut interruption: Option<PyErr> = None;
     let report = |py: Python<'_>, done: u64| -> PyResult<()> {
         let Some(callback) = progress else { return Ok(()) };
@@ -69,7 +71,10 @@ pub fn enter<T: Send>(
                             py.check_signals()?;
                             if reported.elapsed() >= REPORT {
                                 reported = Instant::now();
-                                report(py, control.done.load(Ordering::Relaxed))?;
+                                report(
+                                    py,
+                                    control.done.load(Ordering::Relaxed).saturating_sub(before),
+                                )?;
                             }
                             Ok(())
                         });

@@ -173,3 +173,11 @@ def test_bags_are_told_by_their_ending_or_their_folder(tmp_path: Path) -> None:
     assert not bags.is_bag(tmp_path)
     (tmp_path / "metadata.yaml").touch()
     assert bags.is_bag(tmp_path)
+
+
+def test_a_command_that_is_none_holds_nothing() -> None:
+    """Controllers send NaN before their first command, and between."""
+    times = np.array([0.0, 15.0, 35.0, 55.0, 75.0])
+    values = np.array([np.nan, 1.0, 2.0, np.nan, 4.0])
+    found = bags._held(times, values, np.arange(20.0, 90.0, 10.0))
+    np.testing.assert_allclose(found, [1.0, 1.5, 2.0, 2.0, 2.0, 3.0, 4.0])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from hypothesis import strategies as st
 from run_cases import ALL, CLOSED, REDUCED, SIMULATED, data_files, same
 
 import locosweep as ls
+from locosweep.run_folder import writer
 from locosweep.run_folder.arrays import encode
 from locosweep.run_folder.plan import MOST_BYTES, Plan, cells_of_chunk, cut
 
@@ -179,3 +181,18 @@ def test_a_token_stops_a_run_that_is_resumed(tmp_path: Path) -> None:
     )
     assert ls.open_run(tmp_path / "run").missing
     assert same(ls.sweep(**SIMULATED, out=tmp_path / "run"), ls.sweep(**SIMULATED))
+
+
+def test_a_chunk_that_one_writer_renames_while_another_writes_the_log_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made, begun = writer.Done, []
+
+    def slow(*given: Any) -> Any:
+        begun.append(given)
+        if len(begun) == 1:
+            time.sleep(0.3)
+        return made(*given)
+
+    monkeypatch.setattr(writer, "Done", slow)
+    assert ls.sweep(**CLOSED, chunk=40, out=tmp_path / "run").complete

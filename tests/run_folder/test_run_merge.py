@@ -91,3 +91,11 @@ def test_the_command_merges(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     assert capsys.readouterr().out == "2 of 6 chunks, 4 missing\n"
     assert main(["merge", str(tmp_path / "p0"), "--out", str(tmp_path / "x.parquet")]) == 2
     assert "ends as a file's name does" in capsys.readouterr().err
+
+
+def test_a_damaged_chunk_of_a_source_is_told(tmp_path: Path) -> None:
+    source = ls.sweep(**CLOSED, chunk=100, out=tmp_path / "source")
+    file = next((source.folder / "data.zarr").rglob(source.manifest.plan.key(1)))
+    file.write_bytes(file.read_bytes()[:-8])
+    with pytest.raises(ls.DataFileError, match="chunk 1 is damaged"):
+        merge([source.folder], tmp_path / "out")

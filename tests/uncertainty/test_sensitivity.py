@@ -9,6 +9,7 @@ import pytest
 
 import locosweep as ls
 from locosweep.cli import main
+from locosweep.uncertainty import picture as room_pictures
 from locosweep.uncertainty import sensitivity as room
 from locosweep.uncertainty.evaluate import Evaluated
 
@@ -131,3 +132,28 @@ def test_command(tmp_path, capsys):
     assert {row["unknown"] for row in report["indices"]} == {"mu_coulomb", "slope_deg"}
     assert main([*arguments, "--unknown", "slope=1:2"]) == 2
     assert "slope" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("failed", [float("nan"), float("-inf"), "x", True])
+def test_what_failures_count_as_is_a_number(failed):
+    with pytest.raises(ls.InputError, match="allowed is a finite number"):
+        ls.sensitivity("friction_force", MASS_AND_FRICTION, speed=1.0, failed=failed)
+
+
+def test_too_few_samples_are_not_called_a_quantity_that_does_not_vary():
+    unknown = {"slope_deg": "0:23.2", "mu_coulomb": "0.2:0.3"}
+    with pytest.raises(ls.InputError, match="samples is 128"):
+        ls.sensitivity("feasible", unknown, segments=4, mu_static=0.6, samples=128)
+
+
+def test_intervals_stand_where_they_are_beside_an_index_below_zero():
+    found = ls.sensitivity(
+        "friction_force", {**MASS_AND_FRICTION, "stroke": (0.01, 0.02)}, speed=1.0
+    )
+    ax = room_pictures.bars(found)
+    low, high = (found.to_polars()[f"first_{end}"].to_numpy() for end in ("low", "high"))
+    (first, _) = (bars.errorbar for bars in ax.containers if hasattr(bars, "errorbar"))
+    spans = np.array([s[:, 0] for s in first.lines[2][0].get_segments()])
+    shown = np.maximum(found.to_polars()["first"].to_numpy(), 0.0)
+    np.testing.assert_allclose(spans[:, 1], np.maximum(high, shown))
+    np.testing.assert_allclose(spans[:, 0], np.minimum(low, shown))

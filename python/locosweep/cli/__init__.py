@@ -79,7 +79,8 @@ def _main(given: list[str], *, process: bool) -> int:
         # The reader of a pipe has seen enough: that is no error.
         if error.errno == errno.EPIPE:
             return 0
-        return _fail(f"cannot write the output: {error.strerror or error}", _INPUT)
+        what = "cannot write the output" if error.filename is None else error.filename
+        return _fail(f"{what}: {error.strerror or error}", _INPUT)
     if process and code == INTERRUPTED:
         end_at_once(code)
     if process:

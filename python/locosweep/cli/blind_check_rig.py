@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -86,7 +87,7 @@ def check_rig(asked: Asked, wanted: RigCheck) -> None:
     if wanted.nominal is None:
         raise InputError("--nominal is missing: --rig needs the model of the rig")
     sizes = [options.number("--sizes", text) for text in wanted.sizes.split(",") if text]
-    if not sizes or min(sizes) <= 1.0:
+    if not sizes or not all(1.0 < size < math.inf for size in sizes):
         raise InputError(f"--sizes is {wanted.sizes}: allowed are numbers above 1")
     labels = [label for label in wanted.labels.split(",") if label]
     asked.make_folder(only="rig", runs=sorted(labels), sizes=sizes)

@@ -124,15 +124,18 @@ def _options_of(ctx: click.Context) -> dict[str, Any]:
     """Return the options of `locosweep.diagnose` that a command was given."""
     same = ("max_effects", "seed", "columns", "units", "separator", "decimal")
     return {
-        "holdout": _split(ctx.params["holdout"]),
-        "labels": _split(ctx.params["labels"]),
+        "holdout": _split("--holdout", ctx.params["holdout"]),
+        "labels": _split("--runs", ctx.params["labels"]),
         **{name: ctx.params[name] for name in same},
     }
 
 
-def _split(given: tuple[str, ...]) -> list[str] | None:
+def _split(option: str, given: tuple[str, ...]) -> list[str] | None:
     """Return the labels of a repeated option with commas; None without any."""
-    return [label.strip() for text in given for label in text.split(",") if label.strip()] or None
+    labels = [label.strip() for text in given for label in text.split(",")]
+    if not all(labels):
+        raise InputError(f"{option} is '{','.join(given)}': allowed is RUN or RUN,RUN,...")
+    return labels or None
 
 
 def _verdict(found: Diagnosis) -> tuple[str, str]:

@@ -11,7 +11,7 @@ import click
 
 from locosweep import registry
 from locosweep.cli import options
-from locosweep.cli.options import called, meter, number, show, values_of
+from locosweep.cli.options import called, meter, number, refuse_same, show, values_of
 from locosweep.cli.simulation_options import chosen
 from locosweep.errors import InputError
 
@@ -88,8 +88,7 @@ def distinguish(
     from locosweep.diagnosis.design.distinguish import distinguish as distinguished
     from locosweep.files.robot import load_robot
 
-    if out is not None and plot_file is not None and out.resolve() == plot_file.resolve():
-        raise InputError(f"--out and --plot are both {out}: allowed are two files")
+    refuse_same(out, runs=runs, drive_file=drive_file, plot=plot_file)
     if (runs is None) == (drive is None and drive_file is None):
         raise InputError("allowed is one of --drive (or --drive-file) and --runs")
     robot = load_robot(nominal)
@@ -143,6 +142,8 @@ def _planned(
     if count > _MOST_RUNS:
         raise InputError(f"--set makes {count} runs: allowed are 1 to {_MOST_RUNS}")
     gain = robot.parameters.get("gain", 1.0)
+    if gain == 0.0:
+        raise InputError("[drive] gain is 0: allowed is another number, as no drive moves the head")
     # The force of a drive is the same whatever it moves.
     fixed = {"mu_coulomb": 0.5, "gain": gain, "drive_limit": math.inf}
     chosen_options = {**simulation.options(), "law": "coulomb"}

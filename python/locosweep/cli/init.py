@@ -9,6 +9,7 @@ import click
 
 from locosweep.cli import options
 from locosweep.cli.options import number, show
+from locosweep.errors import InputError
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -64,6 +65,10 @@ def init(
     from locosweep.intake.template import nominal_text
 
     check_folder(out, force=force)
+    written = {(out / name).resolve() for name in (_RUNS, _NOMINAL)}
+    for source in logs:
+        if source.resolve() in written:
+            raise InputError(f"{source} is in --out {out}: it would be overwritten")
     given = {name: number(f"--set {name}", text) for name, text in settings.items()}
     form = CsvForm(separator, decimal)
     log = read_log(options.one_or_all(logs), columns=columns, units=units, form=form, pause=pause)

@@ -96,6 +96,12 @@ def _draw(
     seen: dict[str, Characteristic] = {
         law.name: characteristic_of(law.name, **values) for law in registry.laws()
     }
+    for one in seen.values():
+        if not one.level > 0.0:
+            raise InputError(
+                f"the friction level of {one.law} is 0 (mu_coulomb, mu_static, mass or gravity): "
+                "pictures are relative to it"
+            )
     frame = frame_of(*seen.values())
     pages = {law.name: behaviour_of(law.name, **values) for law in some}
     make_folder(out)

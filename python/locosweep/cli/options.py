@@ -364,9 +364,22 @@ def fixed(
         from locosweep.files.robot import load_robot
 
         swept = set(axes)
-        found = load_robot(robot).parameters
-        values = {name: value for name, value in found.items() if name not in swept}
+        found = load_robot(robot)
+        if found.effects:
+            note(
+                f"{robot}: effects are left out ({', '.join(found.effects)}): "
+                "simulate --model FILE --runs RUNS takes them"
+            )
+        values = {name: value for name, value in found.parameters.items() if name not in swept}
     return tuple((values | dict(spec) | given).items())
+
+
+def refuse_same(out: Path | None, **others: Path | None) -> None:
+    """Refuse an output that is a file which the command reads or writes as well."""
+    for option, path in others.items():
+        if out is not None and path is not None and out.resolve() == path.resolve():
+            name = option.replace("_", "-")
+            raise InputError(f"--out and --{name} are both {out}: allowed are two files")
 
 
 def meter(

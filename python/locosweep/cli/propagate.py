@@ -16,6 +16,7 @@ from locosweep.cli.uncertainty_options import (
     seed_option,
     unknown_option,
 )
+from locosweep.errors import InputError
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -71,6 +72,10 @@ def propagate(
     from locosweep.uncertainty.propagation import propagate as run
     from locosweep.uncertainty.propagation import too_many
 
+    names = [name for name, _ in (*axes, *settings)]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"{name} is given twice: allowed is one --axis or one --set")
     if picture is not None and len(dict(axes)) > 1:
         raise too_many(dict(axes))
     refuse_idle(dict(axes), (quantity,), simulation)

@@ -83,12 +83,19 @@ def quantities(name: str | None, json_: bool) -> None:
 
 
 def parameter_table(records: Iterable[registry.Parameter]) -> str:
-    """List parameters: unit, default, what is allowed, meaning."""
+    """List parameters: unit, default, what is allowed, key in a robot file, meaning."""
     rows = [
-        (p.name, p.unit, "" if p.default is None else f"{p.default:g}", p.allowed, p.meaning)
+        (
+            p.name,
+            p.unit,
+            "" if p.default is None else f"{p.default:g}",
+            p.allowed,
+            ".".join(p.file_key) if p.file_key else "",
+            p.meaning,
+        )
         for p in records
     ]
-    return table(rows, ("parameter", "unit", "default", "allowed", "meaning"))
+    return table(rows, ("parameter", "unit", "default", "allowed", "in a robot file", "meaning"))
 
 
 @click.command()

@@ -14,6 +14,7 @@ from locosweep.cli.options import (
     robot_option,
     show,
 )
+from locosweep.errors import InputError
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -35,6 +36,8 @@ def reproduce(figures: str, out: Path, robot: Path | None, json_: bool) -> None:
     diagnose.
     """
     if figures == "gap":
+        if robot is not None:
+            raise InputError("--robot is given beside gap: allowed is one of them")
         from locosweep.paper.gap import paper_gap
 
         written = paper_gap(out)

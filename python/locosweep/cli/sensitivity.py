@@ -8,7 +8,7 @@ import click
 
 from locosweep.cli import options
 from locosweep.cli.options import PICTURE, QUANTITY, meter, show
-from locosweep.cli.simulation_options import refuse_idle, simulation_options
+from locosweep.cli.simulation_options import simulation_options
 from locosweep.cli.uncertainty_options import (
     known,
     samples_option,
@@ -57,7 +57,6 @@ def sensitivity(
     """Say which unknown parameter makes how much of a quantity's variance: Sobol indices."""
     from locosweep.uncertainty.sensitivity import sensitivity as run
 
-    refuse_idle({}, (quantity,), simulation)
     given = known(robot, settings, unknown, simulation)
     found = run(
         quantity, unknown, failed=failed, samples=samples, seed=seed, threads=threads,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import called, fixed, meter, show, values_of
+from locosweep.cli.options import called, fixed, meter, refuse_same, show, values_of
 from locosweep.cli.simulate_runs import replay
 from locosweep.cli.simulation_options import refuse_beside, refuse_idle, simulation_options
 from locosweep.errors import InputError, SolveError
@@ -31,7 +31,7 @@ _LEDGER = "energy_residual"
 _OPEN = 1e-2
 """Share of the work from which an open energy ledger is worth a word."""
 
-_ADAPTIVE = "rosenbrock"
+_ADAPTIVE = ("rosenbrock", "dormand_prince")
 
 _MOST_CURVES = 8
 
@@ -92,8 +92,13 @@ def simulate(
     nominal or an augmented model instead; the file then has the columns run, t, x,
     v, x_rear and force: what the sensors would read, without noise.
     """
+    drive_file = None if simulation.drive_file is None else Path(simulation.drive_file)
+    refuse_same(out, runs=runs, model=model, drive_file=drive_file, plot=plot_file)
     if model is not None or runs is not None:
-        given = {"--set": settings, "--robot": robot, "--plot": plot_file}
+        chosen = ctx.get_parameter_source("samples") is click.core.ParameterSource.COMMANDLINE
+        given = {
+            "--set": settings, "--robot": robot, "--plot": plot_file, "--samples": chosen,
+        }  # fmt: skip
         refuse_beside("--model and --runs", given, simulation)
         if model is None or runs is None or out is None:
             missing = {"--model": model, "--runs": runs, "--out": out}
@@ -113,8 +118,6 @@ def simulate(
     if out is None and plot_file is None:
         raise InputError("--out is missing: allowed is a file that ends in .csv or .parquet, or "
                          "--plot with a picture")  # fmt: skip
-    if out is not None and plot_file is not None and out.resolve() == plot_file.resolve():
-        raise InputError(f"--out and --plot are both {out}: allowed are two files")
     from locosweep.grid import Grid
     from locosweep.simulation.trajectories import simulate as simulated
 
@@ -152,7 +155,7 @@ def simulate(
     files = [path for path in (out, plot_file) if path is not None]
     show(json_, {"files": files, **about, "energy_residual": open_share}, *files)
     if open_share > _OPEN:
-        aim = "tolerance" if run.method == _ADAPTIVE else "time_step"
+        aim = "tolerance" if run.method in _ADAPTIVE else "time_step"
         text = f"the energy ledger leaves {open_share:.2g} of the work open: with a smaller {aim}"
         now = "an axis" if aim in run.axes else f"now {run.fixed[aim]:g}"
         click.echo(f"locosweep: note: {text} ({now}) the motion may differ", err=True)
@@ -185,7 +188,7 @@ def _open_share(run: Trajectories, simulation: Simulation, threads: int | None) 
     from locosweep.engine import sweep
     from locosweep.grid import Grid
 
-    options = simulation.options()
+    options = {**simulation.options(), "method": run.method}
     values = sweep(_LEDGER, Grid(**run.axes, **run.fixed), **options, threads=threads).values
     found = np.abs(values[np.isfinite(values)])
     return float(found.max()) if found.size else math.nan

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from locosweep.cli import options
-from locosweep.cli.options import meter, show, summary
+from locosweep.cli.options import meter, refuse_same, show, summary
 from locosweep.cli.run_options import QUANTITY_OR_SPEC, SHARD, TABLE_OR_RUN
 from locosweep.cli.sweep_options import sweep_options
 from locosweep.errors import InputError
@@ -74,6 +74,7 @@ def sweep(
     report: dict[str, object] = {"file": None, "spec": None}
     if save_spec is not None:
         check_file_name(save_spec)
+        refuse_same(None if isinstance(out, str) else out, save_spec=save_spec)
         # Refused now rather than when the file is run.
         spec.grid()
     bar = meter(", ".join(spec.quantities))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -60,7 +61,7 @@ class _Series:
 
 def is_bag(path: Path) -> bool:
     """Return whether a path is a bag: a file of one, or its folder."""
-    return path.suffix in SUFFIXES or (path.is_dir() and (path / "metadata.yaml").exists())
+    return path.suffix.lower() in SUFFIXES or (path.is_dir() and (path / "metadata.yaml").exists())
 
 
 def read_bag(path: Path, fields: Mapping[str, str]) -> pl.DataFrame:
@@ -100,7 +101,10 @@ def read_bag(path: Path, fields: Mapping[str, str]) -> pl.DataFrame:
     times = _times(series, stamped=stamped)
     order = np.argsort(times[_CLOCK], kind="stable")
     t, x = times[_CLOCK][order], series[_CLOCK].values[order]
-    first = times["drive"].min()
+    told = ~np.isnan(series["drive"].values)
+    if not told.any():
+        raise DataFileError(f"{path}: drive has no values")
+    first = times["drive"][told].min()
     kept = t >= first
     if not kept.any():
         raise DataFileError(f"{path}: no message of x follows the first one of drive")
@@ -195,6 +199,8 @@ def _value(path: Path, field: _Field, message: Any) -> float:
             at = getattr(at, step)
     if isinstance(at, str | bytes) or not isinstance(at, bool | int | float | np.number):
         raise DataFileError(f"{where}: {field.path} is no number, {_USE}")
+    if math.isinf(at):
+        raise DataFileError(f"{where}: {field.path} is infinite")
     return float(at)
 
 
@@ -212,6 +218,8 @@ def _times(series: Mapping[str, _Series], *, stamped: bool) -> dict[str, Floats]
 def _held(times: Floats, values: Floats, t: Floats) -> Floats:
     """Return means of held values over the steps from each time to the next."""
     order = np.argsort(times, kind="stable")
+    # Controllers send NaN before their first command.
+    order = order[~np.isnan(values[order])]
     times, values = times[order], values[order]
     impulse = np.concatenate([[0.0], np.cumsum(values[:-1] * np.diff(times))])
     changes = np.concatenate([[0], np.cumsum(np.diff(values) != 0.0)])

@@ -79,6 +79,9 @@ def _column(values: Any) -> Any:
     if isinstance(values, pl.Series):
         return values
     array = np.asarray(values)
+    if array.dtype.kind in "mM":
+        # Polars takes no whole seconds.
+        return array.astype(f"{array.dtype.kind}8[ns]")
     if array.dtype != object:
         return array
     # pandas has a value of its own for missing ones, which equals nothing.
@@ -112,16 +115,21 @@ def files_of(data: Any) -> list[Path]:
 
 
 def names_of(files: list[Path]) -> list[str]:
-    """Return a name for each file, without its ending, and with its folder where needed."""
+    """Return a name for each file, without its ending, with its folder or ending where needed."""
     stems = [path.name.removesuffix(".gz").rsplit(".", 1)[0] or str(path) for path in files]
-    return [
+    names = [
         stem if stems.count(stem) == 1 else (path.parent / stem).as_posix()
         for stem, path in zip(stems, files, strict=True)
+    ]
+    # Of files in one folder that differ in their endings alone, with these.
+    return [
+        name if names.count(name) == 1 else path.as_posix()
+        for name, path in zip(names, files, strict=True)
     ]
 
 
 def _has_runs(path: Path) -> bool:
-    return path.is_file() and not path.name.startswith(".") and path.name.endswith(ENDINGS)
+    return path.is_file() and not path.name.startswith(".") and path.name.lower().endswith(ENDINGS)
 
 
 def _in_order(path: Path) -> list[tuple[int, str]]:

@@ -37,8 +37,9 @@ def are_dates(column: pl.Series) -> bool:
 
     if column.dtype != pl.String:
         return column.dtype in (pl.Date, pl.Datetime)
-    known = column.drop_nulls()
-    return bool(known.len()) and re.match(_DATE, known[0].strip()) is not None
+    text = column.drop_nulls().str.strip_chars()
+    known = text.filter(~text.str.to_lowercase().is_in(MISSING)).head(1)
+    return bool(known.len()) and re.match(_DATE, known[0]) is not None
 
 
 def is_span(column: pl.Series) -> bool:

@@ -89,7 +89,7 @@ def read_table(
         path = Path(data)
         if path != STANDARD_INPUT and not path.is_file():
             raise DataFileError(f"{path}: {'a folder' if path.is_dir() else 'no such file'}")
-        if path.suffix == ".parquet":
+        if path.suffix.lower() == ".parquet":
             parts = _parquet(path, theirs, asked)
         else:
             parts = _csv(path, theirs, asked, form, notices)
@@ -105,7 +105,7 @@ def whole_table(path: Path, form: CsvForm) -> tuple[list[str], pl.DataFrame]:
     """
     import polars as pl
 
-    if path.suffix != ".parquet":
+    if path.suffix.lower() != ".parquet":
         text = csv_text.parsed(contents(path), str(path), form.separator)
         _check_width(path, text.names)
         return text.names, csv_text.frame_of(text, str(path), range(len(text.names)))

@@ -17,7 +17,8 @@ _USUAL = (
     "cm/s", "mm/s", "rad/s", "deg/s", "W", "mW", "1", "percent",
 )  # fmt: skip
 """Units that a wrong name is compared with."""
-_SPELT = {"Nm": "N m", "Nmm": "N mm", "%": "percent", "1": "dimensionless", "-": "dimensionless",
+_SPELT = {"Nm": "N m", "Nmm": "N mm", "mNm": "mN m", "kNm": "kN m", "Ncm": "N cm",
+          "%": "percent", "1": "dimensionless", "-": "dimensionless",
           "sec": "s", "pct": "percent", "amps": "ampere"}  # fmt: skip
 """Ways of writing that Pint reads as something else or not at all."""
 _FORM = re.compile(r"(?:[A-Za-zµμ°Ω]+(?:[\^*]{0,2}-?\d)?[ */·]{0,3}(?![ */·])){1,6}")

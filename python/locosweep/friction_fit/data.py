@@ -107,6 +107,9 @@ def read_friction(
             "allowed is a mass in kg or a column force"
         )
     numbers, calendar = number_columns(table, units)
+    for column, values in numbers.items():
+        if np.isnan(values).all():
+            raise DataFileError(f"{name}: column {table.labels[column]}: no values")
     notices = [f"{name}: columns not used: {listed(others)}"] if others else []
     notices += table.notices
     found = []

@@ -71,13 +71,13 @@ def _law(law: FittedLaw) -> dict[str, object]:
 
 def as_text(fit: FrictionFit) -> str:
     """Return the verdict, the laws and the parameters for a terminal."""
-    lines = [fit.summary, "", f"{'law':<44}{'held out':>10}{'fitted':>10}{'behind':>9}"]
+    lines = [fit.summary, "", f"{'law':<44}{'held out':>10}{'fitted':>10}{'behind':>11}"]
     lines[-1] += f"{'numbers':>9}"
     for law in fit.laws[:_ROWS]:
         behind = "tie" if law.tied else f"{law.sigmas:.1f} s.d."
         mark = "*" if law is fit.chosen else " "
         lines.append(
-            f"{mark} {law.name:<42}{law.held_out_rms:>8.3g} N{law.rms:>8.3g} N{behind:>9}"
+            f"{mark} {law.name:<42}{law.held_out_rms:>8.3g} N{law.rms:>8.3g} N{behind:>11}"
             f"{len(law.parameters):>9}"
         )
     if len(fit.laws) > _ROWS:

@@ -17,6 +17,7 @@ from locosweep.files.runs import Run, wanted_columns
 from locosweep.files.sources import files_of, names_of
 from locosweep.files.table import listed
 from locosweep.files.units import factor
+from locosweep.intake.guess import NEEDED
 from locosweep.intake.names import fits
 from locosweep.intake.sheet import opened
 from locosweep.intake.units import is_angle, settled_units
@@ -118,6 +119,8 @@ def read_log(
     >>> log.frame["x"][4], log.runs
     (0.001, 1)
     """
+    if pause is not None and not pause > 0.0:
+        raise InputError(f"pause is {pause}: allowed is a number of seconds above 0")
     files = files_of(data)
     columns, units = dict(columns or {}), dict(units or {})
     wanted = wanted_columns()
@@ -133,6 +136,9 @@ def read_log(
     for sheet, own, name in zip(sheets, settled, names, strict=True):
         _check_wanted(sheet, own)
         numbers, _ = number_columns(sheet.table, {role: unit for role, (unit, _) in own.items()})
+        for role in NEEDED:
+            if not np.isfinite(numbers[role]).any():
+                raise DataFileError(f"{sheet.path}: column {sheet.names[role]}: no values")
         _check_sizes(sheet.table, numbers)
         runs, said = _runs(sheet.table, numbers, name, pause)
         parts += runs
@@ -199,7 +205,7 @@ def _runs(
     forward = forward[forward > 0.0]
     usual = float(np.median(forward)) if forward.size else 0.0
     # Labels say where runs end: only a pause that is asked for cuts them.
-    longest = pause or (np.inf if labelled else max(PAUSE, _STEPS * usual))
+    longest = pause if pause is not None else (np.inf if labelled else max(PAUSE, _STEPS * usual))
     notes, runs, short = [], [], []
     if untimed := int(np.isnan(t).sum()):
         notes.append(f"{table.path}: rows without a time, left out: {untimed}")

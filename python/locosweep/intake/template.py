@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from locosweep import _core
+from locosweep.diagnosis.report.units import rotary_unit
 from locosweep.errors import InputError
 from locosweep.files.channels import CHANNELS
 from locosweep.registry import unknown
@@ -103,7 +104,8 @@ def nominal_text(log: Log, given: Mapping[str, float]) -> tuple[str, list[str]]:
 def _line(setting: str, record: Parameter, entry: tuple[str, str], *, rotary: bool) -> str:
     if rotary and entry == ("robot", "mass"):
         return f"{setting:<22} # moment of inertia [kg m^2]"
-    unit = "" if record.unit == "1" else f" [{record.unit}]"
+    counted = rotary_unit(record.unit) if rotary else record.unit
+    unit = "" if counted == "1" else f" [{counted}]"
     hint = f"; {_HINTS[entry]}" if entry in _HINTS else ""
     return f"{setting:<22} # {record.meaning}{unit}{hint}"
 

@@ -110,7 +110,8 @@ def _position(sheets: Sequence[Sheet]) -> Reasoned:
             f"{sheets[0].path}: {sheets[0].names['x']} may be in any unit or plain counts: "
             "--unit x=mm or x=deg says it, counts are to be converted before"
         )
-    span = max(float(np.ptp(known)) for sheet in sheets if (known := _known(sheet)).size)
+    spans = [float(np.ptp(known)) for sheet in sheets if (known := _known(sheet)).size]
+    span = max(spans, default=0.0)
     if words & ANGLES:
         if span > _TURN:
             return "deg", f"as a span of {span:.3g} rad is {span / _TURN:.3g} turns"

@@ -55,7 +55,14 @@ def fixed_settings(result: Result, output: Output, shown: Collection[str]) -> li
         record = parameter(result.over)
         low, high = float(result.rivals.min()), float(result.rivals.max())
         words.append(f"${record.symbol}$ from {low:g} to {style.with_unit(high, record.unit)}")
+    if output.reduce == "quantile" and result.q is not None:
+        words.append(f"$q$ = {result.q:g}")
     return words
+
+
+def how_of(result: Holding, output: Output) -> Mapping[str, str]:
+    """Return law, drive, method and gait where the output was simulated with them."""
+    return result.how if quantity(output.quantity).simulated else {}
 
 
 def fixed_values(
@@ -67,10 +74,11 @@ def fixed_values(
     named, nor those in `shown`.
     """
     records = list(quantity(output.quantity).parameters)
-    if "law" in result.how:
-        records += law(result.how["law"]).parameters
-    if "drive" in result.how:
-        records += drive(result.how["drive"]).parameters
+    how = how_of(result, output)
+    if "law" in how:
+        records += law(how["law"]).parameters
+    if "drive" in how:
+        records += drive(how["drive"]).parameters
     found = []
     for name in dict.fromkeys(record.name for record in records):
         value = result.fixed.get(name)

@@ -115,8 +115,14 @@ def contours(
     _check_levels(levels)
     if min(values.shape) < 2 or (counted and output.integer):
         return
+    logarithmic = isinstance(norm, LogNorm)
+    if logarithmic:
+        values = np.where(values > 0.0, values, np.nan)
+        if not np.isfinite(values).any():
+            return
     largest = float(np.nanmax(np.abs(values)))
-    values = np.where(np.abs(values) < _ROUNDING * largest, 0.0, values)
+    if not logarithmic:
+        values = np.where(np.abs(values) < _ROUNDING * largest, 0.0, values)
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     if high - low <= _ROUNDING * largest:
         return
@@ -124,7 +130,6 @@ def contours(
         count = 7 if levels is None else int(levels)
         if count == 0:
             return
-        logarithmic = isinstance(norm, LogNorm)
         locator = LogLocator(subs=(1, 2, 5)) if logarithmic else MaxNLocator(count)
         levels = list(locator.tick_values(low, high))
     inner = sorted({float(level) for level in levels if low < level < high})

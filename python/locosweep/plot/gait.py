@@ -143,13 +143,18 @@ def line(t: Floats, values: Floats, ax: Axes, *, label: str, rank: int = 0,
 def joint_forces(run: GaitRun, ax: Axes) -> Axes:
     """Draw the force of every joint's actuator over time as colours, the head on top."""
     joints = run.force.shape[1]
-    edges = np.concatenate([run.t, [2 * run.t[-1] - run.t[-2]]])
+    last = run.t[-1] - run.t[-2] if len(run.t) > 1 else run.results["time"]
+    edges = np.concatenate([run.t, [run.t[-1] + last]])
     most = float(np.abs(run.force).max()) or 1.0
     mesh = ax.pcolormesh(
         edges, np.arange(joints + 1) + 0.5, run.force.T, cmap=style.DIVERGING,
         norm=CenteredNorm(0.0, most), rasterized=True,
     )  # fmt: skip
-    ax.set(ylabel="joint, from the head", ylim=(joints + 0.5, 0.5), xlim=(run.t[0], run.t[-1]))
+    ax.set(
+        ylabel="joint, from the head",
+        ylim=(joints + 0.5, 0.5),
+        xlim=(run.t[0], run.t[-1] if len(run.t) > 1 else edges[-1]),
+    )
     ax.yaxis.set_major_locator(MaxNLocator(8, integer=True))
     plain_numbers(ax)
     figure = ax.get_figure(root=True)

@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from locosweep.errors import InputError
 from locosweep.grid import few, index_of
 from locosweep.plot import cells, style
-from locosweep.plot.caption import better_when_larger, fixed_settings, reason, title
+from locosweep.plot.caption import better_when_larger, fixed_settings, how_of, reason, title
 from locosweep.plot.current import current_axes
 from locosweep.plot.legends import dress
 from locosweep.registry import Status, parameter, unknown
@@ -173,7 +173,9 @@ class Plotter:
             handles.append(star)
         handles += cells.hatch_cells(ax, codes, x_edges, y_edges, partial(reason, self.result))
         fixed = fixed_settings(self.result, output, self.result.axes)
-        dress(ax, title([style.simulated(self.result.how), *words], fixed, note), handles)
+        dress(
+            ax, title([style.simulated(how_of(self.result, output)), *words], fixed, note), handles
+        )
         cells.name_axis(ax.xaxis, x, xs)
         cells.name_axis(ax.yaxis, y, ys)
         return ax
@@ -262,6 +264,11 @@ class Plotter:
                 drawstyle="steps-mid" if output.integer and not whole_x else "default",
                 label=label or output.label,
             )
+            alone = np.pad(np.isfinite(values), 1)
+            alone = alone[1:-1] & ~alone[:-2] & ~alone[2:]
+            if alone.any() and not (whole_x or len(xs) == 1):
+                # A value between two gaps has no line.
+                ax.plot(xs[alone], values[alone], ls="none", marker=marker, ms=4.5, color=colour)
             if by is not None:
                 if not np.isfinite(values).any():
                     line[0].set_label(f"{label}: no value")
@@ -280,7 +287,12 @@ class Plotter:
             for code in sorted(seen - {0})
         ]
         fixed = fixed_settings(self.result, output, self.result.axes)
-        dress(ax, title([style.simulated(self.result.how), *words], fixed, note), gaps, handles)
+        dress(
+            ax,
+            title([style.simulated(how_of(self.result, output)), *words], fixed, note),
+            gaps,
+            handles,
+        )
         cells.name_axis(ax.xaxis, x, xs)
         ax.set_ylabel(style.output_label(output))
         if output.integer:

@@ -99,7 +99,9 @@ def with_unit(value: float, unit: str) -> str:
 def setting(name: str, value: float) -> str:
     """Return a parameter and its value: symbol, number, unit."""
     record = parameter(name)
-    return f"${record.symbol}$ = {with_unit(value, record.unit)}"
+    # Counts in full: one segment more is another robot.
+    count = f"{value:.0f}" if record.integer and np.isfinite(value) else ""
+    return f"${record.symbol}$ = {count or with_unit(value, record.unit)}"
 
 
 def simulated(how: Mapping[str, str]) -> str:

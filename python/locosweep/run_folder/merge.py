@@ -65,6 +65,9 @@ def merge(
     work: list[tuple[Path, State, int]] = []
     for source, manifest in found.items():
         theirs = State(source, manifest)
+        for chunk, what in theirs.damaged.items():
+            if chunk not in have:
+                raise DataFileError(altered(source, chunk, what))
         new = [chunk for chunk in sorted(theirs.done) if chunk not in have]
         have.update(new)
         work += [(source, theirs, chunk) for chunk in new]

@@ -158,7 +158,10 @@ class Run:
         """
         arrays.need("zarr")
         xr = arrays.need("xarray")
-        return xr.open_zarr(self.store, chunks=chunks, consolidated=True)  # type: ignore[no-any-return]
+        found = xr.open_zarr(self.store, chunks=chunks, consolidated=True)
+        # As of a result, and so that other formats take them: the store has them in one attribute.
+        found.attrs = {**self.fixed, **self.cells.how}
+        return found  # type: ignore[no-any-return]
 
     def to_result(self, **at: slice) -> Result:
         """Read the run, or the part of it between indices of its axes, as a `Result`.

@@ -6,6 +6,7 @@ import math
 import queue
 import threading
 import time
+from collections import deque
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -87,7 +88,7 @@ class Filler:
         self._ended: queue.SimpleQueue[None] = queue.SimpleQueue()
         self._writing = 0
         self._room = threading.Semaphore(HELD - 1)
-        self._renamed: list[Done] = []
+        self._renamed: deque[Done] = deque()
         self._stopped = False
         self._fault: BaseException | None = None
 
@@ -174,8 +175,9 @@ class Filler:
         files = commit_chunk(self._folder, plan, self._cells, chunk, blocks, lambda: self._stopped)
         self._renamed.append(Done(chunk, files, counts, seconds))
         with self._lock:
-            # What other threads renamed meanwhile goes along.
-            batch, self._renamed = self._renamed, []
+            # What other threads renamed meanwhile goes along. The container stays the same: one
+            # that is exchanged may be appended to when nobody reads it any more.
+            batch = [self._renamed.popleft() for _ in range(len(self._renamed))]
             if batch:
                 sync_folders(self._roots)
                 self._log.append(batch)

@@ -269,7 +269,8 @@ def run_gait(
                 )
         raise kind(said)
     if every is None:
-        every = results["time"] / (count - 1)
+        # A little less, so that no rounding puts the last sample behind the end.
+        every = results["time"] / (count - 1) * (1.0 - 1e-12)
     if not 0 < every < math.inf:
         raise InputError(f"every is {every!r} s: allowed is a number above 0")
     segments = len(first.slip)

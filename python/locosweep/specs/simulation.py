@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from locosweep import registry
-from locosweep.errors import InputError
+from locosweep.errors import DataFileError, InputError
 from locosweep.files.toml import moved
 from locosweep.files.units import DRIVES
 
@@ -114,6 +114,8 @@ def read_drive(path: str | os.PathLike[str]) -> Samples:
     t, drive = (numbers[name] for name in _COLUMNS)
     # Not the blank lines between and below.
     rows = np.flatnonzero(~(np.isnan(t) & np.isnan(drive)))
+    if not rows.size:
+        raise DataFileError(f"{path}: no rows")
     check_complete(f"{path}: ", "t", t[rows], rows)
     check_complete(f"{path}: ", "drive", drive[rows], rows)
     check_rising(f"{path}: ", t[rows], rows)

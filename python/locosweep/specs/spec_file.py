@@ -49,8 +49,9 @@ class SpecFile(ABC):
             of the wrong kind, number or range; names source, table and key.
         """
         source = cls._kind if source is None else source
+        document = toml.parse(text, source)
         with toml.refusing(source):
-            return cls._of(toml.parse(text, source), Path())
+            return cls._of(document, Path())
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:

@@ -115,9 +115,11 @@ def bars(found: Sensitivity, ax: Axes | None = None) -> Axes:
     places = np.arange(len(found.names))
     for kind, shift, (colour, _, _) in zip(("first", "total"), (-0.2, 0.2), style.LINES,
                                            strict=False):  # fmt: skip
-        index = table[kind].to_numpy()
+        # Of a share that is none, estimates below 0 are noise; intervals stay where they are.
+        index = np.maximum(table[kind].to_numpy(), 0.0)
         ends = [index - table[f"{kind}_low"].to_numpy(), table[f"{kind}_high"].to_numpy() - index]
-        ax.barh(places + shift, np.maximum(index, 0.0), 0.36, xerr=ends, color=colour,
+        ends = [np.maximum(end, 0.0) for end in ends]
+        ax.barh(places + shift, index, 0.36, xerr=ends, color=colour,
                 edgecolor="black", linewidth=0.6, capsize=3, hatch="" if kind == "first" else "//",
                 label="first order: alone" if kind == "first" else "total: with all others",
                 )  # fmt: skip

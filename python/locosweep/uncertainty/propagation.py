@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -47,11 +48,14 @@ class Need:
         """Read ``">= 0.01"``."""
         found = re.fullmatch(r"\s*(>=|<=|>|<)\s*(\S+)\s*", str(text))
         try:
-            return cls(found[1], float(found[2]))  # type: ignore[index]
+            need = cls(found[1], float(found[2]))  # type: ignore[index]
         except (TypeError, ValueError):
+            need = None
+        if need is None or not math.isfinite(need.bound):
             raise InputError(
                 f"need is {text!r}: allowed is >=, <=, > or < and a number, such as '>= 0.01'"
-            ) from None
+            )
+        return need
 
     def met(self, values: Floats) -> NDArray[np.bool_]:
         """Return which values meet it; none that is missing does."""

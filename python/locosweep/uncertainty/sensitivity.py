@@ -8,6 +8,7 @@ import numpy as np
 from scipy import stats
 
 from locosweep.errors import InputError
+from locosweep.grid import number
 from locosweep.result import Output, for_pandas
 from locosweep.uncertainty.evaluate import Running, evaluate, split
 from locosweep.uncertainty.unknowns import points, power_of_two, sequence, unknowns, whole_seed
@@ -214,6 +215,8 @@ def sensitivity(
     count = power_of_two("samples", samples)
     if count < 8 * REPLICATES:
         raise InputError(f"samples is {samples}: allowed is a power of two from {8 * REPLICATES}")
+    if failed is not None:
+        failed = number("failed", failed, "a finite number")
     grid, choice = split(known, {one.name for one in found})
     if grid.axes:
         name = next(iter(grid.axes))
@@ -241,8 +244,13 @@ def sensitivity(
     if failed is not None:
         values = np.where(np.isnan(values), failed, values)
     deviation = float(np.std(values[:2]))
-    if not np.ptp(values[:2], axis=-1).all():
+    if deviation == 0.0:
         raise InputError(f"{quantity} does not vary with {', '.join(o.key for o in found)}")
+    if not np.ptp(values[:2], axis=-1).all():
+        raise InputError(
+            f"samples is {samples}: {quantity} is the same at all points of one of the "
+            f"{REPLICATES} parts they are drawn in, more are needed"
+        )
     indices = stats.sobol_indices(
         func={"f_A": values[0], "f_B": values[1], "f_AB": values[2:]}, n=own
     )

@@ -91,7 +91,7 @@ def calls(result: Result, output: Output, axes: int) -> dict[str, Any]:
     how = result.how if quantity(name).simulated else {}
     choice = {key: how[key] for key in _CHOICES if key in how}
     shell = [
-        f"--set {key}={value:g}" if parameter(key).integer else f"--set {key}={value!r}"
+        f"--set {key}={value:.0f}" if parameter(key).integer else f"--set {key}={value!r}"
         for key, value in given.items()
     ]
     shell += [f"--{key} {shlex.quote(value)}" for key, value in choice.items()]

@@ -78,10 +78,12 @@ const HATCHES = [SLANTS[0], SLANTS[1], SLANTS.flat(), [2.5, 7.5], [5], [...FLAT,
 function tile(context, code) {
   const small = make("canvas", { width: 10, height: 10 });
   const c = small.getContext("2d");
-  c.fillStyle = ink("gap");
+  // There are more reasons than hatches: others are drawn light on dark, and then bold.
+  const turn = Math.floor((code - 1) / HATCHES.length);
+  c.fillStyle = ink(turn % 2 ? "hatch" : "gap");
   c.fillRect(0, 0, 10, 10);
-  c.strokeStyle = ink("hatch");
-  c.lineWidth = 1.3;
+  c.strokeStyle = c.fillStyle === ink("gap") ? ink("hatch") : ink("gap");
+  c.lineWidth = 1.3 + 1.6 * (turn >> 1);
   for (const line of HATCHES[(code - 1) % HATCHES.length]) {
     c.beginPath();
     if (Array.isArray(line)) c.moveTo(line[0], line[1]), c.lineTo(line[2], line[3]);

@@ -190,6 +190,8 @@ def _page(result: Result, kind: str, full: Axes, command: str | None, start: lis
         ends = (float(result.rivals.min()), float(result.rivals.max()))
         words.append(f"{result.over} from {ends[0]:g} to "
                      f"{style.with_unit(ends[1], parameter(result.over).unit)}")  # fmt: skip
+    if result.q is not None:
+        words.append(f"q {result.q:g}")
     script = script_of("canvas.js", "heat.js", "controls.js")
     return _template().render(
         title=_capital(", ".join(o.label for o in result.outputs)),
