@@ -80,9 +80,10 @@ function tile(context, code) {
   const c = small.getContext("2d");
   // There are more reasons than hatches: others are drawn light on dark, and then bold.
   const turn = Math.floor((code - 1) / HATCHES.length);
-  c.fillStyle = ink(turn % 2 ? "hatch" : "gap");
+  const [below, above] = turn % 2 ? ["hatch", "gap"] : ["gap", "hatch"];
+  c.fillStyle = ink(below);
   c.fillRect(0, 0, 10, 10);
-  c.strokeStyle = c.fillStyle === ink("gap") ? ink("hatch") : ink("gap");
+  c.strokeStyle = ink(above);
   c.lineWidth = 1.3 + 1.6 * (turn >> 1);
   for (const line of HATCHES[(code - 1) % HATCHES.length]) {
     c.beginPath();
