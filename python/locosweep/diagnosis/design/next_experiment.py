@@ -134,10 +134,10 @@ def next_experiment(
 
 
 def both_ways(problem: Problem) -> dict[str, Any]:
-    """Propose to go back the same way, if no place was passed in either direction.
+    """Propose to go back the same way, if no part of it was travelled in both directions.
 
-    Friction along the way is then as good as any force by place: only friction turns round with
-    the motion.
+    Friction along the way does then as well as a force that depends on position: only friction
+    reverses with the motion.
     """
     motions = problem.motions
     low, high = min(m.x.min() for m in motions), max(m.x.max() for m in motions)
@@ -149,7 +149,9 @@ def both_ways(problem: Problem) -> dict[str, Any]:
         backward |= set(at[m.v < -m.resting_speed].tolist())
     if forward & backward:
         return {"separates": [], "suggestion": None}
-    said = f"{BACK.what}: friction turns round with the motion, a force by place does not"
+    said = (
+        f"{BACK.what}: friction reverses with the motion, a force that depends on position does not"
+    )
     return {"separates": [], "suggestion": said, "possible": True, "menu": []}
 
 
