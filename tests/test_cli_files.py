@@ -155,3 +155,16 @@ def test_a_drive_file_without_rows_is_named(here: Path) -> None:
     (here / "none.csv").write_text("t,drive\n,\n,\n")
     with pytest.raises(ls.DataFileError, match=r"none\.csv: no rows"):
         ls.sweep("final_position", mu_coulomb=0.3, table=read_drive("none.csv"))
+
+
+def test_friction_needs_a_force() -> None:
+    data = {"t": T, "v": np.cos(9.0 * T), "force": np.zeros(T.size)}
+    for force in (0.0, 1e200):
+        with pytest.raises(ls.InputError, match="the friction force is up to"):
+            ls.fit_friction(data | {"force": np.full(T.size, force)})
+
+
+def test_what_is_unknown_is_a_mapping() -> None:
+    for wrong in (["mass"], {3: "0.1:0.2"}):
+        with pytest.raises(ls.InputError, match="allowed are distributions by names"):
+            ls.propagate("mean_velocity", wrong)

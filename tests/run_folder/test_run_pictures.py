@@ -150,3 +150,12 @@ def test_the_command_draws_a_run(
     assert main(("plot", str(tmp_path), "--out", "no.png")) == 2
     assert capsys.readouterr().err.count("\n") == 1
     assert not (tmp_path / "no.png").exists()
+
+
+def test_a_picture_of_a_run_names_what_it_is_cut_at(tmp_path: Path) -> None:
+    run = ls.sweep(**CLOSED, out=tmp_path / "run")
+    result = ls.sweep(**CLOSED)
+    titles = [one.plot.heatmap("segments", "mu_static", slope_deg=0).get_title()
+              for one in (run, result)]  # fmt: skip
+    assert titles[0] == titles[1]
+    run.plot.curves("segments", by="mu_static", mu_static=0.5, slope_deg=0)

@@ -12,6 +12,8 @@ import pytest
 from run_cases import CLOSED, data_files, same
 
 import locosweep as ls
+from locosweep.cli import main
+from locosweep.run_folder import begin
 from locosweep.run_folder.manifest import _digest
 from locosweep.run_folder.verify import repair, verify
 
@@ -193,3 +195,16 @@ def test_random_bytes_in_a_manifest_are_refused(folder: Path) -> None:
             continue
         # A byte that means the same: a blank for another, or itself.
         assert run.manifest.spec == json.loads(whole)["spec"]
+
+
+def test_bits_of_another_version_are_repaired_where_that_is_allowed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = ls.sweep(**CLOSED, chunk=40, out=tmp_path / "run")
+    file = next((run.folder / "data.zarr").rglob(run.manifest.plan.key(1)))
+    file.write_bytes(b"\0" + file.read_bytes()[1:])
+    monkeypatch.setattr(begin, "NUMERICS_VERSION", -1)
+    command = ["verify", str(run.folder), "--repair"]
+    assert main(command) == 2
+    assert main([*command, "--allow-drift"]) == 0
+    assert ls.open_run(run.folder).complete

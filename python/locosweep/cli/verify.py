@@ -19,17 +19,27 @@ _DAMAGED = 1
 @click.command()
 @run_argument
 @click.option("--repair", "mend", is_flag=True, help="Compute damaged chunks again.")
+@click.option("--allow-drift", is_flag=True, help="Repair although this version gives other bits.")
 @threads_option
 @progress_option
 @json_option
 @click.pass_context
-def verify(ctx: click.Context, run: Path, mend: bool, threads: int | None, json_: bool) -> None:
+def verify(
+    ctx: click.Context,
+    run: Path,
+    mend: bool,
+    allow_drift: bool,
+    threads: int | None,
+    json_: bool,
+) -> None:
     """Read all files of a run folder and say which were altered; the exit code is then 1."""
     from locosweep.run_folder import verify as checks
 
     found = checks.verify(run, meter("verify", "chunks"))
     damaged = [f"{fault.file}: {fault.what}" for fault in found.faults]
-    repaired = checks.repair(run, found, threads) if mend and damaged else 0
+    repaired = 0
+    if mend and damaged:
+        repaired = checks.repair(run, found, threads, allow_drift=allow_drift)
     if repaired:
         # What is reported is what lies there now.
         found = checks.verify(run, meter("verify", "chunks"))

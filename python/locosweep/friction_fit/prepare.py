@@ -28,6 +28,8 @@ _LEAST_ROWS = 20
 _FOLDS = 5
 _PIECES = 10
 """Pieces of a run whose parts are held out in turn."""
+_LARGEST_FORCE = 1e12
+"""N from which squares of forces leave what fits can reckon with: no rig has them."""
 _FITTED = 255
 _SPIKE = 15.0
 """Spreads from which a lone sample is a fault of the sensor."""
@@ -160,6 +162,12 @@ def prepare(
         PreparedRun(**m.at(pick), rows=rows.astype(np.int64), folds=fold)
         for (m, pick, rows), fold in zip(kept, folds, strict=True)
     ]
+    forces = np.concatenate([np.abs(run.force[run.rows]) for run in runs])
+    if not 0.0 < float(forces.max()) < _LARGEST_FORCE:
+        raise InputError(
+            f"the friction force is up to {forces.max():.3g} N: allowed is more than 0 and less "
+            f"than {_LARGEST_FORCE:.0e} N"
+        )
     loads = np.concatenate([np.abs(run.load[run.rows]) for run in runs])
     middle = float(np.median(loads))
     loaded = bool(middle > 0 and np.ptp(loads) > _SPREAD * middle)

@@ -10,7 +10,7 @@ import numpy as np
 from locosweep.plot.heatmap import Plotter, check_axis, cut, drawn, two
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from matplotlib.axes import Axes
 
@@ -79,7 +79,7 @@ class RunPlotter:
         some = [f"{len(index)} of {len(axes[name])} values of {name}"
                 for name, index in kept.items() if len(index) < len(axes[name])]  # fmt: skip
         at |= {name: axes[name][index] for name, index in kept.items()}
-        part = self._run.sel(**at)
+        part = self._run.sel(**_kept(at))
         words = [note] * bool(note) + ["drawn: " + ", ".join(some)] * bool(some)
         return part.plot.heatmap(x, y, value, note="; ".join(words), **style)
 
@@ -109,7 +109,12 @@ class RunPlotter:
         for name in kept:
             check_axis(axes, name)
         cut(axes, kept, {name: wanted for name, wanted in at.items() if name != by})
-        return self._run.sel(**at).plot.curves(x, value=value, by=by, **style)
+        return self._run.sel(**_kept(at)).plot.curves(x, value=value, by=by, **style)
+
+
+def _kept(at: Mapping[str, Any]) -> dict[str, Any]:
+    """Keep the axes that are cut at a value, so that pictures name it as those of a result do."""
+    return {name: np.atleast_1d(value) for name, value in at.items()}
 
 
 def _parted(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +16,7 @@ from locosweep.grid import real_array
 from locosweep.registry import parameter
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -75,6 +76,8 @@ def unknowns(given: Mapping[str, Any]) -> list[Unknown]:
     >>> float(one.quantile(0.5))
     5.0
     """
+    if not isinstance(given, Mapping) or not all(isinstance(name, str) for name in given):
+        raise InputError(f"unknown is {given!r}: allowed are distributions by names of parameters")
     if not given:
         raise InputError("unknown is empty: name at least one parameter and its distribution")
     found = []
