@@ -115,8 +115,8 @@ def _read(name: str, value: Any) -> tuple[float, NDArray[np.float64] | None]:
         unit = parameter(name).unit
         try:
             value = value.to("dimensionless" if unit == "1" else unit).magnitude
-        except Exception as error:
-            # Pint, or whatever else has a magnitude, says itself what does not fit.
+        except (TypeError, ValueError, AttributeError) as error:
+            # Units that do not fit, or that nobody knows: so say Pint and packages like it.
             raise InputError(f"{name} is {value}: {error}") from None
     array = real_array(name, value)
     if array.ndim > 1:

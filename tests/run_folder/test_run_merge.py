@@ -99,3 +99,11 @@ def test_a_damaged_chunk_of_a_source_is_told(tmp_path: Path) -> None:
     file.write_bytes(file.read_bytes()[:-8])
     with pytest.raises(ls.DataFileError, match="chunk 1 is damaged"):
         merge([source.folder], tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_damaged_chunk_that_another_source_has_is_taken_from_there(tmp_path: Path) -> None:
+    bad, good = (ls.sweep(**CLOSED, chunk=100, out=tmp_path / name) for name in ("bad", "good"))
+    file = next((bad.folder / "data.zarr").rglob(bad.manifest.plan.key(1)))
+    file.write_bytes(file.read_bytes()[:-8])
+    assert merge([bad.folder, good.folder], tmp_path / "out").complete

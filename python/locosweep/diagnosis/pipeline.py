@@ -50,7 +50,7 @@ from locosweep.diagnosis.select.search import Search
 from locosweep.diagnosis.select.verdict import Choice, choose, kept_may_show_a_gap, partial_choice
 from locosweep.diagnosis.select.whiteness import stray_readings
 from locosweep.engine import whole
-from locosweep.errors import DataFileError, InputError
+from locosweep.errors import InputError
 from locosweep.files.csv_form import CsvForm
 from locosweep.linear_algebra import on_one_thread
 from locosweep.progress import Steps, progress_of
@@ -278,7 +278,7 @@ def _if_enough(
     """Prepare runs from which readings were masked; None if too few are left."""
     try:
         return _prepared(robot, checked, holdout, workers)
-    except DataFileError:
+    except InputError:
         return None
 
 

@@ -58,16 +58,18 @@ def merge(
         first, whole = next(iter(found.items()))
     for source, manifest in found.items():
         _check_same(source, manifest, first, whole)
+    states = {source: State(source, manifest) for source, manifest in found.items()}
+    there = {chunk for theirs in states.values() for chunk in theirs.done}
+    for source, theirs in states.items():
+        for chunk, what in theirs.damaged.items():
+            if chunk not in there:
+                raise DataFileError(altered(source, chunk, what))
     make_run(folder, whole)
     prepare(folder, whole)
     state = State(folder, whole)
     have = set(state.done)
     work: list[tuple[Path, State, int]] = []
-    for source, manifest in found.items():
-        theirs = State(source, manifest)
-        for chunk, what in theirs.damaged.items():
-            if chunk not in have:
-                raise DataFileError(altered(source, chunk, what))
+    for source, theirs in states.items():
         new = [chunk for chunk in sorted(theirs.done) if chunk not in have]
         have.update(new)
         work += [(source, theirs, chunk) for chunk in new]

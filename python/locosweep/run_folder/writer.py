@@ -175,8 +175,8 @@ class Filler:
         files = commit_chunk(self._folder, plan, self._cells, chunk, blocks, lambda: self._stopped)
         self._renamed.append(Done(chunk, files, counts, seconds))
         with self._lock:
-            # What other threads renamed meanwhile goes along. The container stays the same: one
-            # that is exchanged may be appended to when nobody reads it any more.
+            # What other threads renamed meanwhile goes along. The queue is emptied, not replaced: a
+            # thread that is about to append would append to the old one, which nobody reads.
             batch = [self._renamed.popleft() for _ in range(len(self._renamed))]
             if batch:
                 sync_folders(self._roots)

@@ -74,8 +74,8 @@ def _variables(fit: Fit) -> list[str]:
 def _score_with_other_law(search: Search, fit: Fit) -> tuple[tuple[bool, float] | None, list[str]]:
     """Score of a fit with other laws, and what carries something beside it, the most first.
 
-    With the score comes whether some other variable is clearly likelier, if only by what knots
-    make out.
+    Before the score stands whether some other variable is clearly likelier, though by no more than
+    the distance of knots can make.
     """
     own = _variables(fit)
     problem = search.problem

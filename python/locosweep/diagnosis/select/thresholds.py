@@ -73,17 +73,19 @@ in each: each of those bends to what the formula's refit leaves in its run."""
 STRANGE_RUNS = 3
 """Fewer than one run in so many may be other than the others predict."""
 MISFIT_TIE = 0.25
-"""Share of what another law takes of a formula's rest by which its rivals may be farther behind: a
-law that does not fit leaves more than noise, and so may they."""
+"""Part of the chi2 that another law takes of a formula's rest, by which rivals may be farther
+behind than `TIE`: a formula that does not fit leaves more than noise, and so may they. Not
+derived."""
 PREDICTION_LIMIT = 4.0
 """Deviations of the whiteness test up to which prediction errors of all runs are noise."""
 BENDING_SHARE, BENDING_GAIN = 0.02, 100.0
 """Share of a gap, and gain in chi2, below which an effect through another one's variable is no
 cause of its own."""
 AT_AN_END = 0.02
-"""Share of a shape's range, in its logarithm, within which it counts as at the end."""
+"""Share of a shape's range, in its logarithm, within which it counts as at the end. Not derived."""
 STALLED = 0.5
-"""Share of a rest far above the noise that an effect may leave before no third one is tried."""
+"""Share of a rest, in chi2 beyond noise, that a second effect may leave for a third one to be
+tried: with more left, the cause is not in the list. Not derived."""
 
 TOSS_UP = 0.5
 """Probability of a verdict that stands right at its threshold: either side is as likely."""

@@ -23,7 +23,8 @@ BLOCKS = (4, 16, 64, 256)
 _FEWEST, _FEWEST_BLOCKS = 32, 4
 """Samples, and blocks of a length, that a test needs at least."""
 _LEAST_NOISE = 0.5
-"""Least variance of noise, in that stated: where too large a noise is stated, no gap below is."""
+"""Least variance of noise, in the stated one: a smaller rest is taken for noise that was stated too
+large, so that nothing in it counts as a gap."""
 
 
 @dataclass(frozen=True)
