@@ -550,8 +550,11 @@ def test_colours_of_a_log_norm_take_values_of_any_sign_and_size(slopes):
 def test_a_value_between_two_gaps_is_a_point():
     r = ls.sweep("cycle_time", slope_deg=[-30, 0, 40], segments=4, mu_static=0.5, mu_coulomb=0.3)
     assert np.isfinite(r.values).tolist() == [False, True, False]
-    points = [line for line in r.plot.curves("slope_deg").lines if line.get_marker() != ""]
+    ax = r.plot.curves("slope_deg")
+    points = [line for line in ax.lines if line.get_marker() != ""]
     assert any(line.get_xdata().tolist() == [0.0] for line in points)
+    assert ax.get_xlim()[0] <= -30.0
+    assert ax.get_xlim()[1] >= 40.0
 
 
 def test_counts_are_written_in_full():

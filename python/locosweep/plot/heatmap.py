@@ -269,6 +269,9 @@ class Plotter:
             if alone.any() and not (whole_x or len(xs) == 1):
                 # A value between two gaps has no line.
                 ax.plot(xs[alone], values[alone], ls="none", marker=marker, ms=4.5, color=colour)
+                # The gaps beside it are to be seen as well.
+                ax.update_datalim([(x_end, values[alone][0]) for x_end in (xs[0], xs[-1])])
+                ax.autoscale_view()
             if by is not None:
                 if not np.isfinite(values).any():
                     line[0].set_label(f"{label}: no value")
