@@ -101,7 +101,7 @@ fn multiply_adds(c: &mut Criterion) {
     let rounds = 10_000;
     let count = rounds * MultiplyAdds::CHAINS * MultiplyAdds::LANES;
     for (level, threads) in variants() {
-        // Without fused multiply-add the chains do not fit the registers.
+        // Plain numbers have no multiply-add of their own there.
         if level == Level::Baseline {
             continue;
         }

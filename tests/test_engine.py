@@ -181,9 +181,8 @@ def test_lanes_do_not_change_the_result():
         array = np.full(grid.shape, 7.0)
         job.run([(0, array)], 2, None, None, None, level)
         results.append(array)
-    # Without fused multiply-add some differences cancel to fewer digits.
     for array in results:
-        np.testing.assert_allclose(array, results[0], rtol=1e-12)
+        assert same(array, results[0])
 
 
 @settings(deadline=None)

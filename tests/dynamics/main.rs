@@ -235,12 +235,6 @@ fn samples() -> (Vec<f64>, Vec<f64>) {
     (times, values)
 }
 
-/// Levels with a fused multiply-add: they agree in every bit.
-fn fused() -> Vec<Level> {
-    let levels = Level::available().into_iter();
-    levels.filter(|l| cfg!(target_arch = "aarch64") || *l != Level::Baseline).collect()
-}
-
 #[track_caller]
 fn near(value: f64, expected: f64, relative: f64) {
     let miss = (value - expected).abs();

@@ -74,7 +74,7 @@ fn lanes_give_the_bits_of_the_scalar() {
         let segment = Segment::new(kind, table, &values);
         let one = SCALARS.iter().find(|one| one.0 == case.choice.law).unwrap().1;
         let tally = one(&segment, &values, case.choice.method.as_deref().unwrap());
-        for level in fused() {
+        for level in Level::available() {
             let (got, _) = results(&case.all(), Options { level, ..options(1, 64) });
             for (output, got) in Output::ALL.iter().zip(got) {
                 let what = format!("{} {} {level:?}", case.name(), output.info().name);

@@ -72,7 +72,7 @@ fn threads_and_levels_do_not_change_a_trace() {
         for threads in [2, 3] {
             assert!(traced(&case, &stations, options(threads, 7)) == expected, "{law}");
         }
-        for level in fused() {
+        for level in Level::available() {
             let at = Options { level, ..options(2, 64) };
             let got = traced(&case, &stations, at);
             same(&got.x, &expected.x, law);

@@ -5,7 +5,7 @@ use super::*;
 #[test]
 fn lanes_do_not_look_at_their_neighbours() {
     let run = run(400, 2e-3);
-    for level in Level::available().into_iter().filter(|l| *l != Level::Baseline) {
+    for level in Level::available() {
         for effect in Effect::ALL {
             let active = Active::default().with(*effect);
             let make = |i: usize| {
@@ -37,8 +37,7 @@ pub(super) const REFINED: [[Effect; 2]; 4] = [
 #[test]
 fn steps_that_know_their_error_do_not_look_at_their_neighbours() {
     let run = run(400, 2e-3);
-    let fused = |l: &Level| cfg!(target_arch = "aarch64") || *l != Level::Baseline;
-    for level in Level::available().into_iter().filter(fused) {
+    for level in Level::available() {
         for pair in REFINED {
             let make = |i: usize| {
                 let (mut active, mut values) = (Active::default(), [0.0; EFFECT_PARAMS]);
@@ -108,14 +107,12 @@ fn threads_and_the_order_of_columns_do_not_change_bits() {
 }
 
 #[test]
-fn levels_with_fused_multiply_add_agree() {
+fn levels_agree() {
     let runs = [run(300, 2e-3), run(300, 1e-3)];
-    let fused = Level::available().into_iter();
-    let fused: Vec<Level> =
-        fused.filter(|l| cfg!(target_arch = "aarch64") || *l != Level::Baseline).collect();
+    let levels = Level::available();
     let at = |level| replay(&NOMINAL, &runs, &mixed(), (level, 2), &Control::default()).unwrap();
-    for level in fused.iter().skip(1) {
-        assert!(at(*level) == at(fused[0]), "{level:?}");
+    for level in &levels[1..] {
+        assert!(at(*level) == at(levels[0]), "{level:?}");
     }
 }
 

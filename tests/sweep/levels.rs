@@ -1,5 +1,4 @@
-//! SIMD levels: those with a fused multiply-add agree in every bit, the baseline
-//! within a bound.
+//! SIMD levels agree in every bit.
 
 use super::*;
 
@@ -46,21 +45,15 @@ fn random_grids(count: usize) -> Vec<(Axes, Fixed)> {
         .collect()
 }
 
-fn fused() -> Vec<Level> {
-    let levels = Level::available().into_iter();
-    levels.filter(|l| cfg!(target_arch = "aarch64") || *l != Level::Baseline).collect()
-}
-
 #[test]
-fn fused_levels_give_the_same_bits() {
-    let levels = fused();
+fn levels_give_the_same_bits() {
+    let levels = Level::available();
     let mut points = 0;
     for (axes, fixed) in random_grids(4) {
         let job = job(&axes, &fixed, all());
         points += job.cells() * closed().len();
         let at = |level| results(&job, Options { level, ..options(2, DEFAULT_CHUNK) });
-        let Some(first) = levels.first() else { return };
-        let (expected, codes) = at(*first);
+        let (expected, codes) = at(levels[0]);
         for level in &levels[1..] {
             let (got, got_codes) = at(*level);
             for (n, entry) in closed().into_iter().enumerate() {
@@ -74,8 +67,8 @@ fn fused_levels_give_the_same_bits() {
 }
 
 #[test]
-fn fused_levels_reduce_to_the_same_bits() {
-    let levels = fused();
+fn levels_reduce_to_the_same_bits() {
+    let levels = Level::available();
     for (axes, fixed) in random_grids(2) {
         for job in reduced(&axes, &fixed, "segments", "mean_velocity") {
             let at = |level| values(&job, Options { level, ..options(2, DEFAULT_CHUNK) });
@@ -104,9 +97,6 @@ fn scalars() -> Vec<Scalar> {
 
 #[test]
 fn engine_and_scalar_formula_give_the_same_bits() {
-    if fused().is_empty() {
-        return;
-    }
     for (axes, fixed) in random_grids(2) {
         let job = job(&axes, &fixed, all());
         let (got, _) = results(&job, options(2, DEFAULT_CHUNK));
@@ -128,77 +118,4 @@ fn given(axes: &Axes, fixed: &Fixed, cell: usize) -> Vec<(ParamId, f64)> {
         rest /= values.len();
     }
     all
-}
-
-/// How far a value moves, at most, when every input moves by its relative `h`,
-/// over `h`; `None` at a border, where a value appears or vanishes.
-fn sensitivity(value: fn(&Point<f64>) -> f64, given: &[(ParamId, f64)]) -> Option<f64> {
-    let h = 1e-6;
-    let here = value(&Point::of(given));
-    let mut sum = here.abs();
-    for (i, (id, x)) in given.iter().enumerate() {
-        if id.param().integer || *x == 0.0 || x.is_infinite() {
-            continue;
-        }
-        for sign in [-1.0, 1.0] {
-            let mut moved = given.to_vec();
-            moved[i].1 = x * (1.0 + sign * h);
-            let change = (value(&Point::of(&moved)) - here).abs();
-            if change.is_nan() != here.is_nan() {
-                return None;
-            }
-            sum += change / h;
-        }
-    }
-    Some(sum)
-}
-
-/// Without a fused multiply-add the last bits differ, by no more than if every
-/// input had moved by `ALLOWED` units in its last place: a few ulp where nothing
-/// cancels, relative to the terms where they do.
-#[test]
-fn baseline_stays_within_its_bound() {
-    const ALLOWED: f64 = 4.0;
-    // The zero of a derivative: the rounding of its terms counts beside that of the point.
-    const ALLOWED_OF_A_ZERO: f64 = 8.0;
-    if fused().is_empty() || cfg!(target_arch = "aarch64") {
-        return;
-    }
-    let all_scalars = scalars();
-    let mut worst = vec![(0.0f64, 0.0f64, 0.0f64); all_scalars.len()];
-    let mut borders = 0;
-    for (axes, fixed) in random_grids(4) {
-        let job = job(&axes, &fixed, all());
-        let (exact, codes) = results(&job, options(2, DEFAULT_CHUNK));
-        let at_baseline = Options { level: Level::Baseline, ..options(2, DEFAULT_CHUNK) };
-        let (got, got_codes) = results(&job, at_baseline);
-        for (n, (name, integer, value)) in all_scalars.iter().enumerate() {
-            // The sensitivity takes some thirty evaluations.
-            for cell in (n % 7..job.cells()).step_by(7) {
-                let (a, b) = (exact[n][cell], got[n][cell]);
-                if codes[n][cell] == got_codes[n][cell] && (a == b || a.is_nan()) {
-                    continue;
-                }
-                let point = given(&axes, &fixed, cell);
-                let Some(size) = sensitivity(*value, &point) else {
-                    borders += 1;
-                    continue;
-                };
-                assert!(!integer, "{name}: {a} and {b} at {point:?}");
-                let ulp = (a - b).abs() / (a.abs().next_up() - a.abs());
-                let error = (a - b).abs() / (size * f64::EPSILON);
-                let relative = (a - b).abs() / a.abs();
-                let w = &mut worst[n];
-                *w = (w.0.max(error), w.1.max(ulp), w.2.max(relative));
-                let is_zero = *name == "optimal_segments";
-                let allowed = if is_zero { ALLOWED_OF_A_ZERO } else { ALLOWED };
-                assert!(error <= allowed, "{name}: {a:e} and {b:e}, {error} at {point:?}");
-            }
-        }
-    }
-    println!("baseline against fused, {borders} border cells left out");
-    println!("{:<20} {:>10} {:>12} {:>12}", "quantity", "of bound", "worst ulp", "relative");
-    for ((name, ..), (error, ulp, relative)) in all_scalars.iter().zip(&worst) {
-        println!("{name:<20} {:>9.0}% {ulp:>12.1} {relative:>12.1e}", 100.0 * error / ALLOWED);
-    }
 }

@@ -87,8 +87,8 @@ def refuse_drift(folder: Path, found: Manifest, probe: str) -> None:
     if _drifted(found, probe):
         raise InputError(
             f"{folder} was begun by locosweep {found.versions.get('locosweep')} with other bits "
-            f"(numerics_version {found.numerics_version}, here {NUMERICS_VERSION}, or another SIMD "
-            "level): name another folder, or allow it (--allow-drift)"
+            f"(numerics_version {found.numerics_version}, here {NUMERICS_VERSION}): name another "
+            "folder, or allow it (--allow-drift)"
         )
 
 

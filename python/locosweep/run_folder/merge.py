@@ -89,7 +89,7 @@ def _check_same(source: Path, manifest: Manifest, first: Path, whole: Manifest) 
     if manifest.spec_sha256 != whole.spec_sha256:
         reason = "another sweep"
     elif (manifest.numerics_version, manifest.probe) != (whole.numerics_version, whole.probe):
-        reason, advice = "other bits", " (computed by another version, or at another SIMD level)"
+        reason, advice = "other bits", " (computed by another version)"
     elif manifest.plan != whole.plan:
         reason, advice = "other chunks", " (give all of them the same --chunk)"
     elif manifest.store != whole.store:

@@ -26,7 +26,6 @@ pub fn displaced(level: Level, work: Along) {
 
 impl Task for Along<'_, '_, '_> {
     type Output = ();
-    const SCALAR_BASELINE: bool = true;
     const AVX2_AT_MOST: bool = true;
 
     #[inline(always)]

@@ -121,7 +121,6 @@ const TILE: usize = 32;
 
 impl Task for Group<'_, '_, '_> {
     type Output = ();
-    const SCALAR_BASELINE: bool = true;
     // Sixteen lanes wait for one another at more events. With eight, processor time of the
     // diagnoses of `benches/diagnosis.py` without a gap, with a lag and with Stribeck friction
     // was 8 to 20 % less, that with bristles 7 to 13 % more (two rounds each at

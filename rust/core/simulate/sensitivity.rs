@@ -41,7 +41,6 @@ pub struct Sensitivity<'a, 'b> {
 
 impl Task for Sensitivity<'_, '_> {
     type Output = ();
-    const SCALAR_BASELINE: bool = true;
     const AVX2_AT_MOST: bool = true;
 
     #[inline(always)]

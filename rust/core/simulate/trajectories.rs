@@ -97,7 +97,6 @@ struct DryRuns<'a, Q> {
 
 impl<Q: Dry> Task for DryRuns<'_, Q> {
     type Output = ();
-    const SCALAR_BASELINE: bool = true;
 
     #[inline(always)]
     fn run<P: Pack>(self, token: P::Token) {
@@ -154,7 +153,6 @@ struct SmoothRuns<'a, Q> {
 
 impl<Q: Smooth> Task for SmoothRuns<'_, Q> {
     type Output = ();
-    const SCALAR_BASELINE: bool = true;
     const CHAINED: bool = true;
 
     #[inline(always)]
@@ -189,7 +187,6 @@ struct BristleRuns<'a, Q> {
 
 impl<Q: Bristle> Task for BristleRuns<'_, Q> {
     type Output = ();
-    const SCALAR_BASELINE: bool = true;
 
     #[inline(always)]
     fn run<P: Pack>(self, token: P::Token) {

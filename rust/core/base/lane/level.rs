@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Level {
-    /// SSE2 on x86-64, NEON on arm64.
+    /// Plain numbers on x86-64, where vectors have no fused multiply-add; NEON on arm64.
     Baseline,
     Avx2,
     Avx512,
@@ -69,10 +69,7 @@ pub trait Task {
     /// Packs per register file: 4 vectors in flight where the loop carries a
     /// dependence (a running best), 2 where points are independent.
     const CHAINED: bool = false;
-    /// Scalars will do below AVX2: large kernels, compiled for processors that
-    /// are hardly in use any more, would cost more to build than they save.
-    const SCALAR_BASELINE: bool = false;
-    /// AVX2 will do above it, for the same reason.
+    /// AVX2 will do above it: a kernel this large costs more to build than it saves.
     const AVX2_AT_MOST: bool = false;
     fn run<P: Pack>(self, token: P::Token) -> Self::Output;
 }
@@ -126,16 +123,7 @@ pub fn run<T: Task>(level: Level, task: T) -> T::Output {
             }
             Level::Avx512 | Level::Baseline => {}
         }
-        if let Some(simd) = found.as_sse2() {
-            if T::SCALAR_BASELINE {
-                return task.run::<f64>(simd);
-            }
-            return simd.vectorize(
-                #[inline(always)]
-                || task.run::<Pack1<_>>(simd),
-            );
-        }
-        unreachable!("every x86-64 processor has SSE2");
+        task.run::<f64>(scalar_token())
     }
     #[cfg(target_arch = "aarch64")]
     {

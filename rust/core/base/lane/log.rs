@@ -1,9 +1,7 @@
 //! Natural logarithm and powers, over lanes.
 //!
 //! The logarithm is kept in two parts until the end: a power multiplies it by
-//! an exponent, and e^x turns the error of x into a relative one. Where the
-//! level has no fused multiply-add the second part loses most of its digits
-//! and `power` falls back to the error of a plain logarithm.
+//! an exponent, and e^x turns the error of x into a relative one.
 
 use super::Lane;
 use super::exp::exp;

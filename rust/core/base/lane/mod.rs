@@ -2,9 +2,8 @@
 //! the widest registers of the machine.
 //!
 //! Every lane does the same operations in the same order, nothing is
-//! reassociated, and [`Lane::mul_add`] rounds once wherever the processor can:
-//! AVX-512, AVX2+FMA, NEON and the scalar `f64` give the same bits. Only the
-//! x86 baseline (SSE2, no fused multiply-add) rounds twice there.
+//! reassociated, and [`Lane::mul_add`] rounds once: AVX-512, AVX2, NEON and the
+//! scalar `f64` give the same bits.
 
 mod dual;
 pub mod exp;
@@ -53,7 +52,7 @@ pub trait Lane:
 
     /// The same number in every lane, as many lanes as `self` has.
     fn splat(self, value: f64) -> Self;
-    /// `self * a + b`, rounded once where the level has a fused multiply-add.
+    /// `self * a + b`, rounded once.
     fn mul_add(self, a: Self, b: Self) -> Self;
     fn sqrt(self) -> Self;
     /// `sqrt` for arguments in [1e-290, 1e290] or NaN: correctly rounded, as

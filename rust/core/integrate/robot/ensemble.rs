@@ -151,7 +151,6 @@ struct Packs<'a, F> {
 
 impl<F: FnMut(usize, GaitTally<f64>)> Task for Packs<'_, F> {
     type Output = ();
-    const SCALAR_BASELINE: bool = true;
 
     #[inline(always)]
     fn run<P: Pack>(mut self, token: P::Token) {

@@ -251,8 +251,8 @@ impl Task for Whiten<'_> {
     }
 }
 
-/// Packs that `WIDE` numbers take, two at most.
-const PACKS: usize = 2;
+/// Packs that `WIDE` numbers take at most: one each where packs are plain numbers.
+const PACKS: usize = WIDE;
 
 #[inline(always)]
 fn total<P: Pack>(sums: [P; PACKS]) -> f64 {
