@@ -21,7 +21,7 @@ RUST_ORDER = [
     {"formulas"},
     {"cells", "physics"},
     {"integrate"},
-    {"simulate"},
+    {"replay", "simulate"},
     {"sweep"},
     {"friction_fit"},
 ]

@@ -28,4 +28,4 @@ pub use trace::{Traces, trace};
 
 use locosweep_base::{describe, error, lane};
 use {locosweep_cells as cells, locosweep_integrate as integrate};
-use {locosweep_physics as physics, locosweep_simulate as simulate};
+use {locosweep_physics as physics, locosweep_replay as replays, locosweep_simulate as simulate};

@@ -6,10 +6,10 @@ use super::pool::pool;
 use crate::error::{Error, Result};
 use crate::lane::Level;
 use crate::physics::effects::{Nominal, shortness};
-pub use crate::simulate::replay::{Column, Run};
-use crate::simulate::replay::{Group, PACK, Part, Scratch, replay_pack};
-pub use crate::simulate::sensitivity::{DIRECTIONS, OTHER_DIRECTIONS};
-use crate::simulate::sensitivity::{Derived, Sensitivity, replay_derived};
+pub use crate::replays::packs::{Column, Run};
+use crate::replays::packs::{Group, PACK, Part, Scratch, replay_pack};
+pub use crate::replays::sensitivity::{DIRECTIONS, OTHER_DIRECTIONS};
+use crate::replays::sensitivity::{Derived, Sensitivity, replay_derived};
 use std::sync::atomic::Ordering;
 use std::sync::{Mutex, PoisonError};
 

@@ -9,8 +9,8 @@ use super::job::How;
 use super::objective::Objective;
 use crate::error::Result;
 use crate::integrate::measured_motion::MeasuredMotion;
-use crate::simulate::displacements::{Along, displaced};
-use crate::simulate::replay::{Column, PACK};
+use crate::replays::displacements::{Along, displaced};
+use crate::replays::packs::{Column, PACK};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 

@@ -7,7 +7,7 @@ use super::misfit::{Measured, Misfit, Source};
 use super::rows::{Product, Project, Reading, Whiten, whiten};
 use crate::error::Result;
 use crate::lane::{Level, run};
-use crate::simulate::replay::Column;
+use crate::replays::packs::Column;
 use nalgebra::DVector;
 
 /// Requests of one replay each, of every model over every span.

@@ -3,7 +3,7 @@
 use super::super::replay::interval;
 use crate::physics::effects::{Active, EFFECT_PARAMS, Effect, Nominal};
 use crate::physics::robot::Motor;
-use crate::simulate::replay::{Column, Run};
+use crate::replays::packs::{Column, Run};
 
 /// How a replay begins.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -8,7 +8,7 @@ use super::rows::Reading;
 use crate::error::Result;
 use crate::lane::Level;
 use crate::physics::effects::{Active, shortness};
-use crate::simulate::replay::{Group, PACK, Part, Scratch, replay_pack};
+use crate::replays::packs::{Group, PACK, Part, Scratch, replay_pack};
 use std::sync::atomic::Ordering;
 use std::sync::{Mutex, PoisonError};
 

@@ -1,6 +1,6 @@
 //! Displacements along a measured motion, of packs of models: a model per lane.
 
-use super::replay::{Column, Run};
+use super::packs::{Column, Run};
 use crate::integrate::measured_motion::{MeasuredMotion, displacements};
 use crate::integrate::replay::Samples;
 use crate::lane::{Level, Pack, Task, run};

@@ -1,7 +1,7 @@
 //! Replays with their forward sensitivities: derivatives of what the sensors would read
 //! by parameters, nuisances and start state, exact through stops and break-aways.
 
-use super::replay::{Column, Run, bounded, divergence};
+use super::packs::{Column, Run, bounded, divergence};
 use crate::integrate::replay::{Samples, head, sensed};
 use crate::lane::{Dual, Lane, Level, Pack, Task, run};
 use crate::physics::effects::{EFFECT_PARAMS, Nominal, Plant};
