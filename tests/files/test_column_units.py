@@ -7,7 +7,10 @@ import sys
 import pytest
 
 from locosweep.errors import InputError
+from locosweep.files.runs import load_runs
 from locosweep.files.units import DRIVES, factor, is_unit
+from locosweep.friction_fit import read_friction
+from locosweep.intake.log import read_log
 
 
 @pytest.mark.parametrize(
@@ -87,3 +90,26 @@ def test_pint_is_imported_only_where_a_unit_differs():
         "factor('x', 'mm', ['m']); assert 'pint' in sys.modules"
     )
     subprocess.run([sys.executable, "-c", script], check=True)
+
+
+def _measured(folder):
+    rows = [f"{0.01 * i:.2f},1.0,{0.001 * i * i:.6f},1.0" for i in range(40)]
+    path = folder / "bench.csv"
+    path.write_text("\n".join(["t,drive,x,force", *rows, ""]))
+    return path
+
+
+@pytest.mark.parametrize("read", [load_runs, read_friction, read_log])
+def test_a_unit_of_a_column_that_is_not_there_is_refused(read, tmp_path):
+    path = _measured(tmp_path)
+    read(path, units={"x": "mm"})
+    with pytest.raises(InputError, match=r"^unit: .*bench\.csv has no column v: there are t, "):
+        read(path, units={"x": "mm", "v": "mm/s"})
+
+
+def test_a_unit_counts_for_the_files_that_have_the_column(tmp_path):
+    files = [_measured(tmp_path), tmp_path / "speed.csv"]
+    files[1].write_text(files[0].read_text().replace("force", "v", 1))
+    load_runs(files, units={"v": "mm/s"})
+    with pytest.raises(InputError, match=r"^unit: none of 2 files has a column power: there are "):
+        load_runs(files, units={"power": "mW"})

@@ -12,6 +12,7 @@ from locosweep.errors import DataFileError, InputError
 from locosweep.files import stamps as clock
 from locosweep.files.csv_text import MISSING
 from locosweep.files.raw import stored
+from locosweep.files.table import listed
 from locosweep.files.units import factor
 from locosweep.registry import unknown
 
@@ -108,6 +109,16 @@ def check_units(units: Mapping[str, str], names: Sequence[str]) -> None:
     for name in units:
         if name not in names:
             raise InputError(f"unit: {unknown('column', name, names)}")
+
+
+def check_units_used(units: Mapping[str, str], tables: Sequence[Table]) -> None:
+    """Refuse units of columns that none of some tables has."""
+    there = list(dict.fromkeys(name for table in tables for name in table.frame.columns))
+    for name in units:
+        if name not in there:
+            where = tables[0].path if len(tables) == 1 else f"none of {len(tables)} files"
+            no = "no" if len(tables) == 1 else "a"
+            raise InputError(f"unit: {where} has {no} column {name}: there are {listed(there)}")
 
 
 def number_columns(

@@ -11,7 +11,13 @@ import numpy as np
 from locosweep.errors import DataFileError
 from locosweep.files import channels
 from locosweep.files.bags import is_bag, read_bag
-from locosweep.files.columns import check_units, labels_of, number_columns, rows_by_run
+from locosweep.files.columns import (
+    check_units,
+    check_units_used,
+    labels_of,
+    number_columns,
+    rows_by_run,
+)
 from locosweep.files.sources import files_of, is_frame, names_of
 from locosweep.files.table import Table, listed, read_table
 from locosweep.files.units import DRIVES
@@ -152,13 +158,16 @@ def load_runs(
         numbers, a row that is too short or too long, time that does not rise, fewer than 20
         samples in a run: one line with file, run, row and column.
     InputError
-        A unit that is none, or that measures something else than its column.
+        A unit that is none, that measures something else than its column, or of a column that
+        is not there.
     """
     columns, units = dict(columns or {}), dict(units or {})
     wanted = wanted_columns(rotary)
     check_units(units, [name for name, allowed in wanted.items() if allowed])
     if is_frame(data):
-        return _runs(read_table(data, wanted, needs, columns, name="runs"), units, stamps)
+        table = read_table(data, wanted, needs, columns, name="runs")
+        check_units_used(units, [table])
+        return _runs(table, units, stamps)
     files = files_of(data)
     tables = [
         read_table(read_bag(path, columns), wanted, needs, name=str(path))
@@ -166,6 +175,7 @@ def load_runs(
         else read_table(path, wanted, needs, columns, form)
         for path in files
     ]
+    check_units_used(units, tables)
     runs, notices = [], []
     for table in tables if len(tables) == 1 else _named(tables, names_of(files)):
         found, said = _runs(table, units, stamps)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.errors import DataFileError, InputError
-from locosweep.files.columns import check_units, number_columns, rows_by_run
+from locosweep.files.columns import check_units, check_units_used, number_columns, rows_by_run
 from locosweep.files.table import listed, read_table
 
 if TYPE_CHECKING:
@@ -93,6 +93,7 @@ def read_friction(
     columns, units = dict(columns or {}), dict(units or {})
     check_units(units, [name for name, allowed in _UNITS.items() if allowed])
     table = read_table(data, _UNITS, ("t",), columns, form)
+    check_units_used(units, [table])
     name, frame, others = table.path, table.frame, table.others
     for either in (("x", "v"), ("force", "drive")):
         if not set(either) & set(frame.columns):

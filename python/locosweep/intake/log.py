@@ -11,7 +11,13 @@ from locosweep.diagnosis.data.noise import noise_of
 from locosweep.diagnosis.data.readings.columns import LARGEST
 from locosweep.errors import DataFileError, InputError
 from locosweep.files.channels import CHANNELS
-from locosweep.files.columns import LEAST_SAMPLES, check_units, number_columns, rows_of
+from locosweep.files.columns import (
+    LEAST_SAMPLES,
+    check_units,
+    check_units_used,
+    number_columns,
+    rows_of,
+)
 from locosweep.files.csv_form import CsvForm
 from locosweep.files.runs import Run, wanted_columns
 from locosweep.files.sources import files_of, names_of
@@ -129,6 +135,7 @@ def read_log(
             raise InputError(f"column: {unknown('column', role, wanted)}")
     check_units(units, [name for name, allowed in wanted.items() if allowed])
     sheets = [opened(path, columns, units, form or CsvForm()) for path in files]
+    check_units_used(units, [sheet.table for sheet in sheets])
     settled = settled_units(sheets, units)
     parts: list[Run] = []
     notes: list[str] = []
