@@ -101,7 +101,7 @@ fn multiply_adds(c: &mut Criterion) {
     let rounds = 10_000;
     let count = rounds * MultiplyAdds::CHAINS * MultiplyAdds::LANES;
     for (level, threads) in variants() {
-        // Plain numbers have no multiply-add of their own there.
+        // Without AVX2 a multiply-add is a call of the C library, no limit of the processor.
         if level == Level::Baseline {
             continue;
         }

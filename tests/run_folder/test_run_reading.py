@@ -157,7 +157,7 @@ def test_a_resume_by_a_version_with_other_bits_is_refused_unless_allowed(
         monkeypatch.setattr(begin, "NUMERICS_VERSION", 999)
     else:
         monkeypatch.setattr(cells.Cells, "probe", lambda _: "0" * 64)
-    with pytest.raises(ls.InputError, match="with other bits"):
+    with pytest.raises(ls.InputError, match="gives other bits than"):
         ls.sweep(**SPEC, out=run.folder)
     assert ls.sweep(**SPEC, out=run.folder, allow_drift=True).complete
 

@@ -86,9 +86,10 @@ def refuse_drift(folder: Path, found: Manifest, probe: str) -> None:
     """Refuse a run whose chunks this version would compute with other bits."""
     if _drifted(found, probe):
         raise InputError(
-            f"{folder} was begun by locosweep {found.versions.get('locosweep')} with other bits "
-            f"(numerics_version {found.numerics_version}, here {NUMERICS_VERSION}): name another "
-            "folder, or allow it (--allow-drift)"
+            f"{folder} was begun by locosweep {found.versions.get('locosweep')} (numerics_version "
+            f"{found.numerics_version}), which gives other bits than this one, {_core.version()} "
+            f"(numerics_version {NUMERICS_VERSION}): name another folder, or allow it "
+            "(--allow-drift)"
         )
 
 
