@@ -37,7 +37,7 @@ class Verdict:
 
 
 _OURS, _OURS2 = ("ours", 1), ("ours", 2)
-_AVX2, _AVX512, _BASELINE = ("ours.avx2", 1), ("ours.avx512", 1), ("ours.baseline", 1)
+_AVX2, _AVX512 = ("ours.avx2", 1), ("ours.avx512", 1)
 
 TARGETS = [
     Target("locosweep / plain fill, 1 thread", REUSED, _OURS, ("fill", 1), "<=", 1.15),
@@ -46,16 +46,13 @@ TARGETS = [
     Target("numba / locosweep, 2 threads", REUSED, ("numba", 2), _OURS2, ">=", 1.1),
     Target("numpy broadcasting / locosweep, 1 thread", REUSED, ("numpy", 1), _OURS, ">=", 25),
     Target("avx2 / avx512", REUSED, _AVX2, _AVX512, "<=", 2.2),
-    Target("numpy in blocks / baseline", REUSED, ("numpy.blocked", 1), _BASELINE, ">=", 1),
     Target("locosweep / fresh fill, 1 thread", FRESH, _OURS, ("fill", 1), "<=", 1.4),
     Target("locosweep / fresh fill, 2 threads", FRESH, _OURS2, ("fill", 2), "<=", 1.4),
     Target("numba / locosweep, 1 thread", SEARCH, ("numba", 1), _OURS, ">=", 8),
     Target("1 thread / 2 threads", SEARCH, _OURS, _OURS2, ">=", 1.8),
     Target("avx2 / avx512", SEARCH, _AVX2, _AVX512, "<=", 2.2),
-    Target("numpy / baseline", SEARCH, ("numpy", 1), _BASELINE, ">=", 1),
     Target("numba / locosweep, 1 thread", CLOSED, ("numba", 1), _OURS, ">=", 1),
     Target("avx2 / avx512", CLOSED, _AVX2, _AVX512, "<=", 2.2),
-    Target("numpy / baseline", CLOSED, ("numpy", 1), _BASELINE, ">=", 1),
 ]
 
 

@@ -151,14 +151,18 @@ fn large_and_shifted_results_have_the_same_bits() {
         let fresh = Options { fresh: true, ..options(2, DEFAULT_CHUNK) };
         same(&values(&large, fresh), &expected, name);
         let mut room = vec![f64::MAX; large.cells() + 16];
-        for (shift, chunk) in [(1, DEFAULT_CHUNK), (3, 1000), (5, 4097), (8, 31)] {
-            room.fill(f64::MAX);
-            let out = &mut room[shift..shift + large.cells()];
-            let buffers = vec![(0, Buffer::F64(out))];
-            run(&large, buffers, options(2, chunk), &Control::default()).unwrap();
-            same(&room[shift..shift + large.cells()], &expected, name);
-            let outside = room[..shift].iter().chain(&room[shift + large.cells()..]);
-            assert!(outside.copied().all(|v| v == f64::MAX), "written outside of the buffer");
+        for level in Level::available() {
+            for (shift, chunk) in [(1, DEFAULT_CHUNK), (3, 1000), (5, 4097), (8, 31)] {
+                room.fill(f64::MAX);
+                let out = &mut room[shift..shift + large.cells()];
+                let buffers = vec![(0, Buffer::F64(out))];
+                let how = Options { level, ..options(2, chunk) };
+                run(&large, buffers, how, &Control::default()).unwrap();
+                let what = format!("{name} on {level:?} in chunks of {chunk}");
+                same(&room[shift..shift + large.cells()], &expected, &what);
+                let outside = room[..shift].iter().chain(&room[shift + large.cells()..]);
+                assert!(outside.copied().all(|v| v == f64::MAX), "{what}: written outside");
+            }
         }
         // Small pieces of it, which stay in the caches.
         for i in [0, 17, 60] {

@@ -30,7 +30,7 @@ impl<Q: Quantity, const PLAIN: bool, const VARY: u8> Task for Dense<'_, Q, PLAIN
         let mut i = 0;
         while i < len {
             let value = Q::value::<P, PLAIN>(&points.at(i));
-            let count = if i < head { head } else { P::LANES.min(len - i) };
+            let count = P::LANES.min(if i < head { head } else { len } - i);
             if count < P::LANES {
                 value.store(&mut edge);
                 self.out[i..i + count].copy_from_slice(&edge[..count]);

@@ -24,8 +24,7 @@ pub fn line<S: Simd>(value: f64x8<S>, to: &mut [f64]) {
     #[cfg(target_arch = "x86_64")]
     {
         use core::arch::x86_64::{
-            _mm_loadu_pd, _mm_stream_pd, _mm256_loadu_pd, _mm256_stream_pd, _mm512_loadu_pd,
-            _mm512_stream_pd,
+            _mm256_loadu_pd, _mm256_stream_pd, _mm512_loadu_pd, _mm512_stream_pd,
         };
         use fearless_simd::Level;
         let lanes: [f64; 8] = value.into();
@@ -40,11 +39,7 @@ pub fn line<S: Simd>(value: f64x8<S>, to: &mut [f64]) {
                         _mm256_stream_pd(to.add(k), _mm256_loadu_pd(from.add(k)));
                     }
                 }
-                _ => {
-                    for k in [0, 2, 4, 6] {
-                        _mm_stream_pd(to.add(k), _mm_loadu_pd(from.add(k)));
-                    }
-                }
+                _ => unreachable!("packs have one of the two levels"),
             }
         }
     }
