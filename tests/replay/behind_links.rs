@@ -89,3 +89,59 @@ fn friction_that_bends_behind_a_spring_or_a_gap() {
         }
     }
 }
+
+/// A sample is held in as many parts, whose looks for events are as many times denser, and of
+/// which none is long enough for a long step.
+const PARTS: usize = 64;
+
+/// Where nothing happens, one long step is taken; and fast oscillations are looked at no more
+/// than a few times a sample. Neither moves the head by more than rounding, or than the steps
+/// of friction that bends.
+#[test]
+fn few_looks_at_stiff_joints_see_what_many_do() {
+    let run = pulses(4e-3, 1.0);
+    let part = |t: f64, i: usize| t + 4e-3 * i as f64 / PARTS as f64;
+    let dense = Run {
+        times: run.times.iter().flat_map(|t| (0..PARTS).map(move |i| part(*t, i))).collect(),
+        drive: run.drive.iter().flat_map(|u| [*u; PARTS]).collect(),
+        ..run.clone()
+    };
+    let mass = NOMINAL.mass;
+    let bent: [&[(Effect, &[f64])]; 3] = [
+        &[],
+        &[(Effect::StribeckFriction, &[0.8, 0.01, 1.0])],
+        &[(Effect::PositionDependentFriction, &[0.5, 0.01, 0.3])],
+    ];
+    let mut joints = Vec::new();
+    for side in [0.02 * mass, 0.2 * mass] {
+        for stiffness in [1e3, 1e4, 1e5, 1e6].map(|k| k * mass) {
+            let critical = 2.0 * (stiffness * side).sqrt();
+            joints.extend([0.02, 0.3].map(|share| {
+                (Effect::TransmissionCompliance, vec![stiffness, share * critical, side])
+            }));
+        }
+        joints.extend([1e-4, 2e-3].map(|gap| (Effect::TransmissionBacklash, vec![gap, side])));
+    }
+    let mut worst = [0.0_f64; 2];
+    for (joint, numbers) in &joints {
+        for others in bent {
+            let (mut active, mut values) = (Active::default(), [0.0; EFFECT_PARAMS]);
+            for (effect, numbers) in others.iter().copied().chain([(*joint, &numbers[..])]) {
+                active = active.with(effect);
+                values[effect.first()..][..numbers.len()].copy_from_slice(numbers);
+            }
+            let positions = |run: &Run| {
+                let columns = [column(active, values, run.times.len())];
+                let how = (Level::current().unwrap(), 1);
+                replay(&NOMINAL, std::slice::from_ref(run), &columns, how, &Control::default())
+                    .unwrap()
+                    .x
+            };
+            let many: Vec<f64> = positions(&dense).into_iter().step_by(PARTS).collect();
+            let off = largest(&positions(&run), &many);
+            let kind = usize::from(!others.is_empty());
+            worst[kind] = worst[kind].max(off);
+        }
+    }
+    assert!(worst[0] < 5e-9 && worst[1] < 5e-8, "{worst:?}");
+}

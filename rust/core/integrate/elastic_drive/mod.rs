@@ -9,6 +9,7 @@
 //! Exponentials are kept for steps of h, h/2, h/4, ... (see `propagation`): events are
 //! found by halving (see `events`), and any rest of an interval is made up of them.
 
+mod calm;
 mod events;
 mod propagation;
 mod refinement;
@@ -29,11 +30,15 @@ pub enum Link<L> {
     Joint(Joint<L>),
 }
 
-/// Longest step between two looks for events, in radians of the joint's oscillation.
+/// Level of steps between two looks for events.
+const LOOKED: usize = HALVINGS as usize;
+/// Length of these at most, in radians of the joint's oscillation.
 const LOOK: f64 = 0.35;
-/// Steps between two samples beyond which an oscillation is too fast, and its sway
-/// too small, to be followed from event to event.
-const MOST_LOOKS: f64 = 64.0;
+/// Looks between two samples, at most: as many as an oscillation has that lasts from one to the
+/// next. What is faster sways too little for its events to matter. Set by
+/// `cargo test --release --test replay few_looks`: 64 times as many move the head by 1e-9 m at
+/// most, by 2e-8 m where friction bends.
+const MOST_LOOKS: f64 = 18.0;
 /// Looks between two samples behind a lag: its force bends, and the speed may dip.
 const LAG_LOOKS: f64 = 2.0;
 
@@ -96,6 +101,8 @@ pub struct ElasticDrive<'a, 'b, L: Lane, F> {
     stride: L,
     /// Highest level of steps that its error allows a lane.
     reach: L,
+    /// Whether there may be stretches in which nothing happens, see `calm`.
+    calms: bool,
     now: Now<L>,
     levels: Vec<Level<L>>,
     /// Whether to go on; asked at the end of every stretch.
@@ -184,7 +191,7 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         let refines = bent && refinement::is_needed(&law, rates.is_lag);
         let stride = refinement::stride(&law);
         let reach = zero.splat(levels.len() as f64);
-        ElasticDrive {
+        let mut found = ElasticDrive {
             segment,
             law,
             rates,
@@ -195,10 +202,13 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
             refines,
             stride,
             reach,
+            calms: false,
             now,
             levels,
             go_on,
-        }
+        };
+        found.calms = calm::is_possible(&found);
+        found
     }
 
     /// Force of the link on the head.
@@ -258,13 +268,19 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         let still = Now { v: zero, sliding_distance: zero, ..*now };
         let drive = self.push(&still);
         let push = drive - self.segment.pull_back(now.x);
-        let mut holds = self.level(&still, push.sign(), drive, t);
-        if self.bent {
-            let contact_state =
-                ContactState { direction: push.sign(), x: now.x, sliding_distance: zero, drive, t };
-            holds = holds.max(Measured::break_away(&self.law, &contact_state));
+        (push, push.abs() - self.holds(&still, push.sign(), drive, t))
+    }
+
+    /// What holds the head at rest against a push in a direction, while the link gives `drive`.
+    #[inline(always)]
+    fn holds(&self, still: &Now<L>, direction: L, drive: L, t: L) -> L {
+        let holds = self.level(still, direction, drive, t);
+        if !self.bent {
+            return holds;
         }
-        (push, push.abs() - holds)
+        let sliding_distance = t.splat(0.0);
+        let contact_state = ContactState { direction, x: still.x, sliding_distance, drive, t };
+        holds.max(Measured::break_away(&self.law, &contact_state))
     }
 
     /// Positive where an event of a lane's mode has happened: the speed passed zero
@@ -345,6 +361,14 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         let shortest = self.levels[0].dt;
         let drive = self.segment.drive.mean(t, left, &state.clock);
         self.now.a = L::select(zero.lt(self.at_once), drive, self.now.a);
+        let mut calm = zero.lt(zero);
+        if self.calms {
+            self.release(zero.lt(left), t);
+            calm = zero.outlined(
+                #[inline(always)]
+                || self.is_calm(&self.now, t, left, drive),
+            );
+        }
         let mut at = self.levels.len();
         while at > 0 {
             let span = self.levels[at - 1].dt;
@@ -352,6 +376,9 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
             let mut fits = (span * (1.0 - 1e-7)).le(left);
             if self.refines {
                 fits = L::and(fits, self.reaches(at - 1));
+            }
+            if at - 1 > LOOKED {
+                fits = L::and(fits, calm);
             }
             if !L::any(fits) {
                 at -= 1;

@@ -131,6 +131,9 @@ pub(super) struct Level<L> {
 /// Halvings of a step: rates up to a thousand per step are resolved.
 pub(super) const HALVINGS: i32 = 13;
 
+/// Doublings of a step where nothing happens: of the shortest steps, up to all of an interval.
+const DOUBLINGS: i32 = 6;
+
 /// Maps of a step of `dt`, twice that and so on; those of free flight only for a gap.
 #[inline(always)]
 pub(super) fn levels<L: Lane>(rates: &Rates<L>, dt: L, is_gap: bool) -> Vec<Level<L>> {
@@ -142,7 +145,7 @@ pub(super) fn levels<L: Lane>(rates: &Rates<L>, dt: L, is_gap: bool) -> Vec<Leve
         resting_free: rates.map(dt, false, false),
     };
     let mut levels = vec![level];
-    for _ in 0..HALVINGS {
+    for _ in 0..HALVINGS + DOUBLINGS {
         level = Level {
             dt: level.dt * 2.0,
             sliding: level.sliding.twice(),
