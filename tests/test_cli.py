@@ -58,6 +58,14 @@ def test_help_loads_neither_numpy_nor_matplotlib():
     subprocess.run([sys.executable, "-c", code], check=True, stdout=subprocess.DEVNULL)
 
 
+def test_a_diagnosis_does_without_the_statistics_that_take_a_second_to_load():
+    code = (
+        "import sys, locosweep.diagnosis.pipeline; "
+        "sys.exit(any(m in sys.modules for m in ('scipy.stats', 'matplotlib')))"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
 @pytest.mark.parametrize("arguments", [(), ("--help",), ("-h",), ("sweep", "--help")])
 def test_help_is_an_answer(tmp_path, arguments):
     assert ok(*arguments, cwd=tmp_path).startswith("Usage: locosweep")

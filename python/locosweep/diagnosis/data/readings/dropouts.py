@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.stats import norm, poisson
+from scipy.special import ndtr, pdtrc
 
 from locosweep.diagnosis.data.readings.finding import stretches_of
 
@@ -82,7 +82,7 @@ def repeats(runs: Sequence[tuple[Floats, Floats, float]], noise: float, step: fl
     parts = [_repeats(t, x, noise, step, acceleration) for t, x, acceleration in runs]
     seen = sum(int(same.sum()) for same, _ in parts)
     expected = float(sum(chance for _, chance in parts))
-    if seen == 0 or poisson.sf(seen - 1, expected) > _SURE:
+    if seen == 0 or pdtrc(seen - 1, expected) > _SURE:
         return [np.zeros(x.size, dtype=bool) for _, x, _ in runs]
     return [same for same, _ in parts]
 
@@ -127,10 +127,16 @@ def _chance(change: Floats, noise: float, step: float) -> Floats:
     """Return the probability that two readings a change apart are rounded to the same value."""
     spread = np.sqrt(2.0) * max(noise, 1e-12 * max(step, 1e-300))
     if step < 0.5 * spread:
-        dense: Floats = step / spread * norm.pdf(change / spread)
+        dense: Floats = step / spread * _density(change / spread)
         return dense
     # The mean of 1 - |d|/step over the difference d of both, where that is positive.
     edges = [(change + k * step) / spread for k in (-1.0, 0.0, 1.0)]
-    low, middle, high = (u * norm.cdf(u) + norm.pdf(u) for u in edges)
+    low, middle, high = (u * ndtr(u) + _density(u) for u in edges)
     found: Floats = np.clip(spread / step * (low - 2.0 * middle + high), 0.0, 1.0)
     return found + _NEVER
+
+
+def _density(u: Floats) -> Floats:
+    """Return the density of the standard normal distribution."""
+    found: Floats = np.exp(-0.5 * np.square(u)) / np.sqrt(2.0 * np.pi)
+    return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtr
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -72,7 +72,7 @@ def _by_chance(count: int, noise: float, step: float) -> float:
     if noise == 0.0:
         return 1.0
     # The likeliest value holds most of the readings where the head rests in its middle.
-    share = 1.0 - 2.0 * float(norm.sf(0.5 * step / noise))
+    share = 1.0 - 2.0 * float(ndtr(-0.5 * step / noise))
     return float(share ** (count - 1))
 
 
