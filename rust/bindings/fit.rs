@@ -400,7 +400,7 @@ impl Misfit {
         rows.concat().into_pyarray(py).reshape([count, length])
     }
 
-    /// Improve fits; `known` says of which chi2 is known. Returns theta, chi2, covariance
+    /// Improve fits; `known` says of which chi2 is known, `least` to what others came. Returns theta, chi2, covariance
     /// and damping of each, and the number of samples that were replayed.
     #[allow(clippy::too_many_arguments)]
     fn fit<'py>(
@@ -411,10 +411,11 @@ impl Misfit {
         spans: Vec<usize>,
         steps: usize,
         tolerance: f64,
+        least: f64,
         threads: usize,
     ) -> PyResult<(Vec<Found<'py>>, u64)> {
         let mut made = self.fits(py, &fits, &spans, &known)?;
-        let rule = Rule { steps, tolerance };
+        let rule = Rule { steps, tolerance, least };
         let objective = OverSpans { misfit: &self.core, spans: &spans };
         let replayed = through_door(py, threads, |how| fit::fit(&objective, &mut made, rule, how))?;
         let found = made.into_iter().map(|fit| {

@@ -2,12 +2,14 @@
 //! of threads and at any level, and a job that is cancelled ends.
 
 use locosweep::Error;
+use locosweep::Result;
 use locosweep::lane::Level;
 use locosweep::physics::effects::{Active, EFFECT_PARAMS, Effect, Nominal};
 use locosweep::sweep::Control;
 use locosweep::sweep::fit::{
-    Begin, Coordinate, DVector, Experiment, Fit, How, Misfit, OverSpans, Point, Rule, Signal,
-    Source, Span, What, evaluate, fit, jacobian, readings, residuals,
+    Asked, Begin, Compared, Coordinate, DVector, Experiment, Fit, How, Misfit, Objective,
+    OverSpans, Point, Rule, Signal, Source, Span, What, evaluate, fit, jacobian, readings,
+    residuals,
 };
 use locosweep::sweep::replay::Run;
 use std::sync::Arc;
@@ -127,7 +129,7 @@ fn start(damping: f64) -> Fit {
     }
 }
 
-const RULE: Rule = Rule { steps: 30, tolerance: 1e-3 };
+const RULE: Rule = Rule { steps: 30, tolerance: 1e-3, least: f64::INFINITY };
 
 fn fitted(misfit: &Misfit, level: Level, threads: usize) -> Vec<Fit> {
     let mut fits: Vec<Fit> = [0.01, 0.03, 0.3].into_iter().map(start).collect();
@@ -159,6 +161,58 @@ fn threads_and_levels_do_not_change_bits() {
             assert!(fitted(&misfit, *level, threads) == expected, "{level:?}, {threads}");
         }
     }
+}
+
+/// The same without room for derivatives beside trials.
+struct Narrow<'a>(OverSpans<'a>);
+
+impl Objective for Narrow<'_> {
+    fn compare(&self, asked: &[Asked], how: &How) -> Result<Vec<Compared>> {
+        self.0.compare(asked, how)
+    }
+
+    fn room(&self, _: &Fit, _: usize) -> usize {
+        0
+    }
+
+    fn samples(&self) -> u64 {
+        self.0.samples()
+    }
+
+    fn samples_of_derivatives(&self, fit: &Fit) -> u64 {
+        self.0.samples_of_derivatives(fit)
+    }
+}
+
+#[test]
+fn derivatives_that_come_with_a_step_change_no_bits() {
+    let (misfit, control) = (misfit(), Control::default());
+    let wide = OverSpans { misfit: &misfit, spans: &SPANS };
+    let narrow = Narrow(OverSpans { misfit: &misfit, spans: &SPANS });
+    assert!(wide.room(&start(0.01), 3) > 0);
+    let how = how(Level::current().unwrap(), 1, &control);
+    let fits = || [0.01, 0.03, 0.3].into_iter().map(start).collect::<Vec<Fit>>();
+    let (mut with, mut without) = (fits(), fits());
+    let counted = fit(&wide, &mut with, RULE, &how).unwrap();
+    assert_eq!(fit(&narrow, &mut without, RULE, &how).unwrap(), counted);
+    assert!(with == without);
+}
+
+#[test]
+fn a_fit_that_would_not_catch_up_is_left() {
+    let (misfit, control) = (misfit(), Control::default());
+    let objective = OverSpans { misfit: &misfit, spans: &SPANS };
+    let how = how(Level::current().unwrap(), 1, &control);
+    let ends = |least: f64| {
+        let mut one = [start(0.01)];
+        let replayed = fit(&objective, &mut one, Rule { least, ..RULE }, &how).unwrap();
+        (replayed, one[0].chi2.unwrap())
+    };
+    let (alone, end) = ends(f64::INFINITY);
+    // Others are far ahead: what the last steps gain is too little for their distance.
+    let (behind, left) = ends(end - 1e9);
+    assert!(behind < alone && left >= end, "{behind} of {alone}, {left} and {end}");
+    assert_eq!(ends(end), (alone, end));
 }
 
 #[test]

@@ -175,16 +175,17 @@ def fit_all(
     runs: Sequence[int] | None = None,
     steps: int = 12,
     tolerance: float = 0.02,
+    least: float = np.inf,
 ) -> list[Fit]:
     """Return fits improved until their chi2 falls by less than `tolerance`, or `steps` are made.
 
-    Of those far behind the best one, fewer digits are asked for; and none where `limit`
-    is out of reach. `runs` count, or those that are fitted.
+    One that would not catch up with the best one, nor with the chi2 of `least` that others came
+    to, is left; so is one whose `limit` is out of reach. `runs` count, or those that are fitted.
     """
     chosen = problem.chosen(runs)
     known = [fit.seen == (problem, chosen) for fit in fits]
     found, samples = problem.misfit.fit(
-        list(fits), known, chosen, steps, tolerance, problem.threads
+        list(fits), known, chosen, steps, tolerance, least, problem.threads
     )
     names = [fit.model.names for fit in fits]
     problem.meter.count(names, samples // max(len(names), 1))

@@ -45,15 +45,16 @@ def descend(
     fits = _with_limits(search, known, evaluate(problem, fits, residuals=False), at_noise=at_noise)
     fits = apart(sorted(_near_best(fit_all(problem, fits, steps=1)), key=chi2_of))
     first = fit_all(problem, fits[:FEW], steps=steps)
+    least = min((fit.chi2 for fit in first), default=np.inf)
     others = _with_limits(search, known, fits[FEW:], first, at_noise=at_noise)
-    others = apart(fit_all(problem, others, steps=FEW))
+    others = apart(fit_all(problem, others, steps=FEW, least=least))
+    least = min((fit.chi2 for fit in [*first, *others]), default=np.inf)
     most = follow_limit(beside, [*first, *others])
     near = [fit for fit in others if fit.chi2 < most]
     if beside.model.names:
         # Of larger sets only those count that may come to the best one.
-        least = min((fit.chi2 for fit in [*first, *others]), default=np.inf)
         near = [replace(fit, limit=min(fit.limit, least + SLACK)) for fit in near]
-    ends = [*first, *fit_all(problem, near, steps=steps), *others, *far]
+    ends = [*first, *fit_all(problem, near, steps=steps, least=least), *others, *far]
     found: Found = {}
     for fit in ends:
         key = frozenset(fit.model.names)

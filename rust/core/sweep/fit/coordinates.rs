@@ -99,15 +99,15 @@ impl Fit {
     }
 
     /// Widths of finite differences: a fraction of a standard deviation where that is
-    /// known. None leads beyond a bound above.
-    pub(super) fn steps(&self) -> Vec<f64> {
+    /// known. None leads from `theta` beyond a bound above.
+    pub(super) fn steps(&self, theta: &DVector<f64>) -> Vec<f64> {
         let width = |(i, coordinate): (usize, &Coordinate)| {
             let size = coordinate.size;
             let variance = self.covariance.as_ref().map_or(f64::NAN, |known| known[(i, i)]);
             let known = variance > 0.0 && variance.is_finite();
             let step = if known { STEP * variance.sqrt() } else { BLIND_STEP * size };
             let step = step.clamp(LEAST_STEP * size, MOST_STEP * size);
-            if self.theta[i] + step > coordinate.high { -step } else { step }
+            if theta[i] + step > coordinate.high { -step } else { step }
         };
         self.coordinates.iter().enumerate().map(width).collect()
     }

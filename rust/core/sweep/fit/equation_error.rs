@@ -6,7 +6,7 @@ use super::coordinates::Fit;
 use super::derivatives::{Normal, with_priors};
 use super::experiment::Experiment;
 use super::job::How;
-use super::objective::Objective;
+use super::objective::{Asked, Compared, Objective};
 use crate::error::Result;
 use crate::integrate::measured_motion::MeasuredMotion;
 use crate::replays::displacements::{Along, displaced};
@@ -156,14 +156,18 @@ impl EquationError {
         finished(how.control, columns.len())
     }
 
-    /// Displacements of each fit, and their derivatives by its coordinates, a row each in turn.
-    fn with_slopes(&self, fits: &[&Fit], how: &How) -> Result<Vec<(Vec<f64>, Vec<f64>)>> {
-        let steps: Vec<Vec<f64>> = fits.iter().map(|fit| fit.steps()).collect();
+    /// Displacements of each model, and where they are asked for their derivatives by its
+    /// coordinates, a row each in turn.
+    fn with_slopes(&self, asked: &[Asked], how: &How) -> Result<Vec<(Vec<f64>, Vec<f64>)>> {
+        let steps: Vec<Vec<f64>> = asked
+            .iter()
+            .map(|one| if one.slopes { one.fit.steps(&one.theta) } else { Vec::new() })
+            .collect();
         let mut models = Vec::new();
-        for (fit, steps) in fits.iter().zip(&steps) {
-            models.push((*fit, fit.theta.clone()));
+        for (Asked { fit, theta, .. }, steps) in asked.iter().zip(&steps) {
+            models.push((*fit, theta.clone()));
             for (i, step) in steps.iter().enumerate() {
-                let mut theta = fit.theta.clone();
+                let mut theta = theta.clone();
                 theta[i] += step;
                 models.push((*fit, theta));
             }
@@ -171,7 +175,7 @@ impl EquationError {
         let length = self.measured.len();
         let rows = self.displacements(&models, how)?;
         let mut rest = &rows[..];
-        let mut found = Vec::with_capacity(fits.len());
+        let mut found = Vec::with_capacity(asked.len());
         for steps in &steps {
             let (own, others) = rest.split_at((1 + steps.len()) * length);
             rest = others;
@@ -190,7 +194,8 @@ impl EquationError {
 
     /// Derivatives of the displacements of a fit by its coordinates, a row each in turn.
     pub fn jacobian(&self, fit: &Fit, how: &How) -> Result<Vec<f64>> {
-        Ok(self.with_slopes(&[fit], how)?.remove(0).1)
+        let asked = Asked { fit, theta: fit.theta.clone(), slopes: true };
+        Ok(self.with_slopes(&[asked], how)?.remove(0).1)
     }
 
     /// What was measured less a row of displacements, in its place.
@@ -200,31 +205,27 @@ impl EquationError {
 }
 
 impl Objective for EquationError {
-    fn chi2(&self, models: &[(&Fit, DVector<f64>)], how: &How) -> Result<Vec<f64>> {
-        let mut rows = self.displacements(models, how)?;
-        let length = self.measured.len();
-        rows.chunks_exact_mut(length.max(1)).for_each(|row| self.subtract(row));
-        let of = |(i, (fit, theta)): (usize, &(&Fit, DVector<f64>))| {
-            let row = &rows[i * length..(i + 1) * length];
-            let prior: f64 = fit.priors(theta).map(|e| e * e).sum();
-            let chi2 = dot(row, row) + prior;
-            if chi2.is_finite() { chi2 } else { f64::INFINITY }
+    fn compare(&self, asked: &[Asked], how: &How) -> Result<Vec<Compared>> {
+        let length = self.measured.len().max(1);
+        let compared = |(one, (mut error, slopes)): (&Asked, (Vec<f64>, Vec<f64>))| {
+            self.subtract(&mut error);
+            let chi2 = one.chi2(dot(&error, &error));
+            let normal = one.slopes.then(|| {
+                let rows: Vec<&[f64]> = slopes.chunks_exact(length).collect();
+                let count = rows.len();
+                let matrix = DMatrix::from_fn(count, count, |a, b| dot(rows[a], rows[b]));
+                // An error falls as its displacement grows.
+                let gradient = DVector::from_fn(count, |a, _| -dot(rows[a], &error));
+                with_priors(one, Normal { matrix, gradient })
+            });
+            Compared { chi2, normal }
         };
-        Ok(models.iter().enumerate().map(of).collect())
+        Ok(asked.iter().zip(self.with_slopes(asked, how)?).map(compared).collect())
     }
 
-    fn normals(&self, fits: &[&Fit], how: &How) -> Result<Vec<Normal>> {
-        let length = self.measured.len().max(1);
-        let normal = |(fit, (mut error, slopes)): (&&Fit, (Vec<f64>, Vec<f64>))| {
-            self.subtract(&mut error);
-            let rows: Vec<&[f64]> = slopes.chunks_exact(length).collect();
-            let count = fit.theta.len();
-            let matrix = DMatrix::from_fn(count, count, |a, b| dot(rows[a], rows[b]));
-            // An error falls as its displacement grows.
-            let gradient = DVector::from_fn(count, |a, _| -dot(rows[a], &error));
-            with_priors(fit, Normal { matrix, gradient })
-        };
-        Ok(fits.iter().zip(self.with_slopes(fits, how)?).map(normal).collect())
+    fn room(&self, _: &Fit, _: usize) -> usize {
+        // Many fits share its packs as they are.
+        0
     }
 
     fn samples(&self) -> u64 {

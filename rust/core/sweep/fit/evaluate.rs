@@ -64,17 +64,6 @@ pub fn evaluate(
     Ok(models.iter().enumerate().map(total).collect())
 }
 
-/// Chi2 of models at values of a fit's coordinates, over some spans.
-pub(super) fn chi2(
-    misfit: &Misfit,
-    models: &[(&Fit, DVector<f64>)],
-    spans: &[usize],
-    how: &How,
-) -> Result<Vec<f64>> {
-    let found = evaluate(misfit, models, spans, false, how)?;
-    Ok(found.into_iter().map(|one| one.chi2).collect())
-}
-
 /// Whitened residuals of models over some spans, a row of `Misfit::residuals` each, into
 /// `to`. Shifts move by at most as many deviations.
 pub fn residuals(

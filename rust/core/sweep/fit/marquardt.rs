@@ -3,7 +3,7 @@
 use super::coordinates::Fit;
 use super::derivatives::Normal;
 use super::job::How;
-use super::objective::Objective;
+use super::objective::{Asked, Compared, Objective};
 use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
 
@@ -16,8 +16,9 @@ const MOST_DAMPING: f64 = 1e7;
 const LEAST_DAMPING: f64 = 1e-9;
 /// Factor on the fall of chi2 that derivatives promise, up to which a fit may still fall.
 const DOUBT: f64 = 3.0;
-/// Least gain of a step over a fit's distance in chi2 from the best one, beyond `NEAR`.
-const COARSE: f64 = 0.01;
+/// Least gain of a step over a fit's distance in chi2 from the best one, beyond `NEAR`: with less
+/// it would not catch up in the fifteen steps or so that fits are given.
+const COARSE: f64 = 1.0 / 15.0;
 const NEAR: f64 = 200.0;
 /// Least gain of a step in chi2 itself.
 const FINE: f64 = 1e-7;
@@ -34,6 +35,8 @@ pub struct Rule {
     pub steps: usize,
     /// Fall of chi2 by a step below which a fit is done.
     pub tolerance: f64,
+    /// Smallest chi2 that other fits have come to; infinite where there are none.
+    pub least: f64,
 }
 
 /// Improves fits until their chi2 falls by less than the tolerance, or the steps are made;
@@ -43,51 +46,68 @@ pub fn fit(objective: &impl Objective, fits: &mut [Fit], rule: Rule, how: &How) 
     let mut evaluated = 0;
     let samples = objective.samples();
     let bare: Vec<usize> = (0..fits.len()).filter(|i| fits[*i].chi2.is_none()).collect();
-    let starts: Vec<_> = bare.iter().map(|i| (&fits[*i], fits[*i].theta.clone())).collect();
+    let starts: Vec<_> = bare.iter().map(|i| asked(&fits[*i], &fits[*i].theta, false)).collect();
     evaluated += starts.len() as u64 * samples;
-    for (i, found) in bare.iter().zip(objective.chi2(&starts, how)?) {
-        fits[*i].chi2 = Some(found);
+    for (i, found) in bare.iter().zip(objective.compare(&starts, how)?) {
+        fits[*i].chi2 = Some(found.chi2);
     }
     let of = |fit: &Fit| fit.chi2.unwrap_or(f64::INFINITY);
     let open = |fit: &Fit| !fit.theta.is_empty() && of(fit).is_finite();
     let mut todo: Vec<usize> = (0..fits.len()).filter(|i| open(&fits[*i])).collect();
+    // Derivatives that came with the step to where a fit is, and which of its trials that was.
+    let mut known: Vec<Option<Normal>> = fits.iter().map(|_| None).collect();
+    let mut last = vec![0; fits.len()];
     for _ in 0..rule.steps {
         if todo.is_empty() {
             break;
         }
-        let least = fits.iter().map(of).fold(f64::INFINITY, f64::min);
-        let chosen: Vec<&Fit> = todo.iter().map(|i| &fits[*i]).collect();
-        evaluated += chosen.iter().map(|fit| objective.samples_of_derivatives(fit)).sum::<u64>();
-        let found = objective.normals(&chosen, how)?;
-        let mut trials: Vec<(usize, f64, DVector<f64>)> = Vec::new();
-        for (i, normal) in todo.iter().zip(&found) {
-            let fit = &mut fits[*i];
-            let (covariance, moves) = proposals(fit, normal);
+        let least = fits.iter().map(of).fold(rule.least, f64::min);
+        evaluated += todo.iter().map(|i| objective.samples_of_derivatives(&fits[*i])).sum::<u64>();
+        let unknown: Vec<usize> = todo.iter().copied().filter(|i| known[*i].is_none()).collect();
+        let here: Vec<_> =
+            unknown.iter().map(|i| asked(&fits[*i], &fits[*i].theta, true)).collect();
+        for (i, found) in unknown.iter().zip(objective.compare(&here, how)?) {
+            known[*i] = found.normal;
+        }
+        let mut trials: Vec<Trial> = Vec::new();
+        for i in &todo {
+            let (fit, Some(normal)) = (&mut fits[*i], known[*i].take()) else { continue };
+            let (covariance, moves) = proposals(fit, &normal);
             let promise = normal.gradient.dot(&(&covariance * &normal.gradient));
             fit.covariance = Some(covariance);
             let hopeless = promise.is_finite() && of(fit) - DOUBT * promise > fit.limit;
             if !hopeless {
-                trials.extend(moves.into_iter().map(|(damping, theta)| (*i, damping, theta)));
+                let ahead = &likeliest(last[*i])[..objective.room(fit, TRIALS.len())];
+                trials.extend(moves.into_iter().enumerate().map(|(k, (damping, theta))| Trial {
+                    fit: *i,
+                    damping,
+                    theta,
+                    slopes: ahead.contains(&k),
+                }));
             }
         }
-        let tried: Vec<_> = trials.iter().map(|(i, _, theta)| (&fits[*i], theta.clone())).collect();
+        let tried: Vec<_> =
+            trials.iter().map(|one| asked(&fits[one.fit], &one.theta, one.slopes)).collect();
         evaluated += tried.len() as u64 * samples;
-        let squares = objective.chi2(&tried, how)?;
+        let mut compared = objective.compare(&tried, how)?;
         todo.clear();
-        for (group, squares) in trials.chunks(TRIALS.len()).zip(squares.chunks(TRIALS.len())) {
+        for (group, compared) in trials.chunks(TRIALS.len()).zip(compared.chunks_mut(TRIALS.len()))
+        {
             let mut best: Option<(f64, usize)> = None;
-            for (k, found) in squares.iter().enumerate() {
-                if found.is_finite() && best.is_none_or(|(least, _)| *found < least) {
-                    best = Some((*found, k));
+            for (k, Compared { chi2, .. }) in compared.iter().enumerate() {
+                if chi2.is_finite() && best.is_none_or(|(least, _)| *chi2 < least) {
+                    best = Some((*chi2, k));
                 }
             }
-            let (Some((new, k)), fit) = (best, &mut fits[group[0].0]) else {
+            let (Some((new, k)), at) = (best, group[0].fit) else {
                 continue;
             };
+            let fit = &mut fits[at];
             let old = of(fit);
             let done = if new < old {
-                (fit.theta, fit.chi2) = (group[k].2.clone(), Some(new));
-                fit.damping = group[k].1.max(LEAST_DAMPING);
+                (fit.theta, fit.chi2) = (group[k].theta.clone(), Some(new));
+                fit.damping = group[k].damping.max(LEAST_DAMPING);
+                (known[at], last[at]) = (compared[k].normal.take(), k);
                 let behind = COARSE * (new - least - NEAR).max(0.0);
                 old - new < rule.tolerance + FINE * new + behind
             } else {
@@ -95,11 +115,34 @@ pub fn fit(objective: &impl Objective, fits: &mut [Fit], rule: Rule, how: &How) 
                 fit.damping > MOST_DAMPING
             };
             if !done {
-                todo.push(group[0].0);
+                todo.push(at);
             }
         }
     }
     Ok(evaluated)
+}
+
+/// Numbers of the trials, that which is likeliest to be taken after trial `last` first: the same
+/// again, but after much damping little is tried.
+fn likeliest(last: usize) -> [usize; TRIALS.len()] {
+    match last {
+        1 => [1, 0, 2],
+        _ => [0, 1, 2],
+    }
+}
+
+/// Values that a step may lead to.
+struct Trial {
+    /// Number of the fit.
+    fit: usize,
+    damping: f64,
+    theta: DVector<f64>,
+    /// Whether derivatives there are worked out along with it.
+    slopes: bool,
+}
+
+fn asked<'a>(fit: &'a Fit, theta: &DVector<f64>, slopes: bool) -> Asked<'a> {
+    Asked { fit, theta: theta.clone(), slopes }
 }
 
 /// The covariance of a fit, and dampings with the values that they lead to.

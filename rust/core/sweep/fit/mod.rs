@@ -21,4 +21,4 @@ pub use job::How;
 pub use marquardt::{Rule, fit};
 pub use misfit::{MOST_SHIFTS, Misfit, Shift, Signal, Source};
 pub use nalgebra::{DMatrix, DVector};
-pub use objective::{Objective, OverSpans};
+pub use objective::{Asked, Compared, Objective, OverSpans};

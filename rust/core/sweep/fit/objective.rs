@@ -1,21 +1,44 @@
 //! What fits are compared with: replays of measured runs, or the equation error.
 
 use super::coordinates::Fit;
-use super::derivatives::{Normal, normals};
-use super::evaluate::chi2;
+use super::derivatives::{Normal, compared};
 use super::job::How;
 use super::misfit::Misfit;
 use crate::error::Result;
 use nalgebra::DVector;
 
+/// A model to compare, at some values of its coordinates.
+#[derive(Clone)]
+pub struct Asked<'a> {
+    pub fit: &'a Fit,
+    pub theta: DVector<f64>,
+    /// Whether derivatives are asked for, too.
+    pub slopes: bool,
+}
+
+impl Asked<'_> {
+    /// Sum of squares with that of what is known of the values before, infinite where there is none.
+    pub(super) fn chi2(&self, squares: f64) -> f64 {
+        let prior: f64 = self.fit.priors(&self.theta).map(|e| e * e).sum();
+        let chi2 = squares + prior;
+        if chi2.is_finite() { chi2 } else { f64::INFINITY }
+    }
+}
+
+/// How far a model is off, and its derivatives if they were asked for.
+pub struct Compared {
+    pub chi2: f64,
+    pub normal: Option<Normal>,
+}
+
 /// Something that models are compared with.
 pub trait Objective {
-    /// Sums of squares of models at values of a fit's coordinates, what is known of these
-    /// before included.
-    fn chi2(&self, models: &[(&Fit, DVector<f64>)], how: &How) -> Result<Vec<f64>>;
+    /// Sums of squares of models, what is known of their values before included.
+    fn compare(&self, asked: &[Asked], how: &How) -> Result<Vec<Compared>>;
 
-    /// Normal matrices and gradients of fits at their values.
-    fn normals(&self, fits: &[&Fit], how: &How) -> Result<Vec<Normal>>;
+    /// At how many of `trials` values of a fit derivatives cost nothing beside the evaluation of
+    /// all of them.
+    fn room(&self, fit: &Fit, trials: usize) -> usize;
 
     /// Samples that one evaluation takes.
     fn samples(&self) -> u64;
@@ -30,13 +53,17 @@ pub struct OverSpans<'a> {
     pub spans: &'a [usize],
 }
 
+/// Lanes of a replay, which take as long as one.
+const LANES: usize = 8;
+
 impl Objective for OverSpans<'_> {
-    fn chi2(&self, models: &[(&Fit, DVector<f64>)], how: &How) -> Result<Vec<f64>> {
-        chi2(self.misfit, models, self.spans, how)
+    fn compare(&self, asked: &[Asked], how: &How) -> Result<Vec<Compared>> {
+        compared(self.misfit, asked, self.spans, how)
     }
 
-    fn normals(&self, fits: &[&Fit], how: &How) -> Result<Vec<Normal>> {
-        normals(self.misfit, fits, self.spans, how)
+    fn room(&self, fit: &Fit, trials: usize) -> usize {
+        let acting = self.spans.iter().map(|span| fit.acting(*span).len()).max().unwrap_or(0);
+        (LANES.saturating_sub(trials) / acting.max(1)).min(trials)
     }
 
     fn samples(&self) -> u64 {

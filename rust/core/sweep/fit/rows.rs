@@ -208,25 +208,27 @@ impl Task for Whiten<'_> {
             let along = &along[j * shifts..(j + 1) * shifts];
             along.iter().zip(&moves[k]).map(|(a, b)| a * b).sum()
         };
+        // The squares of a row: of the row itself where little is left of them.
+        let own_square = |j: usize| -> f64 {
+            let row = &rows[j * stride..(j + 1) * stride];
+            let square = dot::<P>(token, row, row);
+            let left = square - fallen(j, j);
+            if left >= LEAST_LEFT * square {
+                return left;
+            }
+            let mut row = row.to_vec();
+            take_out(self.measured, &moves[j][..shifts], f64::INFINITY, &mut row);
+            dot::<P>(token, &row, &row)
+        };
         let mut found = Vec::new();
         match self.product {
             Product::Rows | Product::Slopes(_) => {}
-            Product::Squares { .. } => {
-                for (j, row) in rows.chunks_exact(stride).enumerate() {
-                    let square = dot::<P>(token, row, row);
-                    let left = square - fallen(j, j);
-                    if left >= LEAST_LEFT * square {
-                        found.push(left);
-                    } else {
-                        let mut row = row.to_vec();
-                        take_out(self.measured, &moves[j][..shifts], f64::INFINITY, &mut row);
-                        found.push(dot::<P>(token, &row, &row));
-                    }
-                }
-            }
+            Product::Squares { .. } => found.extend((0..count).map(own_square)),
             Product::Normal(_) => {
-                for (j, row) in rows.chunks_exact(stride).enumerate() {
+                found.push(own_square(0));
+                for j in 1..count {
                     let at = |i: usize| &rows[i * stride..(i + 1) * stride];
+                    let row = at(j);
                     // Three at a time, so that a row is read once for them.
                     let mut k = 0;
                     while k + 3 <= j + 1 {
