@@ -8,9 +8,11 @@ import numpy as np
 
 from diagnosis_search import search_of
 from diagnosis_small import driven, measured
+from locosweep.diagnosis.estimate.rest import RestForce
 from locosweep.diagnosis.select.extension import singles
 from locosweep.diagnosis.select.graded import (
     Candidate,
+    _compared,
     _narrower,
     confirmed_on_kept,
     graded,
@@ -39,6 +41,18 @@ def rig(effects, *, hidden: float, count: int = 5):
 def verdict(runs, names=NAMES, most: int = 2):
     search = search_of(runs, *names)
     return search, graded(search, singles(search), most)
+
+
+def test_a_model_from_two_starts_to_one_end_is_compared_once() -> None:
+    runs = rig({"viscous_friction": {"c": 0.15}}, hidden=0.003)
+    search = search_of(runs, "viscous_friction", "coulomb_error")
+    known = singles(search)
+    starts = [fit.unfitted() for names, fit in known.fits.items() if names]
+    twice = [*starts, *(fit.unfitted(1.01 * fit.theta) for fit in starts)]
+    found = _compared(search, RestForce(search.problem), search.none, twice)
+    names = [one.fit.model.names for one in found.others]
+    assert sorted(names) == [("coulomb_error",), ("viscous_friction",)]
+    assert found.base.fit.model.names == ()
 
 
 def test_the_cause_is_named_beside_a_rest() -> None:

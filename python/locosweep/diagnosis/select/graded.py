@@ -16,6 +16,7 @@ import numpy as np
 from scipy.special import chdtrc, stdtrit
 
 from locosweep.diagnosis.estimate.least_squares import (
+    chi2_of,
     evaluate,
     fit_all,
     jacobian_of,
@@ -26,6 +27,7 @@ from locosweep.diagnosis.estimate.rest import Rest, RestForce
 from locosweep.diagnosis.estimate.unseen import groups_of, without_each
 from locosweep.diagnosis.estimate.window_plan import REACH
 from locosweep.diagnosis.select import thresholds as limits
+from locosweep.diagnosis.select.descent import apart
 from locosweep.diagnosis.select.extension import extend
 from locosweep.diagnosis.select.law_mismatch import UNLISTED
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
@@ -242,8 +244,8 @@ def _compared(search: Search, force: RestForce, base: Fit, fits: Sequence[Fit]) 
     Of the two fits of a model the one that predicts unseen runs better says how well it does.
     """
     plain = fit_all(search.problem, [base.unfitted(), *fits], steps=_STEPS, tolerance=_TOLERANCE)
-    able = [i for i, fit in enumerate(plain) if i == 0 or np.isfinite(fit.chi2)]
-    plain = [plain[i] for i in able]
+    able = [fit for fit in plain[1:] if np.isfinite(fit.chi2)]
+    plain = [plain[0], *apart(sorted(able, key=chi2_of))]
     now = [fit.unfitted() for fit in plain]
     price = np.array([limits.PENALTY * len(fit.model.free) for fit in now])
     rests = force.beside(now)
