@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from diagnosis_search import fit_of, search_for
-from locosweep.diagnosis.estimate.least_squares import fit_all, start_fits
-from locosweep.diagnosis.select.descent import apart, descend
+from locosweep.diagnosis.estimate.least_squares import evaluate, fit_all, start_fits
+from locosweep.diagnosis.select.descent import apart, beyond_ridges, descend
 from locosweep.diagnosis.select.search import Collection
 
 NAMES = ("viscous_friction", "drive_delay")
@@ -64,3 +66,18 @@ def test_of_fits_that_came_to_one_end_one_is_followed() -> None:
     # The first steps from far away lead to no end.
     ends += fit_all(search.problem, starts[2:], steps=1)
     assert apart(ends) == [ends[0], ends[2]]
+
+
+def test_a_fit_that_ended_beside_the_best_valley_is_taken_there() -> None:
+    search = search_for({"viscous_friction": {"c": 0.06}}, *NAMES)
+    best = fit_of(search, "viscous_friction")
+    assert beyond_ridges(search, best) is best
+    (beside,) = evaluate(search.problem, [best.unfitted(best.theta + 6.0 * best.stds)])
+    stuck = replace(beside, covariance=best.covariance)
+    assert stuck.chi2 > best.chi2 + 10.0
+    found = beyond_ridges(search, stuck)
+    assert found.chi2 == pytest.approx(best.chi2, abs=0.1)
+    (free,) = best.model.free
+    at_the_end = replace(stuck, theta=np.array([free.low]))
+    assert not free.log
+    assert beyond_ridges(search, at_the_end).theta[0] >= free.low

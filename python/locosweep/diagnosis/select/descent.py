@@ -14,8 +14,17 @@ from locosweep.diagnosis.select.thresholds import PENALTY
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import NDArray
+
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.select.search import Collection, Found, Search
+
+    Floats = NDArray[np.float64]
+
+
+_ALONG = np.outer(np.geomspace(1.0, 32.0, 16), (-1.0, 1.0)).ravel()
+"""Deviations along an axis of a fit's covariance that are tried: from where chi2 rises by 1 to
+where it rises by 1000, each a quarter larger than the last."""
 
 
 def descend(
@@ -67,6 +76,31 @@ def follow_limit(beside: Fit, fits: Sequence[Fit]) -> float:
     """Return the chi2 above which a fit gains less than half as much as the best one."""
     least = min((fit.chi2 for fit in fits), default=np.inf)
     return float(max(beside.chi2 - SHARE * (beside.chi2 - least), least + SLACK))
+
+
+def beyond_ridges(search: Search, fit: Fit) -> Fit:
+    """Return a fit from points along the axes of its covariance, if one comes further.
+
+    Contacts that open and close give chi2 many valleys: steps end in the first of them.
+    """
+    while fit.covariance.size:
+        sizes, axes = np.linalg.eigh(fit.covariance)
+        steps = np.sqrt(np.maximum(sizes, 0.0)) * axes
+        thetas = [fit.theta + by * step for by in _ALONG for step in steps.T]
+        inside = [theta for theta in thetas if _is_allowed(fit, theta)]
+        trials = [fit.unfitted(theta) for theta in inside]
+        seen = sorted(evaluate(search.problem, trials, residuals=False), key=chi2_of)
+        starts = [one.unfitted() for one in seen[:FEW]]
+        end = min(fit_all(search.problem, starts, steps=search.steps), key=chi2_of, default=fit)
+        if end.chi2 > fit.chi2 - 1.0:
+            break
+        fit = end
+    return fit
+
+
+def _is_allowed(fit: Fit, theta: Floats) -> bool:
+    bounds = [(np.log([f.low, f.high]) if f.log else (f.low, f.high)) for f in fit.model.free]
+    return all(low <= u <= high for u, (low, high) in zip(theta, bounds, strict=False))
 
 
 def apart(fits: Sequence[Fit]) -> list[Fit]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.diagnosis.estimate.least_squares import chi2_of, evaluate, fit_all, start_fits
-from locosweep.diagnosis.select.descent import descend, follow_limit
+from locosweep.diagnosis.select.descent import beyond_ridges, descend, follow_limit
 from locosweep.diagnosis.select.effort import (
     FEW,
     LEAST_ERROR,
@@ -46,9 +46,13 @@ a sample resolves of a motion to all of its range, each a third larger than the 
 
 
 def singles(search: Search) -> Collection:
-    """Fit every effect alone, from several starts."""
+    """Fit every effect alone, from several starts; the best ones again from around their ends."""
     known = Collection({frozenset(): search.none})
-    return known.adding(extend(search, known, None, search.names, keep=len(search.names)))
+    found = extend(search, known, None, search.names, keep=len(search.names))
+    best = sorted(found.values(), key=chi2_of)[:FEW]
+    near = [fit for fit in best if fit.chi2 < best[0].chi2 + SLACK]
+    found |= {frozenset(fit.model.names): beyond_ridges(search, fit) for fit in near}
+    return known.adding(found)
 
 
 def extend(
