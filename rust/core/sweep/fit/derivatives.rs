@@ -1,21 +1,14 @@
 //! Derivatives of residuals by one-sided differences, summed up over samples where they
 //! arise.
 
+use super::compared::{Asked, Compared, Normal, with_priors};
 use super::coordinates::Fit;
 use super::experiment::Spot;
 use super::job::{How, Request, replayed};
 use super::misfit::Misfit;
-use super::objective::{Asked, Compared};
 use super::rows::{Product, Reading, whiten};
 use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
-
-/// Products of the derivatives of a fit's residuals.
-pub struct Normal {
-    pub matrix: DMatrix<f64>,
-    /// Half the gradient of chi2.
-    pub gradient: DVector<f64>,
-}
 
 /// A request for each model and span: its own values, and where slopes are asked for, each that
 /// acts there moved.
@@ -120,17 +113,6 @@ fn normal(asked: &Asked, spans: &[usize], parts: &[Vec<f64>]) -> Normal {
     }
     matrix.fill_upper_triangle_with_lower_triangle();
     with_priors(asked, Normal { matrix, gradient })
-}
-
-/// The same with what is known of a fit's values before.
-pub(super) fn with_priors(asked: &Asked, mut normal: Normal) -> Normal {
-    for (j, coordinate) in asked.fit.coordinates.iter().enumerate() {
-        if coordinate.deviation.is_finite() {
-            normal.matrix[(j, j)] += coordinate.deviation.powi(-2);
-            normal.gradient[j] += coordinate.prior(asked.theta[j]) / coordinate.deviation;
-        }
-    }
-    normal
 }
 
 /// Derivatives of a fit's residuals over some spans, a row for every coordinate: those of

@@ -2,11 +2,11 @@
 //! and start speed of every slide are free, so nothing about the start of a run matters.
 
 use super::super::replay::{finished, one_by_one};
+use super::compared::{Asked, Compared, Normal, with_priors};
 use super::coordinates::Fit;
-use super::derivatives::{Normal, with_priors};
 use super::experiment::Experiment;
 use super::job::How;
-use super::objective::{Asked, Compared, Objective};
+use super::objective::Objective;
 use crate::error::Result;
 use crate::integrate::measured_motion::MeasuredMotion;
 use crate::replays::displacements::{Along, displaced};

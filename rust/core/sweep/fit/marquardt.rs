@@ -1,9 +1,9 @@
 //! Levenberg and Marquardt's method for many fits side by side.
 
+use super::compared::{Asked, Compared, Normal};
 use super::coordinates::Fit;
-use super::derivatives::Normal;
 use super::job::How;
-use super::objective::{Asked, Compared, Objective};
+use super::objective::Objective;
 use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
 

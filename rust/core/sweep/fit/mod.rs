@@ -1,6 +1,7 @@
 //! Least-squares fits of models to measured runs: many models, starts and runs in one
 //! job, each replayed, weighed and summed up in the thread that takes it.
 
+mod compared;
 mod coordinates;
 mod derivatives;
 mod equation_error;
@@ -12,6 +13,7 @@ mod misfit;
 mod objective;
 mod rows;
 
+pub use compared::{Asked, Compared};
 pub use coordinates::{Coordinate, Fit, What};
 pub use derivatives::jacobian;
 pub use equation_error::{Blocks, EquationError, Motion};
@@ -21,4 +23,4 @@ pub use job::How;
 pub use marquardt::{Rule, fit};
 pub use misfit::{MOST_SHIFTS, Misfit, Shift, Signal, Source};
 pub use nalgebra::{DMatrix, DVector};
-pub use objective::{Asked, Compared, Objective, OverSpans};
+pub use objective::{Objective, OverSpans};

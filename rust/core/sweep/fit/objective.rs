@@ -1,35 +1,11 @@
 //! What fits are compared with: replays of measured runs, or the equation error.
 
+use super::compared::{Asked, Compared};
 use super::coordinates::Fit;
-use super::derivatives::{Normal, compared};
+use super::derivatives::compared;
 use super::job::How;
 use super::misfit::Misfit;
 use crate::error::Result;
-use nalgebra::DVector;
-
-/// A model to compare, at some values of its coordinates.
-#[derive(Clone)]
-pub struct Asked<'a> {
-    pub fit: &'a Fit,
-    pub theta: DVector<f64>,
-    /// Whether derivatives are asked for, too.
-    pub slopes: bool,
-}
-
-impl Asked<'_> {
-    /// Sum of squares with that of what is known of the values before, infinite where there is none.
-    pub(super) fn chi2(&self, squares: f64) -> f64 {
-        let prior: f64 = self.fit.priors(&self.theta).map(|e| e * e).sum();
-        let chi2 = squares + prior;
-        if chi2.is_finite() { chi2 } else { f64::INFINITY }
-    }
-}
-
-/// How far a model is off, and its derivatives if they were asked for.
-pub struct Compared {
-    pub chi2: f64,
-    pub normal: Option<Normal>,
-}
 
 /// Something that models are compared with.
 pub trait Objective {

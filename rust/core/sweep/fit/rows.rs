@@ -151,6 +151,26 @@ fn take_out(own: &Measured, moves: &[f64], most: f64, row: &mut [f64]) {
     }
 }
 
+/// The sum of squares of a row that falls by so much as its shifts are taken out: of what is left
+/// of the row itself where that is little.
+#[inline(always)]
+fn square<P: Pack>(
+    token: P::Token,
+    own: &Measured,
+    row: &[f64],
+    fallen: f64,
+    moves: &[f64; MOST_SHIFTS],
+) -> f64 {
+    let square = dot::<P>(token, row, row);
+    let left = square - fallen;
+    if left >= LEAST_LEFT * square {
+        return left;
+    }
+    let mut row = row.to_vec();
+    take_out(own, &moves[..own.shifts.len()], f64::INFINITY, &mut row);
+    dot::<P>(token, &row, &row)
+}
+
 /// A row of weighted changes, out of which shifts are taken.
 pub struct Project<'a> {
     pub measured: &'a Measured,
@@ -208,24 +228,17 @@ impl Task for Whiten<'_> {
             let along = &along[j * shifts..(j + 1) * shifts];
             along.iter().zip(&moves[k]).map(|(a, b)| a * b).sum()
         };
-        // The squares of a row: of the row itself where little is left of them.
-        let own_square = |j: usize| -> f64 {
-            let row = &rows[j * stride..(j + 1) * stride];
-            let square = dot::<P>(token, row, row);
-            let left = square - fallen(j, j);
-            if left >= LEAST_LEFT * square {
-                return left;
-            }
-            let mut row = row.to_vec();
-            take_out(self.measured, &moves[j][..shifts], f64::INFINITY, &mut row);
-            dot::<P>(token, &row, &row)
-        };
         let mut found = Vec::new();
         match self.product {
             Product::Rows | Product::Slopes(_) => {}
-            Product::Squares { .. } => found.extend((0..count).map(own_square)),
+            Product::Squares { .. } => {
+                for (j, row) in rows.chunks_exact(stride).enumerate() {
+                    found.push(square::<P>(token, self.measured, row, fallen(j, j), &moves[j]));
+                }
+            }
             Product::Normal(_) => {
-                found.push(own_square(0));
+                let own = &rows[..stride];
+                found.push(square::<P>(token, self.measured, own, fallen(0, 0), &moves[0]));
                 for j in 1..count {
                     let at = |i: usize| &rows[i * stride..(i + 1) * stride];
                     let row = at(j);
