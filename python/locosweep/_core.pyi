@@ -541,7 +541,8 @@ class Misfit:
         """
     def fit(self, /, fits: SupportsGetItem[int, Incomplete], known: SupportsGetItem[int, bool], spans: SupportsGetItem[int, SupportsIndex], steps: SupportsIndex, tolerance: SupportsFloat | SupportsIndex, least: SupportsFloat | SupportsIndex, threads: SupportsIndex) -> tuple[list[tuple[Incomplete, float, Incomplete, float]], int]:
         """
-        Improve fits; `known` says of which chi2 is known, `least` to what others came. Returns theta, chi2, covariance
+        Improve fits; `known` says of which chi2 is known, `least` is the
+        smallest one that others have come to. Returns theta, chi2, covariance
         and damping of each, and the number of samples that were replayed.
         """
     def jacobian(self, /, fit: Incomplete, spans: SupportsGetItem[int, SupportsIndex], threads: SupportsIndex) -> Incomplete:

@@ -400,7 +400,8 @@ impl Misfit {
         rows.concat().into_pyarray(py).reshape([count, length])
     }
 
-    /// Improve fits; `known` says of which chi2 is known, `least` to what others came. Returns theta, chi2, covariance
+    /// Improve fits; `known` says of which chi2 is known, `least` is the
+    /// smallest one that others have come to. Returns theta, chi2, covariance
     /// and damping of each, and the number of samples that were replayed.
     #[allow(clippy::too_many_arguments)]
     fn fit<'py>(

@@ -90,8 +90,8 @@ fn friction_that_bends_behind_a_spring_or_a_gap() {
     }
 }
 
-/// A sample is held in as many parts, whose looks for events are as many times denser, and of
-/// which none is long enough for a long step.
+/// A sample is held in as many parts: looks for events are up to as many times denser, and hardly
+/// any part is long enough for a long step.
 const PARTS: usize = 64;
 
 /// Where nothing happens, one long step is taken; and fast oscillations are looked at no more

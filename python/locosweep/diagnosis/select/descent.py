@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.diagnosis.estimate.least_squares import chi2_of, evaluate, fit_all
-from locosweep.diagnosis.select.effort import FEW, SHARE, SLACK
+from locosweep.diagnosis.select.effort import FEW, PARTNERS, SHARE, SLACK
 from locosweep.diagnosis.select.thresholds import PENALTY
 
 if TYPE_CHECKING:
@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 
 _ALONG = np.outer(np.geomspace(1.0, 32.0, 16), (-1.0, 1.0)).ravel()
 """Deviations along an axis of a fit's covariance that are tried: from where chi2 rises by 1 to
-where it rises by 1000, each a quarter larger than the last."""
+where it rises by 1000, each a quarter larger than the last. With seed 9417 of `blind-check --cases
+200 --gap-free 100`, steps of a factor of two passed over the best valley of a gap (case 131)."""
 
 
 def descend(
@@ -83,7 +84,7 @@ def beyond_ridges(search: Search, fit: Fit) -> Fit:
 
     Contacts that open and close give chi2 many valleys: steps end in the first of them.
     """
-    while fit.covariance.size:
+    for _ in range(PARTNERS if fit.covariance.size else 0):
         sizes, axes = np.linalg.eigh(fit.covariance)
         steps = np.sqrt(np.maximum(sizes, 0.0)) * axes
         thetas = [fit.theta + by * step for by in _ALONG for step in steps.T]

@@ -20,8 +20,8 @@ the equation error says little."""
 INFORMATIVE_RUNS = 2
 """Runs that starts are replayed on: those that hold most of what a fit leaves."""
 PARTNERS = 8
-"""Further effects that are fitted beside those found, pairs that are fitted at first, and values
-that thresholds are fitted again from."""
+"""Further effects that are fitted beside those found, pairs that are fitted at first, values that
+thresholds are fitted again from, and rounds in which a fit is tried again from around its end."""
 SHARE = 0.5
 """Share of the best one's gain in chi2 that others have to promise, and after a few steps to
 show, to be followed."""
@@ -30,7 +30,7 @@ SLACK = 200.0
 of it also along a valley that bends."""
 FEW = 3
 """Steps after which starts that lie far behind are left; fits that go first, and effects whose
-bent valleys or thresholds are looked into."""
+bent or further valleys or thresholds are looked into."""
 LEVEL_WORK = 5e3
 """Work, in replays of all runs through the nominal model, after which no further set of a level
 is extended, nor exchanged."""

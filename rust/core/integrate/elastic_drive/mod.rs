@@ -11,16 +11,16 @@
 
 mod calm;
 mod events;
+mod one_step;
 mod propagation;
 mod refinement;
 
 use super::{Advance, State, Tally};
 use crate::lane::Lane;
-use crate::lane::exp::speed_factor;
-use crate::physics::effects::{Coefficients, Effect, Joint, Measured};
+use crate::physics::effects::{Coefficients, Joint, Measured};
 use crate::physics::friction::{ContactState, Dry};
 use crate::physics::segment::Segment;
-use propagation::{HALVINGS, Inputs, Level, Rates, levels};
+use propagation::{HALVINGS, Level, Rates, levels};
 
 /// What stands between the drive and the head.
 #[derive(Clone, Copy)]
@@ -73,16 +73,6 @@ impl<L: Lane> Now<L> {
             sliding_distance: L::select(mask, self.sliding_distance, other.sliding_distance),
         }
     }
-}
-
-/// `a` where the mask holds, `b` elsewhere.
-#[inline(always)]
-fn either<L: Lane>(mask: L::Mask, a: [L; 4], b: [L; 4]) -> [L; 4] {
-    let mut chosen = a;
-    for (chosen, other) in chosen.iter_mut().zip(b) {
-        *chosen = L::select(mask, *chosen, other);
-    }
-    chosen
 }
 
 pub struct ElasticDrive<'a, 'b, L: Lane, F> {
@@ -191,7 +181,9 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         let refines = bent && refinement::is_needed(&law, rates.is_lag);
         let stride = refinement::stride(&law);
         let reach = zero.splat(levels.len() as f64);
-        let mut found = ElasticDrive {
+        let calms = !rates.is_lag
+            && segment.drive.path.is_some_and(|path| calm::is_possible(path, law.active));
+        ElasticDrive {
             segment,
             law,
             rates,
@@ -202,13 +194,11 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
             refines,
             stride,
             reach,
-            calms: false,
+            calms,
             now,
             levels,
             go_on,
-        };
-        found.calms = calm::is_possible(&found);
-        found
+        }
     }
 
     /// Force of the link on the head.
@@ -299,60 +289,6 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         (own, L::select(zero.lt(now.joined), -push, closes))
     }
 
-    /// One step of a level from `now`, whatever happens within.
-    #[inline(always)]
-    fn moved(&self, level: &Level<L>, now: &Now<L>, inputs: (L, L)) -> Now<L> {
-        let zero = now.x.splat(0.0);
-        let slides = zero.lt(now.direction.abs());
-        let (offset, at) = self.inward(now, inputs);
-        let mut end = either(slides, level.sliding.apply(&at), level.resting.apply(&at));
-        if self.is_gap {
-            let free = either(slides, level.sliding_free.apply(&at), level.resting_free.apply(&at));
-            end = either(zero.lt(now.joined), end, free);
-        }
-        self.gone(now, end, offset)
-    }
-
-    /// The same over any time up to the shortest step.
-    #[inline(always)]
-    fn crept(&self, dt: L, now: &Now<L>, inputs: (L, L)) -> Now<L> {
-        let zero = now.x.splat(0.0);
-        let slides = zero.lt(now.direction.abs());
-        let (offset, at) = self.inward(now, inputs);
-        let rates = &self.rates;
-        let go = rates.series(&at, dt, true, true);
-        let mut end = either(slides, go, rates.series(&at, dt, false, true));
-        if self.is_gap {
-            let go = rates.series(&at, dt, true, false);
-            let free = either(slides, go, rates.series(&at, dt, false, false));
-            end = either(zero.lt(now.joined), end, free);
-        }
-        self.gone(now, end, offset)
-    }
-
-    /// Where a step has led to.
-    #[inline(always)]
-    fn gone(&self, now: &Now<L>, end: [L; 4], offset: L) -> Now<L> {
-        let zero = now.x.splat(0.0);
-        let sliding_distance =
-            L::select(zero.lt(now.direction), now.sliding_distance + end[3], zero);
-        Now {
-            x: now.x + end[3],
-            a: end[0] + offset,
-            b: end[1],
-            v: end[2],
-            sliding_distance,
-            ..*now
-        }
-    }
-
-    /// State and inputs with the stretch counted from the contact's face.
-    #[inline(always)]
-    fn inward(&self, now: &Now<L>, (g, u): (L, L)) -> (L, Inputs<L>) {
-        let offset = now.a - self.depth(now);
-        (offset, [now.a - offset, now.b, now.v, g, u])
-    }
-
     /// Over `left` seconds of one piece.
     #[inline(always)]
     fn stretch(&mut self, state: &State<L>, tally: &mut Tally<L>, left: L, events: &mut L) {
@@ -436,19 +372,6 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         }
     }
 
-    /// What acts over a step from `from`, friction as it is at `now`.
-    #[inline(always)]
-    fn inputs(&self, now: &Now<L>, from: &Now<L>, (t, dt): (L, L), drive: L) -> (L, L) {
-        let mut load = self.push(now);
-        if self.rates.is_lag && self.law.active.has(Effect::LoadDependentFriction) {
-            // Mean over the step.
-            load = (from.a - drive).mul_add(speed_factor(dt * self.rates.lag), drive);
-        }
-        let level = self.level(now, now.direction, load, dt.mul_add(dt.splat(0.5), t));
-        let back = now.direction.mul_add(level, self.segment.pull_back(now.x));
-        (-back * self.segment.per_mass, drive)
-    }
-
     /// Lets go at once what rests and is free to.
     #[inline(always)]
     fn release(&mut self, mask: L::Mask, t: L) {
@@ -459,18 +382,6 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
             let goes = L::and(rests, zero.lt(over));
             self.now.direction = L::select(goes, push.sign(), self.now.direction);
         }
-    }
-
-    /// Where a step of a level leads from `from` with friction as it is at its middle, and
-    /// what acts over it.
-    #[inline(always)]
-    fn midpoint(&self, level: usize, from: &Now<L>, (t, dt): (L, L), drive: L) -> (Now<L>, (L, L)) {
-        let mut inputs = self.inputs(from, from, (t, dt), drive);
-        if self.bent && level > 0 {
-            let middle = self.moved(&self.levels[level - 1], from, inputs);
-            inputs = self.inputs(&middle, from, (t, dt), drive);
-        }
-        (self.moved(&self.levels[level], from, inputs), inputs)
     }
 
     /// One step of a level on the lanes of `mask`, to the first event of each;

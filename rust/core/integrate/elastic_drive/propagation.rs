@@ -131,8 +131,9 @@ pub(super) struct Level<L> {
 /// Halvings of a step: rates up to a thousand per step are resolved.
 pub(super) const HALVINGS: i32 = 13;
 
-/// Doublings of a step where nothing happens: of the shortest steps, up to all of an interval.
-const DOUBLINGS: i32 = 6;
+/// Doublings of a step where nothing happens: to 16 of the 18 looks that an interval has at most
+/// (`MOST_LOOKS`).
+const DOUBLINGS: i32 = 4;
 
 /// Maps of a step of `dt`, twice that and so on; those of free flight only for a gap.
 #[inline(always)]

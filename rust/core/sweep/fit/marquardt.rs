@@ -40,8 +40,8 @@ pub struct Rule {
 }
 
 /// Improves fits until their chi2 falls by less than the tolerance, or the steps are made;
-/// of those far behind the best one fewer digits are asked for, and none where the limit
-/// is out of reach. Returns the samples that were evaluated.
+/// one that would not catch up with the best one is left, and one whose limit is out of reach.
+/// Returns the samples that were evaluated.
 pub fn fit(objective: &impl Objective, fits: &mut [Fit], rule: Rule, how: &How) -> Result<u64> {
     let mut evaluated = 0;
     let samples = objective.samples();
@@ -122,8 +122,8 @@ pub fn fit(objective: &impl Objective, fits: &mut [Fit], rule: Rule, how: &How) 
     Ok(evaluated)
 }
 
-/// Numbers of the trials, that which is likeliest to be taken after trial `last` first: the same
-/// again, but after much damping little is tried.
+/// Numbers of the trials, the likeliest to be taken after trial `last` first: the same again, or
+/// the least damping after the most. It decides what is worked out twice, not where a fit goes.
 fn likeliest(last: usize) -> [usize; TRIALS.len()] {
     match last {
         1 => [1, 0, 2],

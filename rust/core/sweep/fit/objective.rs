@@ -29,7 +29,8 @@ pub struct OverSpans<'a> {
     pub spans: &'a [usize],
 }
 
-/// Lanes of a replay, which take as long as one.
+/// Trajectories of a pack of replays, at every level that has vectors (`AVX2_AT_MOST` of
+/// `replay/packs.rs`): fewer take as long.
 const LANES: usize = 8;
 
 impl Objective for OverSpans<'_> {
