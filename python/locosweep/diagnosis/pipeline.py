@@ -385,7 +385,7 @@ def _graded(data: _Data, task: _Task, first: _Selected) -> _Selected:
 def _fitted_to_all(data: _Data, task: _Task, first: _Selected) -> _Selected:
     """Choose again with no run kept from fits.
 
-    Validation runs may refute what few runs leave open, or show a gap that only they have.
+    Validation runs may refute what few runs leave open, or show what only they have.
     """
     problem = replace(data.whole, held=(), meter=ReplayMeter())
     search = _search_of(problem, data.scale, task, equation_error(problem), judges=True)
@@ -394,8 +394,9 @@ def _fitted_to_all(data: _Data, task: _Task, first: _Selected) -> _Selected:
     if not first.choice.refuted and choice.status == "none":
         return first
     said = "refute what the others allow"
-    if first.choice.status == "none":
-        said = "show a gap that the others do not"
+    if not first.choice.refuted:
+        what = "a gap" if first.choice.status == "none" else "a cause"
+        said = f"show {what} that the others do not"
     said += ": all are fitted, and how far the gap shrinks on unseen ones is not known"
     return _Selected(search, choice, (f"the runs kept from the fit {said}",), to_all=True)
 

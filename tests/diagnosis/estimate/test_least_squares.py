@@ -10,6 +10,7 @@ from scipy.optimize import least_squares
 
 from diagnosis_search import search_for
 from locosweep.diagnosis.estimate.least_squares import (
+    Nuisances,
     evaluate,
     fit_all,
     jacobian_of,
@@ -82,6 +83,21 @@ def test_bounds_hold() -> None:
     free = tuple(replace(f, low=0.0, high=0.02) if f.name == "c" else f for f in start.model.free)
     (fit,) = fit_all(problem, [replace(start, model=replace(start.model, free=free))], steps=20)
     assert fit.parameters[0] == pytest.approx(0.02)
+
+
+def test_what_a_bound_holds_is_not_inside() -> None:
+    search = search_for({}, "drive_saturation", "quadratic_drag")
+    model = search.model(search.names)
+    limit = model.free[0]
+    rows = np.array([[limit.high, 0.0], [0.5 * limit.high, 0.1]])
+    nuisances = Nuisances(moving=(0,))
+    ends, between = start_fits(nuisances, model, rows)
+    assert ends.inside.tolist() == [False, False, True]
+    assert between.inside.all()
+    low, high = ends.bounds
+    assert (low[-1], high[-1]) == (-np.inf, np.inf)
+    assert (low[:2] <= ends.theta[:2]).all()
+    assert (ends.theta[:2] <= high[:2]).all()
 
 
 def test_what_is_known_before_has_its_derivatives() -> None:

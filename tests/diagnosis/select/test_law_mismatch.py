@@ -9,7 +9,13 @@ import polars as pl
 import pytest
 
 from locosweep.diagnosis.effects.scale import scale_of
-from locosweep.diagnosis.estimate.least_squares import Fit, Nuisances, fit_all, start_fits
+from locosweep.diagnosis.estimate.least_squares import (
+    Fit,
+    Nuisances,
+    evaluate,
+    fit_all,
+    start_fits,
+)
 from locosweep.diagnosis.estimate.problem import Problem
 from locosweep.diagnosis.select import law_mismatch
 from locosweep.diagnosis.select.law_mismatch import (
@@ -89,6 +95,18 @@ def test_a_law_far_off_by_its_own_formula_is_found_behind_others() -> None:
     assert found[1].model.names == ("viscous_friction",)
 
 
+def test_another_law_starts_from_where_a_formula_ends() -> None:
+    """A search leaves fits that fall behind, far from their ends."""
+    search, (end,) = fits_of(
+        measured({"quadratic_drag": {"c2": 0.05}}, drives()), "viscous_friction"
+    )
+    (left,) = evaluate(search.problem, [end.unfitted(end.theta * 0.2)])
+    assert left.chi2 > 2.0 * end.chi2
+    found = best_with_other_law(search, [left])
+    assert found is not None
+    assert found[1].chi2 == pytest.approx(end.chi2, rel=1e-3)
+
+
 def test_a_force_by_position_refutes_a_single_effect_that_it_outdoes() -> None:
     """A spring to the start is no friction that drifts; but a slope stays a slope."""
     runs = drives(count=5)
@@ -161,6 +179,8 @@ def test_a_law_that_is_behind_comes_after_those_that_are_not(
         return scored.get(fit.model.names[0]), []
 
     monkeypatch.setattr(law_mismatch, "_score_with_other_law", score)
-    assert best_with_other_law(search, level) == (2.0, level[1])
-    del scored["drive_lag"]
-    assert best_with_other_law(search, level) == (1.0, level[0])
+    for least, name in ((2.0, "drive_lag"), (1.0, "viscous_friction")):
+        found = best_with_other_law(search, level)
+        assert found is not None
+        assert (found[0], found[1].model.names) == (least, (name,))
+        del scored[name]

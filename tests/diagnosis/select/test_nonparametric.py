@@ -66,6 +66,16 @@ def test_worth_is_the_ratio_of_marginal_likelihoods(names: tuple[str, ...]) -> N
         )
 
 
+def test_a_parameter_at_its_bound_makes_no_room_for_a_correction() -> None:
+    """The head is faster than nominal: no drag, which is none below 0, helps."""
+    frame = measured({"drive_gain_error": {"e": 0.02}}, drives(count=3, samples=60))
+    at_bound, without = terms_beside(frame, "quadratic_drag"), terms_beside(frame)
+    assert "fit" not in at_bound.names
+    factors = [terms.log_bayes_factor(["speed"], 1.0) for terms in (at_bound, without)]
+    assert factors[0] == pytest.approx(factors[1], rel=1e-9)
+    assert factors[0] > 100.0
+
+
 def test_runs_are_foretold_by_the_density_given_the_others() -> None:
     frame = measured({"quadratic_drag": {"c2": 0.05}}, drives(count=3, samples=60))
     terms = terms_beside(frame)

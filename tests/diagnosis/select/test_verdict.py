@@ -78,6 +78,16 @@ def test_a_kept_run_with_a_gap_asks_for_fits_to_all() -> None:
         assert kept_may_show_a_gap(search, choice) == more
 
 
+def test_a_kept_run_may_show_the_cause_of_a_rest_that_no_effect_takes() -> None:
+    rough = {"position_dependent_friction": {"a": 0.002, "L": 0.03, "p": 0.0}}
+    runs, late = measured(rough), measured({"sensor_delay": {"T": 0.02}})
+    last = len(runs) - 1
+    search = search_of([*runs[:-1], late[-1]], "sensor_delay", held=(last,))
+    choice = choose(search, 1)
+    assert (choice.status, choice.fit.model.names) == ("unexplained", ())
+    assert kept_may_show_a_gap(search, choice)
+
+
 def test_a_single_effect_is_outdone_by_a_force_that_no_effect_stands_for() -> None:
     """A weak spring to the middle of the way: friction that drifts leaves but noise, too."""
     runs = driven()

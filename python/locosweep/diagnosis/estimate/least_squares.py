@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+_AT_A_BOUND = 1e-9
+"""Share of a range within which a value stands at its end: steps are cut off there to rounding."""
+
 
 @dataclass(frozen=True)
 class Nuisances:
@@ -90,6 +93,22 @@ class Fit:
         spread = np.sqrt(np.maximum(np.diag(self.covariance)[:k], 0.0))
         logs = np.array([f.log for f in self.model.free], dtype=bool)
         return np.where(logs, spread * self.parameters, spread) if k else spread
+
+    @property
+    def bounds(self) -> tuple[Floats, Floats]:
+        """Least and largest values of theta; none for what stands behind the parameters."""
+        low, high = np.full((2, self.theta.size), np.inf)
+        for i, f in enumerate(self.model.free):
+            low[i], high[i] = np.log([f.low, f.high]) if f.log else (f.low, f.high)
+        low[len(self.model.free) :] = -np.inf
+        return low, high
+
+    @property
+    def inside(self) -> NDArray[np.bool_]:
+        """True for the values of theta that no bound holds: those that a small step may change."""
+        low, high = self.bounds
+        slack = _AT_A_BOUND * np.where(np.isfinite(high), high - low, 0.0)
+        return (self.theta > low + slack) & (self.theta < high - slack)
 
     @property
     def nuisance(self) -> Floats:

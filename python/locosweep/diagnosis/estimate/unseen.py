@@ -61,9 +61,7 @@ def without_each(problem: Problem, fit: Fit, groups: Sequence[Sequence[int]]) ->
 
 def _bounds(fit: Fit) -> tuple[Floats, Floats]:
     """Return the ends of each entry's range; starts of runs have none."""
-    low, high = np.full(fit.theta.size, -np.inf), np.full(fit.theta.size, np.inf)
-    for i, free in enumerate(fit.model.free):
-        low[i], high[i] = (np.log(v) if free.log else v for v in (free.low, free.high))
+    low, high = fit.bounds
     for i, uncertain in enumerate(fit.nuisances.uncertain, start=len(fit.model.free)):
         high[i] = _FARTHEST * fit.nuisances.spread[uncertain]
         low[i] = -high[i]

@@ -14,12 +14,8 @@ from locosweep.diagnosis.select.thresholds import PENALTY
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.select.search import Collection, Found, Search
-
-    Floats = NDArray[np.float64]
 
 
 _ALONG = np.outer(np.geomspace(1.0, 32.0, 16), (-1.0, 1.0)).ravel()
@@ -88,8 +84,8 @@ def beyond_ridges(search: Search, fit: Fit) -> Fit:
         sizes, axes = np.linalg.eigh(fit.covariance)
         steps = np.sqrt(np.maximum(sizes, 0.0)) * axes
         thetas = [fit.theta + by * step for by in _ALONG for step in steps.T]
-        inside = [theta for theta in thetas if _is_allowed(fit, theta)]
-        trials = [fit.unfitted(theta) for theta in inside]
+        low, high = fit.bounds
+        trials = [fit.unfitted(u) for u in thetas if ((low <= u) & (u <= high)).all()]
         seen = sorted(evaluate(search.problem, trials, residuals=False), key=chi2_of)
         starts = [one.unfitted() for one in seen[:FEW]]
         end = min(fit_all(search.problem, starts, steps=search.steps), key=chi2_of, default=fit)
@@ -97,11 +93,6 @@ def beyond_ridges(search: Search, fit: Fit) -> Fit:
             break
         fit = end
     return fit
-
-
-def _is_allowed(fit: Fit, theta: Floats) -> bool:
-    bounds = [(np.log([f.low, f.high]) if f.log else (f.low, f.high)) for f in fit.model.free]
-    return all(low <= u <= high for u, (low, high) in zip(theta, bounds, strict=False))
 
 
 def apart(fits: Sequence[Fit]) -> list[Fit]:

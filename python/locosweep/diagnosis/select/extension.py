@@ -163,11 +163,11 @@ def _rescanned(search: Search, fit: Fit, most: float) -> Fit:
         if search.is_noise(fit):
             break
         trials: list[Fit] = []
+        low, high = fit.bounds
         for i, free in enumerate(fit.model.free):
-            low, high = (np.log(v) if free.log else v for v in (free.low, free.high))
             for change in changes * (1.0 if free.log else free.size):
                 theta = fit.theta.copy()
-                theta[i] = np.clip(theta[i] + change, low, high)
+                theta[i] = np.clip(theta[i] + change, low[i], high[i])
                 trials.append(fit.unfitted(theta))
         # The farthest of those that are as good: within a step of a threshold nothing changes.
         seen = sorted(evaluate(search.problem, trials[::-1], residuals=False), key=chi2_of)

@@ -47,7 +47,9 @@ def best_with_other_law(search: Search, level: Sequence[Fit]) -> tuple[float, Fi
     tried = list(level[:_TRIED])
     found = []
     for i, fit in enumerate(tried):
-        scored, others = _score_with_other_law(search, fit)
+        # A search leaves what falls behind, but another law starts from where a formula ends.
+        (tried[i],) = fit_all(search.problem, [fit], steps=search.steps)
+        scored, others = _score_with_other_law(search, tried[i])
         if scored is not None:
             found.append((*scored, i))
         # No effect acts through some: a force by the position alone, an acceleration.

@@ -49,8 +49,10 @@ class NonparametricCorrection:
         laws = [*forces, *readings]
         names = [v for v, t in laws for _ in range(len(t))]
         knots = [(i, float(k)) for i, (_, t) in enumerate(laws) for k in range(len(t))]
-        names += ["fit"] * fit.theta.size
-        knots += [(len(laws), 0.0)] * fit.theta.size
+        # At its bound, a parameter cannot make room for a correction.
+        inside = fit.inside
+        names += ["fit"] * int(inside.sum())
+        knots += [(len(laws), 0.0)] * int(inside.sum())
         basis = np.zeros((len(names), fit.residual.size))
         at = 0
         for kind, is_force in ((forces, True), (readings, False)):
@@ -60,8 +62,8 @@ class NonparametricCorrection:
                 found = problem.whitened(dx, dv)
                 basis[at : at + len(terms), : found.shape[1]] = found
                 at += len(terms)
-        if fit.theta.size:
-            basis[at:] = jacobian_of(problem, fit)
+        if inside.any():
+            basis[at:] = jacobian_of(problem, fit)[inside]
         gram = basis @ basis.T
         norm = np.sqrt(np.diag(gram))
         seen = np.flatnonzero(norm > 1e-9)

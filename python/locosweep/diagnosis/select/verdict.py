@@ -243,12 +243,12 @@ def _misses(search: Search, fit: Fit) -> bool:
 
 
 def kept_may_show_a_gap(search: Search, choice: Choice) -> bool:
-    """Return whether all runs together may show a gap where those that are fitted show none.
+    """Return whether all runs together may show a cause where those that are fitted show none.
 
     They may if the nominal model leaves more than noise of the runs kept from fits, or if some
     effect predicts these better.
     """
-    if choice.status != "none":
+    if choice.fit.model.names:
         return False
     problem = search.problem
     e = validation_residuals(problem, [point_of(problem, search.none)])[0]
