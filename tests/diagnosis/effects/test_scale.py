@@ -1,8 +1,11 @@
 """Sizes of a rig from its model and its runs."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from locosweep.diagnosis.effects.catalogue import starts_of
 from locosweep.diagnosis.effects.scale import level_of, scale_of
 from locosweep.files.robot import Robot
 from locosweep.files.runs import Run
@@ -25,7 +28,7 @@ def test_sizes_are_those_of_the_runs():
     scale = scale_of(ROBOT, [RUN])
     assert scale.travel == pytest.approx(0.5)
     assert scale.speed == pytest.approx(0.25)
-    assert scale.force == 3.0
+    assert scale.force == scale.peak == 3.0
     assert scale.interval == pytest.approx(0.01)
     assert scale.duration == scale.replayed == 2.0
     assert scale.grip == pytest.approx(2.0 * 0.5 * 9.81 * 0.5)
@@ -43,3 +46,12 @@ def test_a_run_without_positions_leaves_sizes_above_zero():
     silent = Run("0", T, np.zeros(T.size), {"x": np.full(T.size, np.nan)})
     scale = scale_of(ROBOT, [silent])
     assert min(scale.travel, scale.speed, scale.force, scale.level) > 0.0
+
+
+def test_a_limit_that_one_strong_run_reaches_lies_between_starts():
+    weak = [replace(RUN, label=str(k), drive=0.6 * RUN.drive) for k in range(9)]
+    strong = replace(RUN, drive=np.where(T < 0.2, 3.0, 1.0))
+    scale = scale_of(ROBOT, [strong, *weak])
+    assert (scale.force, scale.peak) == (pytest.approx(1.8), 3.0)
+    starts = starts_of("drive_saturation", scale)[:, 0]
+    assert starts.min() < scale.force < 0.9 * scale.peak < starts.max() < scale.peak

@@ -131,6 +131,7 @@ class PlannedRuns:
             level=level,
             least_level=level,
             force=force,
+            peak=force,
             weight=max(weight, tiny),
             grip=max((nominal["segments"] - 1.0) * flat, tiny),
             speed=max(float(np.abs(self.readings["v"]).max(initial=0.0)), tiny),

@@ -30,6 +30,8 @@ class Scale:
     """Least Coulomb level that the uncertainty of the nominal file allows."""
     force: float
     """A large drive force."""
+    peak: float
+    """The largest one, which a single run may hold."""
     speed: float
     travel: float
     duration: float
@@ -62,7 +64,8 @@ def scale_of(robot: Robot, runs: Sequence[Run]) -> Scale:
     level = level_of(nominal)
     doubts = [robot.other.get(f"uncertainty.{key}", 0.0) for key in ("mass", "mu_coulomb")]
     drives = np.concatenate([run.drive for run in runs]) * nominal["gain"]
-    force = float(np.quantile(np.abs(drives), 0.98)) or float(np.abs(drives).max()) or weight
+    peak = float(np.abs(drives).max()) or weight
+    force = float(np.quantile(np.abs(drives), 0.98)) or peak
     travel, speed = [], []
     for run in runs:
         x = run.channels["x"]
@@ -83,6 +86,7 @@ def scale_of(robot: Robot, runs: Sequence[Run]) -> Scale:
         level=max(level, 1e-3 * force),
         least_level=max(level, 1e-3 * force) * max(0.0, 1.0 - _DOUBT * sum(map(float, doubts))),
         force=force,
+        peak=peak,
         speed=max(fast, 1e-6),
         travel=max(far, 1e-7),
         duration=duration,

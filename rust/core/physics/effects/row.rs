@@ -14,6 +14,7 @@
 //! | `least_level` | N | what it may be where it is uncertain |
 //! | `mu` | 1 | Coulomb coefficient (rivals of the blind check) |
 //! | `force` | N | large drive force |
+//! | `peak` | N | largest drive force, which a single run may hold |
 //! | `viscous` | N s/m | nominal viscous coefficient |
 //! | `speed`, `travel` | m/s, m | of the head in a run |
 //! | `duration`, `replayed` | s | of a run, of what is replayed at once |

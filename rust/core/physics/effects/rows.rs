@@ -367,9 +367,10 @@ effects! {
             param: param("F_max", r"F_\mathrm{max}", "N", (0.0, INF), "largest drive force"),
             off: STIFF,
             log: true,
-            starts: "force * [0.3, 0.45, 0.6, 0.75, 0.85, 0.93, 0.98]",
+            // Of several runs, the strongest one alone may reach the limit.
+            starts: "peak * [0.3, 0.45, 0.6, 0.75, 0.85, 0.92, 0.97]",
             low: "0.02 * force",
-            high: "2 * force",
+            high: "max(2 * force, peak)",
             at: "force * (1 - u)",
             rival: "force * max(1 - s, 0.05)",
             ..PARAM
