@@ -53,10 +53,6 @@ PLANTED = {
                  "bristle_damping": 4.0, "dwell_time": 0.5},
 }  # fmt: skip
 
-# Where the search ends beside the planted values (docs/friction.md, known limits): what is
-# left then, over the noise.
-NOT_FOUND = {"lugre": 6.0, "elasto_plastic": 7.0}
-
 
 def motion(count=1200, *, dwell=False):
     """Back and forth at many speeds; with rests where `dwell`."""
@@ -105,17 +101,7 @@ def _ramps(rest):
 
 
 class TestRecovery:
-    @pytest.mark.parametrize("law", sorted(NOT_FOUND))
-    def test_a_search_that_ends_elsewhere_claims_no_values(self, law):
-        data, _ = planted(law, PLANTED[law])
-        own = ls.fit_friction(data, laws=[law]).chosen
-        assert own.rms < NOT_FOUND[law] * NOISE
-        assert own.held_out_rms < NOT_FOUND[law] * NOISE
-        for name in ("mu_static", "mu_coulomb", "viscous"):
-            assert own.parameters[name].std is None
-            assert own.parameters[name].interval is None
-
-    @pytest.mark.parametrize("law", [law.name for law in ls.laws() if law.name not in NOT_FOUND])
+    @pytest.mark.parametrize("law", [law.name for law in ls.laws()])
     def test_every_law_is_found_again(self, law):
         t = motion()[0]
         load = 1.0 + 0.6 * np.sin(0.37 * t) if law == "load_viscous" else None
@@ -136,6 +122,14 @@ class TestRecovery:
                 continue
             found = own.parameters[name]
             assert abs(found.value - true[name]) < 5.0 * found.std + 0.02 * true[name]
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("seed", range(2, 9))
+    @pytest.mark.parametrize("law", ["lugre", "elasto_plastic"])
+    def test_bristles_are_found_under_other_noise(self, law, seed):
+        data, _ = planted(law, PLANTED[law], seed=seed)
+        own = ls.fit_friction(data, laws=[law]).chosen
+        assert own.rms == pytest.approx(NOISE, rel=0.12)
 
     def test_every_law_is_planted(self):
         assert set(PLANTED) == {law.name for law in ls.laws()}

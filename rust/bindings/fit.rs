@@ -8,7 +8,7 @@ use locosweep::physics::effects::{Active, EFFECT_PARAMS, Effect};
 use locosweep::physics::robot::Motor;
 use locosweep::sweep::Control;
 use locosweep::sweep::fit::{self, Begin, Coordinate, How, Point, Rule, Shift, Signal, Source};
-use locosweep::sweep::fit::{DMatrix, DVector, OverSpans, Span, What};
+use locosweep::sweep::fit::{DMatrix, DVector, FINE, OverSpans, Replayed, Span, What};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use numpy::{PyReadonlyArray2, PyReadwriteArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -105,38 +105,34 @@ impl GivenPoint<'_> {
 }
 
 impl GivenFree {
-    fn coordinate(&self, py: Python<'_>) -> PyResult<Coordinate> {
+    fn coordinate(&self, py: Python<'_>) -> PyResult<(What, Coordinate)> {
         let effect = Effect::parse(&self.effect).map_err(|error| raise(py, error))?;
         let place = effect.info().params.iter().position(|p| p.param.name == self.name);
         let unknown = || input_error(py, format!("{} has no {}", self.effect, self.name));
         let index = effect.first() + place.ok_or_else(unknown)?;
         let bound = |value: f64| if self.log { value.ln() } else { value };
-        Ok(Coordinate {
-            what: What::Parameter { index, log: self.log },
-            low: bound(self.low),
-            high: bound(self.high),
-            size: self.size,
-            deviation: f64::INFINITY,
-        })
+        let (low, high) = (bound(self.low), bound(self.high));
+        let coordinate = Coordinate { low, high, size: self.size, deviation: f64::INFINITY };
+        Ok((What::Parameter { index, log: self.log }, coordinate))
     }
 }
 
 impl GivenNuisances {
     /// In the order of `theta`: uncertain values, start speeds, start positions.
-    fn coordinates(&self) -> impl Iterator<Item = Coordinate> {
+    fn coordinates(&self) -> impl Iterator<Item = (What, Coordinate)> {
         let around = |what: What, deviation: f64| {
             let most = AROUND * deviation;
-            Coordinate { what, low: -most, high: most, size: deviation, deviation }
+            (what, Coordinate { low: -most, high: most, size: deviation, deviation })
         };
         let uncertain = self.spread.iter().enumerate().filter(|(_, deviation)| **deviation > 0.0);
         let shares = uncertain.map(move |(k, deviation)| around(What::Share(k), *deviation));
-        let speeds = self.moving.iter().map(|span| Coordinate {
-            what: What::Speed(*span),
+        let free = Coordinate {
             low: f64::NEG_INFINITY,
             high: f64::INFINITY,
             size: self.speed,
             deviation: f64::INFINITY,
-        });
+        };
+        let speeds = self.moving.iter().map(move |span| (What::Speed(*span), free));
         let offsets = self.start_offsets.iter();
         let offsets = offsets.map(move |(span, deviation)| around(What::Offset(*span), *deviation));
         shares.chain(speeds).chain(offsets)
@@ -147,7 +143,9 @@ impl GivenFit<'_> {
     /// The same without what is about the start of a run, to be evaluated.
     pub fn anywhere(&self, py: Python<'_>) -> PyResult<fit::Fit> {
         let mut fit = self.fit(py, false)?;
-        fit.coordinates.retain(|one| matches!(one.what, What::Parameter { .. } | What::Share(_)));
+        // What is about a run stands behind all else.
+        fit.model.free.retain(|one| matches!(one, What::Parameter { .. } | What::Share(_)));
+        fit.coordinates.truncate(fit.model.free.len());
         fit.theta = fit.theta.rows(0, fit.coordinates.len()).into_owned();
         fit.covariance = None;
         Ok(fit)
@@ -156,7 +154,8 @@ impl GivenFit<'_> {
     fn fit(&self, py: Python<'_>, known: bool) -> PyResult<fit::Fit> {
         let own = self.model.free.iter().map(|free| free.coordinate(py));
         let coordinates = own.chain(self.nuisances.coordinates().map(Ok));
-        let coordinates = coordinates.collect::<PyResult<Vec<Coordinate>>>()?;
+        let (free, coordinates): (Vec<_>, Vec<_>) =
+            coordinates.collect::<PyResult<Vec<_>>>()?.into_iter().unzip();
         let (theta, covariance) = (self.theta.as_array(), self.covariance.as_array());
         if theta.len() != coordinates.len() {
             let message = format!(
@@ -169,7 +168,7 @@ impl GivenFit<'_> {
         let given = covariance.dim() == (theta.len(), theta.len());
         let entries = || DMatrix::from_fn(theta.len(), theta.len(), |i, j| covariance[[i, j]]);
         Ok(fit::Fit {
-            active: active_of(py, &self.model.names)?,
+            model: Replayed { active: active_of(py, &self.model.names)?, free },
             coordinates,
             theta: DVector::from_iterator(theta.len(), theta.iter().copied()),
             chi2: known.then_some(self.chi2),
@@ -416,9 +415,9 @@ impl Misfit {
         threads: usize,
     ) -> PyResult<(Vec<Found<'py>>, u64)> {
         let mut made = self.fits(py, &fits, &spans, &known)?;
-        let rule = Rule { steps, tolerance, least };
+        let rule = Rule { steps, tolerance, share: FINE, least };
         let objective = OverSpans { misfit: &self.core, spans: &spans };
-        let replayed = through_door(py, threads, |how| fit::fit(&objective, &mut made, rule, how))?;
+        let ended = through_door(py, threads, |how| fit::fit(&objective, &mut made, rule, how))?;
         let found = made.into_iter().map(|fit| {
             let covariance = fit.covariance.unwrap_or_else(|| DMatrix::zeros(0, 0));
             // It is symmetric: its columns are its rows.
@@ -427,7 +426,7 @@ impl Misfit {
             let theta = fit.theta.as_slice().to_vec().into_pyarray(py);
             Ok((theta, fit.chi2.unwrap_or(f64::INFINITY), covariance, fit.damping))
         });
-        Ok((found.collect::<PyResult<Vec<Found<'py>>>>()?, replayed))
+        Ok((found.collect::<PyResult<Vec<Found<'py>>>>()?, ended.evaluated))
     }
 }
 

@@ -7,9 +7,9 @@ use locosweep::lane::Level;
 use locosweep::physics::effects::{Active, EFFECT_PARAMS, Effect, Nominal};
 use locosweep::sweep::Control;
 use locosweep::sweep::fit::{
-    Asked, Begin, Compared, Coordinate, DVector, Experiment, Fit, How, Misfit, Objective,
-    OverSpans, Point, Rule, Signal, Source, Span, What, evaluate, fit, jacobian, readings,
-    residuals,
+    Asked, Begin, Compared, Coordinate, DVector, Experiment, FINE, Fit, How, Misfit, Objective,
+    OverSpans, Point, Replayed, Rule, Signal, Source, Span, What, evaluate, fit, jacobian,
+    readings, residuals,
 };
 use locosweep::sweep::replay::Run;
 use std::sync::Arc;
@@ -96,30 +96,30 @@ fn misfit_beside(off: f64, known: f64) -> Misfit {
 }
 
 fn start(damping: f64) -> Fit {
-    let parameter = |effect: Effect, log: bool, low: f64, high: f64, size: f64| Coordinate {
-        what: What::Parameter { index: effect.first(), log },
-        low,
-        high,
-        size,
-        deviation: f64::INFINITY,
-    };
-    let around = |what: What, deviation: f64| Coordinate {
-        what,
+    let parameter = |effect: Effect, log: bool| What::Parameter { index: effect.first(), log };
+    let deviation = f64::INFINITY;
+    let around = |deviation: f64| Coordinate {
         low: -8.0 * deviation,
         high: 8.0 * deviation,
         size: deviation,
         deviation,
     };
-    let last =
-        Coordinate { what: What::Speed(2), size: 0.1, ..around(What::Speed(2), f64::INFINITY) };
-    let coordinates = vec![
-        parameter(Effect::ViscousFriction, true, -12.0, 3.0, 1.0),
-        parameter(Effect::DriveGainError, false, -0.5, 0.5, 0.1),
-        around(What::Share(0), 1e-3),
-        last,
-    ];
+    let (free, coordinates) = [
+        (
+            parameter(Effect::ViscousFriction, true),
+            Coordinate { low: -12.0, high: 3.0, size: 1.0, deviation },
+        ),
+        (
+            parameter(Effect::DriveGainError, false),
+            Coordinate { low: -0.5, high: 0.5, size: 0.1, deviation },
+        ),
+        (What::Share(0), around(1e-3)),
+        (What::Speed(2), Coordinate { size: 0.1, ..around(deviation) }),
+    ]
+    .into_iter()
+    .unzip();
     Fit {
-        active: active(),
+        model: Replayed { active: active(), free },
         coordinates,
         theta: DVector::from_vec(vec![damping.ln(), 0.0, 0.0, 0.0]),
         chi2: None,
@@ -129,7 +129,7 @@ fn start(damping: f64) -> Fit {
     }
 }
 
-const RULE: Rule = Rule { steps: 30, tolerance: 1e-3, least: f64::INFINITY };
+const RULE: Rule = Rule { steps: 30, tolerance: 1e-3, share: FINE, least: f64::INFINITY };
 
 fn fitted(misfit: &Misfit, level: Level, threads: usize) -> Vec<Fit> {
     let mut fits: Vec<Fit> = [0.01, 0.03, 0.3].into_iter().map(start).collect();
@@ -167,6 +167,8 @@ fn threads_and_levels_do_not_change_bits() {
 struct Narrow<'a>(OverSpans<'a>);
 
 impl Objective for Narrow<'_> {
+    type Model = Replayed;
+
     fn compare(&self, asked: &[Asked], how: &How) -> Result<Vec<Compared>> {
         self.0.compare(asked, how)
     }
@@ -205,8 +207,9 @@ fn a_fit_that_would_not_catch_up_is_left() {
     let how = how(Level::current().unwrap(), 1, &control);
     let ends = |least: f64| {
         let mut one = [start(0.01)];
-        let replayed = fit(&objective, &mut one, Rule { least, ..RULE }, &how).unwrap();
-        (replayed, one[0].chi2.unwrap())
+        let ended = fit(&objective, &mut one, Rule { least, ..RULE }, &how).unwrap();
+        assert!(ended.open.is_empty());
+        (ended.evaluated, one[0].chi2.unwrap())
     };
     let (alone, end) = ends(f64::INFINITY);
     // Others are far ahead: what the last steps gain is too little for their distance.

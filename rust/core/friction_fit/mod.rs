@@ -12,10 +12,12 @@ pub use candidate::{Candidate, FALLS, FROZEN, Free, Pressing, Scales, What};
 pub use search::fit;
 
 use crate::error::{Error, Result};
+use crate::lane::Level;
 use crate::physics::friction::imposed::Motion;
 use crate::physics::friction::{LawEntry, Values};
 use crate::physics::params::ParamId;
 use crate::sweep::Control;
+use crate::sweep::fit::How;
 use crate::sweep::pool::pool;
 use spread::median;
 use std::sync::atomic::Ordering;
@@ -137,17 +139,18 @@ pub fn fit_all(
             });
         }
     }
+    // Each candidate is fitted in the thread that takes it.
+    let how = How { level: Level::current()?, threads: 1, control };
     let queue = Mutex::new(candidates.iter().enumerate());
     let done = Mutex::new(Vec::new());
     let work = || {
         loop {
             let next = queue.lock().unwrap_or_else(PoisonError::into_inner).next();
             let Some((i, candidate)) = next else { return };
-            let stop = || control.cancel.load(Ordering::Relaxed);
-            if stop() {
+            if control.cancel.load(Ordering::Relaxed) {
                 return;
             }
-            let outcome = fit(measured, candidate, &scales, &stop);
+            let outcome = fit(measured, candidate, &scales, &how);
             control.done.fetch_add(1, Ordering::Relaxed);
             done.lock().unwrap_or_else(PoisonError::into_inner).push((i, outcome));
         }
@@ -163,7 +166,7 @@ pub fn fit_all(
     }
     let mut all = done.into_inner().unwrap_or_else(PoisonError::into_inner);
     all.sort_by_key(|(i, _)| *i);
-    Ok(all.into_iter().map(|(_, outcome)| outcome).collect())
+    all.into_iter().map(|(_, outcome)| outcome).collect()
 }
 
 fn check(measured: &Measured) -> Result<()> {

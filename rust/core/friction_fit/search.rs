@@ -4,9 +4,12 @@ use super::candidate::{Candidate, Free, Pressing, Scales, Start, What};
 use super::spread::{blocks, memory, uncertainty};
 use super::squares::{Minimum, Residuals, compass, jacobian, minimise};
 use super::{FITTED, Found, Measured, Outcome};
+use crate::error::Result;
 use crate::physics::friction::imposed::Motion;
 use crate::physics::friction::{Kind, Values};
 use crate::physics::params::ParamId;
+use crate::sweep::fit::How;
+use std::cell::RefCell;
 
 /// How much is spent on a search.
 struct Effort {
@@ -24,7 +27,6 @@ struct Effort {
     kept: usize,
     /// Relative fall of the sum of squares that is none.
     settled: f64,
-    tries: usize,
 }
 
 const THOROUGH: Effort = Effort {
@@ -37,7 +39,6 @@ const THOROUGH: Effort = Effort {
     followed: 4,
     kept: 2,
     settled: 1e-9,
-    tries: 12,
 };
 
 /// A bristle law is integrated, to a tolerance: each look takes as long as a
@@ -52,7 +53,6 @@ const SPARING: Effort = Effort {
     followed: 2,
     kept: 1,
     settled: 1e-6,
-    tries: 6,
 };
 
 fn effort(kind: Kind) -> &'static Effort {
@@ -66,19 +66,16 @@ struct Model<'a> {
     free: &'a [Free],
     /// The static level and the Coulomb one that it stands on, where there are both.
     levels: Option<(usize, usize)>,
-    motions: Vec<Motion>,
+    /// Of which a preload that is fitted changes the normal force.
+    motions: RefCell<Vec<Motion>>,
     /// Rows in use, run by run.
     rows: Vec<Vec<usize>>,
-    stop: &'a dyn Fn() -> bool,
+    /// Typical force, N, which residuals are given in.
+    force: f64,
 }
 
 impl<'a> Model<'a> {
-    fn new(
-        measured: &'a Measured,
-        candidate: &'a Candidate,
-        free: &'a [Free],
-        stop: &'a dyn Fn() -> bool,
-    ) -> Self {
+    fn new(measured: &'a Measured, candidate: &'a Candidate, free: &'a [Free], force: f64) -> Self {
         let motions = measured
             .runs
             .iter()
@@ -91,7 +88,8 @@ impl<'a> Model<'a> {
             })
             .collect();
         let rows = measured.runs.iter().map(|run| run.rows.clone()).collect();
-        Model { measured, candidate, free, levels: levels(free), motions, rows, stop }
+        let (levels, motions) = (levels(free), RefCell::new(motions));
+        Model { measured, candidate, free, levels, motions, rows, force }
     }
 
     fn effort(&self) -> &'static Effort {
@@ -127,7 +125,9 @@ impl<'a> Model<'a> {
         }
     }
 
-    fn predicted(&mut self, u: &[f64]) -> Vec<f64> {
+    /// Force at the rows in use, N.
+    fn predicted(&self, u: &[f64]) -> Vec<f64> {
+        let mut motions = self.motions.borrow_mut();
         let mut given: Vec<(ParamId, f64)> = Vec::with_capacity(u.len());
         let (mut offset, mut gain) = (0.0, 0.0);
         for (i, free) in self.free.iter().enumerate() {
@@ -137,7 +137,7 @@ impl<'a> Model<'a> {
                 What::Offset => offset = value,
                 What::Gain => gain = value,
                 What::Preload => {
-                    for (motion, run) in self.motions.iter_mut().zip(&self.measured.runs) {
+                    for (motion, run) in motions.iter_mut().zip(&self.measured.runs) {
                         for (normal, load) in motion.normal.iter_mut().zip(&run.load) {
                             *normal = load.abs() + value;
                         }
@@ -147,7 +147,7 @@ impl<'a> Model<'a> {
         }
         let values = Values::of(&given);
         let mut all = Vec::with_capacity(self.rows.iter().map(Vec::len).sum());
-        for ((motion, run), rows) in self.motions.iter().zip(&self.measured.runs).zip(&self.rows) {
+        for ((motion, run), rows) in motions.iter().zip(&self.measured.runs).zip(&self.rows) {
             let start = all.len();
             all.resize(start + rows.len(), 0.0);
             (self.candidate.law.imposed)(&values, motion, rows, &mut all[start..]);
@@ -173,12 +173,12 @@ impl<'a> Model<'a> {
 }
 
 impl Residuals for Model<'_> {
-    fn at(&mut self, u: &[f64]) -> Vec<f64> {
+    fn at(&self, u: &[f64]) -> Vec<f64> {
         let mut all = self.predicted(u);
         let measured = self.measured.runs.iter().zip(&self.rows);
         let force = measured.flat_map(|(run, rows)| rows.iter().map(|row| run.force[*row]));
         for (value, force) in all.iter_mut().zip(force) {
-            *value -= force;
+            *value = (*value - force) / self.force;
         }
         all
     }
@@ -200,14 +200,6 @@ impl Residuals for Model<'_> {
 
     fn settled(&self) -> f64 {
         self.effort().settled
-    }
-
-    fn tries(&self) -> usize {
-        self.effort().tries
-    }
-
-    fn stop(&self) -> bool {
-        (self.stop)()
     }
 }
 
@@ -256,21 +248,21 @@ pub fn fit(
     measured: &Measured,
     candidate: &Candidate,
     scales: &Scales,
-    stop: &dyn Fn() -> bool,
-) -> Outcome {
+    how: &How,
+) -> Result<Outcome> {
     let free = candidate.free(scales);
-    let mut model = Model::new(measured, candidate, &free, stop);
+    let mut model = Model::new(measured, candidate, &free, scales.force);
     let effort = model.effort();
-    let best = search(&mut model);
-    let fitted = finish(&mut model, best, effort.steps);
-    let (found, freedom, memory, rms) = worth(&mut model, &fitted);
+    let best = search(&mut model, how)?;
+    let fitted = finish(&model, best, effort.steps, how)?;
+    let (found, freedom, memory, rms) = worth(&model, &fitted);
     // What is said of held-out samples comes from fits that never saw them.
     let mut held_out = vec![f64::NAN; measured.rows().count()];
     for fold in 0..folds(measured) as u8 {
         let mut without = fitted.clone();
         if folds(measured) > 1 {
             model.fitted_to(effort.fitted, Some(fold));
-            without = finish(&mut model, without, effort.few_steps);
+            without = finish(&model, without, effort.few_steps, how)?;
         }
         model.whole();
         let all = model.predicted(&without.u);
@@ -283,7 +275,7 @@ pub fn fit(
     }
     model.whole();
     let predicted = model.predicted(&fitted.u);
-    Outcome { found, freedom, memory, rms, settled: fitted.settled, predicted, held_out }
+    Ok(Outcome { found, freedom, memory, rms, settled: fitted.settled, predicted, held_out })
 }
 
 /// Number of folds. One: its samples are held out for good; more: each in turn.
@@ -297,7 +289,7 @@ fn every(free: &[Free], keep: impl Fn(&Free) -> bool) -> Vec<usize> {
 }
 
 /// Finds where to go on from, and leaves the rows that are fitted to in use.
-fn search(model: &mut Model) -> Minimum {
+fn search(model: &mut Model, how: &How) -> Result<Minimum> {
     let (free, effort) = (model.free, model.effort());
     let inner = every(free, |f| matches!(f.start, Start::Inner(_)));
     let smooth = every(free, |f| !f.edge);
@@ -308,33 +300,33 @@ fn search(model: &mut Model) -> Minimum {
         found
     };
     model.fitted_to(effort.screened, None);
-    let begun = points.iter().map(|u| minimise(model, u, &inner, effort.first_steps)).collect();
-    let begun = best(begun, effort.followed);
+    let begin = |u: &Vec<f64>| minimise(model, u, &inner, effort.first_steps, how);
+    let begun = best(points.iter().map(begin).collect::<Result<_>>()?, effort.followed);
     let follow =
-        |model: &mut Model, from: &Minimum| minimise(model, &from.u, &smooth, effort.steps / 2);
-    let followed = begun.iter().map(|from| follow(model, from)).collect();
+        |model: &Model, from: &Minimum| minimise(model, &from.u, &smooth, effort.steps / 2, how);
+    let followed = begun.iter().map(|from| follow(model, from)).collect::<Result<_>>()?;
     let kept = best(followed, effort.kept);
     model.fitted_to(effort.fitted, None);
-    let kept = kept.iter().map(|from| follow(model, from)).collect();
-    best(kept, 1).swap_remove(0)
+    let kept = kept.iter().map(|from| follow(model, from)).collect::<Result<_>>()?;
+    Ok(best(kept, 1).swap_remove(0))
 }
 
 /// Takes a search to its end on the rows in use.
-fn finish(model: &mut Model, from: Minimum, steps: usize) -> Minimum {
+fn finish(model: &Model, from: Minimum, steps: usize, how: &How) -> Result<Minimum> {
     let smooth = every(model.free, |f| !f.edge);
     let edges = every(model.free, |f| f.edge);
-    let found = minimise(model, &from.u, &smooth, steps);
+    let found = minimise(model, &from.u, &smooth, steps, how)?;
     if edges.is_empty() {
-        return found;
+        return Ok(found);
     }
-    let near = compass(model, found, &edges, &smooth, 0.05);
-    let found = minimise(model, &near.u, &smooth, steps);
-    if found.cost <= near.cost { found } else { near }
+    let near = compass(model, found, &edges, &smooth, 0.05, how)?;
+    let found = minimise(model, &near.u, &smooth, steps, how)?;
+    Ok(if found.cost <= near.cost { found } else { near })
 }
 
 /// Values with their uncertainty, its degrees of freedom, the memory of the
 /// residuals and their root mean square, on the rows that are fitted to.
-fn worth(model: &mut Model, fitted: &Minimum) -> (Vec<Found>, f64, f64, f64) {
+fn worth(model: &Model, fitted: &Minimum) -> (Vec<Found>, f64, f64, f64) {
     let free = model.free;
     let residuals = model.at(&fitted.u);
     let runs = model.lengths();
@@ -374,5 +366,5 @@ fn worth(model: &mut Model, fitted: &Minimum) -> (Vec<Found>, f64, f64, f64) {
     });
     let found = found.collect();
     let mean = residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len().max(1) as f64;
-    (found, spread.freedom, memory, mean.sqrt())
+    (found, spread.freedom, memory, mean.sqrt() * model.force)
 }

@@ -1,12 +1,19 @@
-//! Nonlinear least squares with bounds: Levenberg and Marquardt's step on the
-//! parameters that no bound holds.
+//! Least squares of a law's force: what the loop of all fits asks for, by finite differences,
+//! and steps along parameters without derivatives.
 
+use crate::error::{Error, Result};
+use crate::sweep::fit::{Asked, Compared, Coordinate, Fit, How, Normal, Objective, Rule, fit};
 use nalgebra::{DMatrix, DVector};
+use std::sync::atomic::Ordering;
 
-/// What is minimised: residuals at parameters, with their finite differences.
+/// Damping of a search's first step.
+const DAMPING: f64 = 1e-3;
+
+/// What is minimised: residuals at parameters of about 1, with their finite differences.
 pub trait Residuals {
-    /// Residuals at `u`; not finite where the model has no value.
-    fn at(&mut self, u: &[f64]) -> Vec<f64>;
+    /// Residuals at `u`, of about 1 where nothing is explained; not finite where the model has
+    /// no value.
+    fn at(&self, u: &[f64]) -> Vec<f64>;
     fn bounds(&self, i: usize) -> (f64, f64);
     /// Width of a finite difference.
     fn width(&self, i: usize) -> f64;
@@ -14,12 +21,6 @@ pub trait Residuals {
     fn settled(&self) -> f64 {
         1e-10
     }
-    /// Shorter steps that are tried where one does not help.
-    fn tries(&self) -> usize {
-        12
-    }
-    /// True to stop early.
-    fn stop(&self) -> bool;
 }
 
 /// Where a search ended.
@@ -32,14 +33,9 @@ pub struct Minimum {
     pub settled: bool,
 }
 
-fn cost(residuals: &[f64]) -> f64 {
-    let sum: f64 = residuals.iter().map(|r| r * r).sum();
-    if sum.is_finite() { sum } else { f64::INFINITY }
-}
-
 /// Columns of derivatives of the residuals, central where bounds leave room.
 pub fn jacobian(
-    model: &mut impl Residuals,
+    model: &impl Residuals,
     u: &[f64],
     here: &[f64],
     moved: &[usize],
@@ -49,18 +45,16 @@ pub fn jacobian(
     for (k, i) in moved.iter().copied().enumerate() {
         let width = model.width(i);
         let (low, high) = model.bounds(i);
-        let shifted = |to: f64, model: &mut dyn FnMut(&[f64]) -> Vec<f64>| {
+        let shifted = |to: f64| {
             let mut at = u.to_vec();
             at[i] = to;
-            (model(&at), at[i])
+            (model.at(&at), to)
         };
-        let mut eval = |at: &[f64]| model.at(at);
         let up = (u[i] + width).min(high);
         let up = if up > u[i] { up } else { u[i] };
         let down = if central || up == u[i] { (u[i] - width).max(low) } else { u[i] };
-        let (above, top) = if up > u[i] { shifted(up, &mut eval) } else { (here.to_vec(), u[i]) };
-        let (below, bottom) =
-            if down < u[i] { shifted(down, &mut eval) } else { (here.to_vec(), u[i]) };
+        let (above, top) = if up > u[i] { shifted(up) } else { (here.to_vec(), u[i]) };
+        let (below, bottom) = if down < u[i] { shifted(down) } else { (here.to_vec(), u[i]) };
         let span = top - bottom;
         if span > 0.0 {
             let column = above.iter().zip(&below).map(|(a, b)| (a - b) / span);
@@ -75,100 +69,123 @@ pub fn gram(j: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(j.ncols(), j.ncols(), |a, b| j.column(a).dot(&j.column(b)))
 }
 
+/// Residuals over some of their parameters, as the loop of all fits sees them.
+struct Over<'a, R> {
+    residuals: &'a R,
+    /// Values of all parameters; those that move are replaced.
+    base: Vec<f64>,
+    moved: &'a [usize],
+}
+
+impl<R: Residuals> Over<'_, R> {
+    fn values(&self, theta: &DVector<f64>) -> Vec<f64> {
+        let mut u = self.base.clone();
+        for (i, value) in self.moved.iter().zip(theta.iter()) {
+            u[*i] = *value;
+        }
+        u
+    }
+
+    fn one(&self, asked: &Asked<()>) -> Compared {
+        let u = self.values(&asked.theta);
+        let here = DVector::from_vec(self.residuals.at(&u));
+        let squares = here.norm_squared();
+        let normal = asked.slopes.then(|| {
+            let mut j = jacobian(self.residuals, &u, here.as_slice(), self.moved, false);
+            for mut column in j.column_iter_mut() {
+                // The model has no value a step away: it stays where it is.
+                if !column.iter().all(|slope| slope.is_finite()) {
+                    column.fill(0.0);
+                }
+            }
+            let pull = j.column_iter().map(|column| column.dot(&here));
+            let gradient = DVector::from_iterator(j.ncols(), pull);
+            Normal { matrix: gram(&j), gradient }
+        });
+        Compared { chi2: if squares.is_finite() { squares } else { f64::INFINITY }, normal }
+    }
+}
+
+impl<R: Residuals> Objective for Over<'_, R> {
+    type Model = ();
+
+    fn compare(&self, asked: &[Asked<()>], how: &How) -> Result<Vec<Compared>> {
+        let cancelled = || how.control.cancel.load(Ordering::Relaxed);
+        let one = |asked: &Asked<()>| match cancelled() {
+            true => Err(Error::Cancelled { done: 0, total: 0 }),
+            false => Ok(self.one(asked)),
+        };
+        asked.iter().map(one).collect()
+    }
+
+    fn room(&self, _: &Fit<()>, _: usize) -> usize {
+        0
+    }
+
+    fn samples(&self) -> u64 {
+        1
+    }
+
+    fn samples_of_derivatives(&self, _: &Fit<()>) -> u64 {
+        self.moved.len() as u64
+    }
+}
+
 /// Searches from `start` over the parameters `moved`, at most `steps` steps.
 pub fn minimise(
-    model: &mut impl Residuals,
+    residuals: &impl Residuals,
     start: &[f64],
     moved: &[usize],
     steps: usize,
-) -> Minimum {
-    let mut u = start.to_vec();
-    for i in moved {
-        let (low, high) = model.bounds(*i);
-        u[*i] = u[*i].clamp(low, high);
-    }
-    let mut here = model.at(&u);
-    let mut now = cost(&here);
-    let mut damping = 1e-3;
-    for _ in 0..steps {
-        if !now.is_finite() || now == 0.0 || model.stop() {
-            break;
-        }
-        let slopes = jacobian(model, &u, &here, moved, false);
-        let residual = DVector::from_row_slice(&here);
-        let pull: Vec<f64> = (0..moved.len()).map(|k| slopes.column(k).dot(&residual)).collect();
-        // A bound that the fall points across holds its parameter.
-        let loose: Vec<usize> = (0..moved.len())
-            .filter(|k| {
-                let (low, high) = model.bounds(moved[*k]);
-                let value = u[moved[*k]];
-                !(value <= low && pull[*k] > 0.0 || value >= high && pull[*k] < 0.0)
-            })
-            .filter(|k| slopes.column(*k).norm_squared() > 0.0)
-            .collect();
-        if loose.is_empty() {
-            return Minimum { u, cost: now, settled: true };
-        }
-        let j = slopes.select_columns(&loose);
-        let square = gram(&j);
-        let right = DVector::from_iterator(loose.len(), loose.iter().map(|k| -pull[*k]));
-        let mut fell = None;
-        for _ in 0..model.tries() {
-            let mut damped = square.clone();
-            for i in 0..loose.len() {
-                damped[(i, i)] *= 1.0 + damping;
-            }
-            let Some(factor) = damped.cholesky() else {
-                damping = (damping * 10.0_f64).max(1e-9);
-                continue;
-            };
-            let step = factor.solve(&right);
-            let mut tried = u.clone();
-            for (k, step) in loose.iter().zip(step.iter()) {
-                let (low, high) = model.bounds(moved[*k]);
-                tried[moved[*k]] = (u[moved[*k]] + step).clamp(low, high);
-            }
-            let there = model.at(&tried);
-            let then = cost(&there);
-            if then < now {
-                fell = Some(now - then);
-                (u, here, now) = (tried, there, then);
-                damping = (damping * 0.2).max(1e-12);
-                break;
-            }
-            damping *= 5.0;
-        }
-        match fell {
-            Some(fall) if fall > model.settled() * now => {}
-            // No step is shorter than rounding, or the last one hardly helped.
-            _ => return Minimum { u, cost: now, settled: true },
-        }
-    }
-    Minimum { u, cost: now, settled: false }
+    how: &How,
+) -> Result<Minimum> {
+    let over = Over { residuals, base: start.to_vec(), moved };
+    let coordinates: Vec<Coordinate> = moved
+        .iter()
+        .map(|i| {
+            let (low, high) = residuals.bounds(*i);
+            Coordinate { low, high, size: 1.0, deviation: f64::INFINITY }
+        })
+        .collect();
+    let inside = moved.iter().zip(&coordinates).map(|(i, c)| start[*i].clamp(c.low, c.high));
+    let mut fits = [Fit {
+        model: (),
+        theta: DVector::from_iterator(moved.len(), inside),
+        coordinates,
+        chi2: None,
+        covariance: None,
+        damping: DAMPING,
+        limit: f64::INFINITY,
+    }];
+    let share = residuals.settled();
+    let rule = Rule { steps, tolerance: 0.0, share, least: f64::INFINITY };
+    let ended = fit(&over, &mut fits, rule, how)?;
+    let [found] = fits;
+    let cost = found.chi2.unwrap_or(f64::INFINITY);
+    let settled = ended.open.is_empty() && cost.is_finite();
+    Ok(Minimum { u: over.values(&found.theta), cost, settled })
 }
 
 /// Searches over parameters without derivatives, by steps along each that halve
 /// where neither way helps; `others` follow by least squares.
 pub fn compass(
-    model: &mut impl Residuals,
+    model: &impl Residuals,
     from: Minimum,
     edges: &[usize],
     others: &[usize],
     mut width: f64,
-) -> Minimum {
+    how: &How,
+) -> Result<Minimum> {
     let mut best = from;
     for _ in 0..10 {
         let mut helped = false;
         for i in edges.iter().copied() {
             for direction in [1.0, -1.0] {
-                if model.stop() {
-                    return best;
-                }
                 let (low, high) = model.bounds(i);
                 let mut tried = best.u.clone();
                 let reach = if (high - low).is_finite() { high - low } else { 1.0 };
                 tried[i] = (tried[i] + direction * width * reach).clamp(low, high);
-                let found = minimise(model, &tried, others, 3);
+                let found = minimise(model, &tried, others, 3, how)?;
                 if found.cost < best.cost * (1.0 - 1e-9) {
                     best = Minimum { settled: true, ..found };
                     helped = true;
@@ -180,5 +197,5 @@ pub fn compass(
             width *= 0.5;
         }
     }
-    best
+    Ok(best)
 }

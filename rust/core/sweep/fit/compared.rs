@@ -1,12 +1,11 @@
 //! What is asked about a model, and the answer: how far it is off, and how that changes.
 
-use super::coordinates::Fit;
+use super::coordinates::{Fit, Replayed};
 use nalgebra::{DMatrix, DVector};
 
 /// A model to compare, at some values of its coordinates.
-#[derive(Clone)]
-pub struct Asked<'a> {
-    pub fit: &'a Fit,
+pub struct Asked<'a, M = Replayed> {
+    pub fit: &'a Fit<M>,
     pub theta: DVector<f64>,
     /// Whether derivatives are asked for, too.
     pub slopes: bool,

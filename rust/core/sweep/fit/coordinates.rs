@@ -1,11 +1,11 @@
-//! A model with free values: what each of them is, how far it may go, and what is known
-//! about it before.
+//! Free values of a model: how far each may go, and what is known about it before; and what
+//! they are of a model that is replayed.
 
 use super::experiment::{Experiment, Spot};
 use crate::physics::effects::Active;
 use nalgebra::{DMatrix, DVector};
 
-/// What a free value is.
+/// What a free value of a replayed model is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum What {
     /// A parameter among those of all effects, or its logarithm.
@@ -21,29 +21,17 @@ pub enum What {
 /// The share that is no factor.
 const CLOCK: usize = 3;
 
-/// A free value.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Coordinate {
-    pub what: What,
-    pub low: f64,
-    pub high: f64,
-    /// A large change.
-    pub size: f64,
-    /// Deviation around 0 that is known before; infinite where nothing is.
-    pub deviation: f64,
-}
-
-impl Coordinate {
+impl What {
     /// The span that it is about, if it is about one.
-    pub(super) fn span(&self) -> Option<usize> {
-        match self.what {
+    fn span(self) -> Option<usize> {
+        match self {
             What::Speed(span) | What::Offset(span) => Some(span),
             What::Parameter { .. } | What::Share(_) => None,
         }
     }
 
-    fn set(&self, spot: &mut Spot, value: f64) {
-        match self.what {
+    fn set(self, spot: &mut Spot, value: f64) {
+        match self {
             What::Parameter { index, log } => {
                 spot.values[index] = if log { value.exp() } else { value };
             }
@@ -53,17 +41,37 @@ impl Coordinate {
             What::Offset(_) => spot.offset = value,
         }
     }
+}
 
+/// A free value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coordinate {
+    pub low: f64,
+    pub high: f64,
+    /// A large change.
+    pub size: f64,
+    /// Deviation around 0 that is known before; infinite where nothing is.
+    pub deviation: f64,
+}
+
+impl Coordinate {
     /// The known value 0 less `value`, in deviations.
     pub(super) fn prior(&self, value: f64) -> f64 {
         value / self.deviation
     }
 }
 
+/// A model that is replayed: its effects, and what each free value is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Replayed {
+    pub active: Active,
+    pub free: Vec<What>,
+}
+
 /// A model, its free values, and how well it fits.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Fit {
-    pub active: Active,
+pub struct Fit<M = Replayed> {
+    pub model: M,
     pub coordinates: Vec<Coordinate>,
     pub theta: DVector<f64>,
     /// Sum of squares, infinite where there is no value; None where it is not known yet.
@@ -77,10 +85,10 @@ pub struct Fit {
 impl Fit {
     /// The model over a span, at some of its values.
     pub(super) fn spot(&self, experiment: &Experiment, theta: &DVector<f64>, span: usize) -> Spot {
-        let mut spot = Spot { active: self.active, ..experiment.plain(span) };
-        for (coordinate, value) in self.coordinates.iter().zip(theta.iter()) {
-            if coordinate.span().is_none_or(|own| own == span) {
-                coordinate.set(&mut spot, *value);
+        let mut spot = Spot { active: self.model.active, ..experiment.plain(span) };
+        for (what, value) in self.model.free.iter().zip(theta.iter()) {
+            if what.span().is_none_or(|own| own == span) {
+                what.set(&mut spot, *value);
             }
         }
         spot
@@ -88,10 +96,12 @@ impl Fit {
 
     /// Coordinates that change a span.
     pub(super) fn acting(&self, span: usize) -> Vec<usize> {
-        let acts = |c: &Coordinate| c.span().is_none_or(|own| own == span);
-        (0..self.coordinates.len()).filter(|i| acts(&self.coordinates[*i])).collect()
+        let acts = |what: &What| what.span().is_none_or(|own| own == span);
+        (0..self.model.free.len()).filter(|i| acts(&self.model.free[*i])).collect()
     }
+}
 
+impl<M> Fit<M> {
     /// Residuals of what is known before.
     pub(super) fn priors<'a>(&'a self, theta: &'a DVector<f64>) -> impl Iterator<Item = f64> + 'a {
         let known = self.coordinates.iter().zip(theta.iter());

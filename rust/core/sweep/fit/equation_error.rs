@@ -3,7 +3,7 @@
 
 use super::super::replay::{finished, one_by_one};
 use super::compared::{Asked, Compared, Normal, with_priors};
-use super::coordinates::Fit;
+use super::coordinates::{Fit, Replayed};
 use super::experiment::Experiment;
 use super::job::How;
 use super::objective::Objective;
@@ -205,6 +205,8 @@ impl EquationError {
 }
 
 impl Objective for EquationError {
+    type Model = Replayed;
+
     fn compare(&self, asked: &[Asked], how: &How) -> Result<Vec<Compared>> {
         let length = self.measured.len().max(1);
         let compared = |(one, (mut error, slopes)): (&Asked, (Vec<f64>, Vec<f64>))| {

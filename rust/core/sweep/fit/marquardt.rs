@@ -20,8 +20,8 @@ const DOUBT: f64 = 3.0;
 /// it would not catch up in the fifteen steps or so that fits are given.
 const COARSE: f64 = 1.0 / 15.0;
 const NEAR: f64 = 200.0;
-/// Least gain of a step in chi2 itself.
-const FINE: f64 = 1e-7;
+/// Share of chi2 that a step of a replayed model has to gain.
+pub const FINE: f64 = 1e-7;
 /// Sizes of a coordinate that a step may take.
 const REACH: f64 = 3.0;
 /// Derivatives, over a coordinate's size, below which it is left where it is.
@@ -33,16 +33,31 @@ const RIDGE: f64 = 1e-12;
 #[derive(Debug, Clone, Copy)]
 pub struct Rule {
     pub steps: usize,
-    /// Fall of chi2 by a step below which a fit is done.
+    /// Fall of chi2 by a step below which a fit is done, and what is added to it for each unit
+    /// of chi2.
     pub tolerance: f64,
+    pub share: f64,
     /// Smallest chi2 that other fits have come to; infinite where there are none.
     pub least: f64,
 }
 
+/// What a job has done.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Ended {
+    /// Samples that were evaluated.
+    pub evaluated: u64,
+    /// Numbers of the fits whose steps ran out.
+    pub open: Vec<usize>,
+}
+
 /// Improves fits until their chi2 falls by less than the tolerance, or the steps are made;
 /// one that would not catch up with the best one is left, and one whose limit is out of reach.
-/// Returns the samples that were evaluated.
-pub fn fit(objective: &impl Objective, fits: &mut [Fit], rule: Rule, how: &How) -> Result<u64> {
+pub fn fit<O: Objective>(
+    objective: &O,
+    fits: &mut [Fit<O::Model>],
+    rule: Rule,
+    how: &How,
+) -> Result<Ended> {
     let mut evaluated = 0;
     let samples = objective.samples();
     let bare: Vec<usize> = (0..fits.len()).filter(|i| fits[*i].chi2.is_none()).collect();
@@ -51,8 +66,8 @@ pub fn fit(objective: &impl Objective, fits: &mut [Fit], rule: Rule, how: &How) 
     for (i, found) in bare.iter().zip(objective.compare(&starts, how)?) {
         fits[*i].chi2 = Some(found.chi2);
     }
-    let of = |fit: &Fit| fit.chi2.unwrap_or(f64::INFINITY);
-    let open = |fit: &Fit| !fit.theta.is_empty() && of(fit).is_finite();
+    let of = |fit: &Fit<O::Model>| fit.chi2.unwrap_or(f64::INFINITY);
+    let open = |fit: &Fit<O::Model>| !fit.theta.is_empty() && of(fit).is_finite();
     let mut todo: Vec<usize> = (0..fits.len()).filter(|i| open(&fits[*i])).collect();
     // Derivatives that came with the step to where a fit is, and which of its trials that was.
     let mut known: Vec<Option<Normal>> = fits.iter().map(|_| None).collect();
@@ -109,7 +124,7 @@ pub fn fit(objective: &impl Objective, fits: &mut [Fit], rule: Rule, how: &How) 
                 fit.damping = group[k].damping.max(LEAST_DAMPING);
                 (known[at], last[at]) = (compared[k].normal.take(), k);
                 let behind = COARSE * (new - least - NEAR).max(0.0);
-                old - new < rule.tolerance + FINE * new + behind
+                old - new < rule.tolerance + rule.share * new + behind
             } else {
                 fit.damping *= STUCK;
                 fit.damping > MOST_DAMPING
@@ -119,7 +134,7 @@ pub fn fit(objective: &impl Objective, fits: &mut [Fit], rule: Rule, how: &How) 
             }
         }
     }
-    Ok(evaluated)
+    Ok(Ended { evaluated, open: todo })
 }
 
 /// Numbers of the trials, the likeliest to be taken after trial `last` first: the same again, or
@@ -141,12 +156,12 @@ struct Trial {
     slopes: bool,
 }
 
-fn asked<'a>(fit: &'a Fit, theta: &DVector<f64>, slopes: bool) -> Asked<'a> {
+fn asked<'a, M>(fit: &'a Fit<M>, theta: &DVector<f64>, slopes: bool) -> Asked<'a, M> {
     Asked { fit, theta: theta.clone(), slopes }
 }
 
 /// The covariance of a fit, and dampings with the values that they lead to.
-fn proposals(fit: &Fit, normal: &Normal) -> (DMatrix<f64>, Vec<(f64, DVector<f64>)>) {
+fn proposals<M>(fit: &Fit<M>, normal: &Normal) -> (DMatrix<f64>, Vec<(f64, DVector<f64>)>) {
     let Normal { matrix, gradient } = normal;
     let count = fit.theta.len();
     let floor = DVector::from_fn(count, |i, _| FLOOR / fit.coordinates[i].size.powi(2));

@@ -13,14 +13,14 @@ mod misfit;
 mod objective;
 mod rows;
 
-pub use compared::{Asked, Compared};
-pub use coordinates::{Coordinate, Fit, What};
+pub use compared::{Asked, Compared, Normal};
+pub use coordinates::{Coordinate, Fit, Replayed, What};
 pub use derivatives::jacobian;
 pub use equation_error::{Blocks, EquationError, Motion};
 pub use evaluate::{Evaluated, evaluate, readings, residuals, whitened};
 pub use experiment::{Begin, Experiment, Point, Span};
 pub use job::How;
-pub use marquardt::{Rule, fit};
+pub use marquardt::{Ended, FINE, Rule, fit};
 pub use misfit::{MOST_SHIFTS, Misfit, Shift, Signal, Source};
 pub use nalgebra::{DMatrix, DVector};
 pub use objective::{Objective, OverSpans};

@@ -1,7 +1,7 @@
-//! What fits are compared with: replays of measured runs, or the equation error.
+//! What fits are compared with: replays of measured runs, the equation error, or a law's force.
 
 use super::compared::{Asked, Compared};
-use super::coordinates::Fit;
+use super::coordinates::{Fit, Replayed};
 use super::derivatives::compared;
 use super::job::How;
 use super::misfit::Misfit;
@@ -9,18 +9,21 @@ use crate::error::Result;
 
 /// Something that models are compared with.
 pub trait Objective {
+    /// What a fit says of its model beside the values of its coordinates.
+    type Model;
+
     /// Sums of squares of models, what is known of their values before included.
-    fn compare(&self, asked: &[Asked], how: &How) -> Result<Vec<Compared>>;
+    fn compare(&self, asked: &[Asked<Self::Model>], how: &How) -> Result<Vec<Compared>>;
 
     /// At how many of `trials` values of a fit derivatives cost nothing beside the evaluation of
     /// all of them.
-    fn room(&self, fit: &Fit, trials: usize) -> usize;
+    fn room(&self, fit: &Fit<Self::Model>, trials: usize) -> usize;
 
     /// Samples that one evaluation takes.
     fn samples(&self) -> u64;
 
     /// Samples that the derivatives of a fit take beyond.
-    fn samples_of_derivatives(&self, fit: &Fit) -> u64;
+    fn samples_of_derivatives(&self, fit: &Fit<Self::Model>) -> u64;
 }
 
 /// Replays of some spans.
@@ -34,6 +37,8 @@ pub struct OverSpans<'a> {
 const LANES: usize = 8;
 
 impl Objective for OverSpans<'_> {
+    type Model = Replayed;
+
     fn compare(&self, asked: &[Asked], how: &How) -> Result<Vec<Compared>> {
         compared(self.misfit, asked, self.spans, how)
     }
