@@ -15,6 +15,7 @@ from scipy.special import chdtrc
 
 from locosweep.diagnosis.estimate.least_squares import jacobian_of
 from locosweep.diagnosis.estimate.motion import ALL, motion_of, response, terms_of
+from locosweep.diagnosis.select.prediction import over_deviations
 from locosweep.diagnosis.select.thresholds import SIGNIFICANCE
 
 if TYPE_CHECKING:
@@ -212,8 +213,7 @@ class NonparametricCorrection:
             sizes = np.linalg.solve(known, moments - here @ e / noise)
             e = e - sizes @ here
             unsure = np.linalg.solve(np.linalg.cholesky(known), here) / np.sqrt(noise)
-            _, size, along = np.linalg.svd(unsure, full_matrices=False)
-            left.append(e - ((1.0 - 1.0 / np.hypot(1.0, size)) * (along @ e)) @ along)
+            left.append(over_deviations(e, unsure))
         return left
 
     def significant(

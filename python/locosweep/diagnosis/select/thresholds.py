@@ -42,9 +42,6 @@ HELD_OUT_REST = 0.05
 """Share of a gap's squares in held-out runs that an explanation may leave, whatever its kind."""
 HELD_OUT_NOISE = 9.0
 """Squares in held-out runs, over those of noise, below which that share does not count."""
-HELD_OUT_EXCESS = 0.3
-"""Share of what a gap has beyond noise in held-out runs that no explanation may leave where
-their whiteness test is rejected."""
 
 SEVERAL_CAUSES_GAIN = 6.0
 """Gain in chi2 of several effects over another law of one cause."""

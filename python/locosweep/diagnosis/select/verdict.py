@@ -20,9 +20,10 @@ from locosweep.diagnosis.select.law_mismatch import (
     without_bending_effect,
 )
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
+from locosweep.diagnosis.select.prediction import misses
 from locosweep.diagnosis.select.score import gains, remaining, total
 from locosweep.diagnosis.select.stepwise import backward, forward, is_stalled, without
-from locosweep.diagnosis.select.whiteness import noise_level, residuals_by_run, whiteness_test
+from locosweep.diagnosis.select.whiteness import whiteness_test
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -185,7 +186,7 @@ def choose(search: Search, most: int) -> Choice:
         choice = Choice("unexplained", found, known, whiteness, shape=remaining(problem, found))
         return _with_ranks(search, choice, tried)
     status = "explained" if all(len(c) == 1 for c in classes) and not sets else "ambiguous"
-    missed = (not mismatch or simpler is not None) and _misses(search, found)
+    missed = (not mismatch or simpler is not None) and misses(search, found)
     choice = Choice(
         status, found, known, whiteness, classes, sets, mismatch, near=near, missed=missed
     )
@@ -221,25 +222,6 @@ def _grown(search: Search, known: Collection, level: list[Fit], most: int) -> _G
         if len(found.model.names) < count and not remaining(problem, found):
             break
     return _Grown(known, level, found, near)
-
-
-def _misses(search: Search, fit: Fit) -> bool:
-    """Return whether a fit leaves much of a gap, and more than noise, in the validation data."""
-    if not search.judges:
-        return False
-    problem = search.problem
-    squares = []
-    for one in (search.none, fit):
-        e = validation_residuals(problem, [point_of(problem, one)])[0]
-        squares.append(float(e @ e))
-    before, after = squares
-    if after > max(limits.HELD_OUT_REST * before, limits.HELD_OUT_NOISE * np.count_nonzero(e)):
-        return True
-    if not problem.held or not whiteness_test(problem, e, problem.held).rejected:
-        return False
-    counted = sum(values.size for _, _, values in residuals_by_run(problem, e, problem.held))
-    floor = counted * noise_level(problem, fit.residual)
-    return bool(before > floor and after - floor > limits.HELD_OUT_EXCESS * (before - floor))
 
 
 def kept_may_show_a_gap(search: Search, choice: Choice) -> bool:
