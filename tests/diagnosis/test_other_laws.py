@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from locosweep.diagnosis import diagnose
+from locosweep.diagnosis.select import verdict
 from test_diagnosis import ROBOT, drives, measured, tethered
 
 pytestmark = pytest.mark.whole
@@ -37,3 +38,17 @@ def test_what_only_the_run_that_was_kept_shows_is_found() -> None:
     assert found.effects == ["drive_saturation"], found
     assert found.gap["held_out"] == []
     assert any("show a gap that the others do not" in warning for warning in found.warnings)
+
+
+def test_a_verdict_that_stands_for_all_runs_keeps_its_unseen_figures(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    frame = measured({"viscous_friction": {"c": 0.03}}, drives())
+    before = diagnose(frame, ROBOT)
+    monkeypatch.setattr(verdict, "misses", lambda *_: True)
+    found = diagnose(frame, ROBOT)
+    assert found.effects == before.effects == ["viscous_friction"]
+    assert found.gap == before.gap
+    assert found.gap["shrink"] is not None
+    assert any("the same if all are fitted" in warning for warning in found.warnings)
+    assert not any("the same if all are fitted" in warning for warning in before.warnings)

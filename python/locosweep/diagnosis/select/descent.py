@@ -32,12 +32,13 @@ def descend(
     beside: Fit,
     *,
     at_noise: bool = False,
+    rival: Fit | None = None,
 ) -> Found:
     """Fit from starts, the first steps on `runs`, and follow those that may come near the best.
 
     The starts extend the model of the fit `beside`. With `at_noise` it leaves but noise: then
-    nothing ties. Returns the best fit of each set among the starts, or the known one where
-    that is better.
+    nothing ties. With a `rival`, they have to come near that one. Returns the best fit of each
+    set among the starts, or the known one where that is better.
     """
     problem, steps = search.problem, search.steps
     fits, far = list(starts), []
@@ -50,12 +51,16 @@ def descend(
         fits = [fit for fit in fits if fit.chi2 <= most]
     fits = _with_limits(search, known, evaluate(problem, fits, residuals=False), at_noise=at_noise)
     fits = apart(sorted(_near_best(fit_all(problem, fits, steps=1)), key=chi2_of))
-    first = fit_all(problem, fits[:FEW], steps=steps)
-    least = min((fit.chi2 for fit in first), default=np.inf)
+    reached = [rival] if rival else []
+    least = min((fit.chi2 for fit in reached), default=np.inf)
+    first = fit_all(problem, fits[:FEW], steps=steps, least=least)
+    reached += first
+    least = min((fit.chi2 for fit in reached), default=np.inf)
     others = _with_limits(search, known, fits[FEW:], first, at_noise=at_noise)
     others = apart(fit_all(problem, others, steps=FEW, least=least))
-    least = min((fit.chi2 for fit in [*first, *others]), default=np.inf)
-    most = follow_limit(beside, [*first, *others])
+    reached += others
+    least = min((fit.chi2 for fit in reached), default=np.inf)
+    most = follow_limit(beside, reached)
     near = [fit for fit in others if fit.chi2 < most]
     if beside.model.names:
         # Of larger sets only those count that may come to the best one.

@@ -118,7 +118,7 @@ def extend(
     if base is None:
         likely = sorted(along, key=lambda name: along[name][0].chi2)[:FEW]
         followed += [end for name in likely for end in _valley_end(search, along[name][0], runs)]
-    found = descend(search, known, followed, runs, beside, at_noise=at_noise)
+    found = descend(search, known, followed, runs, beside, at_noise=at_noise, rival=rival)
     if base is None and not at_noise:
         found |= _thresholds_found(search, found, along)
     return found

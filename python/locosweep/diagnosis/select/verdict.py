@@ -75,6 +75,11 @@ class Choice:
         )
 
     @property
+    def says(self) -> tuple[str, bool, list[set[str]], list[list[str]]]:
+        """What a reader is told of the causes, without its numbers."""
+        return self.status, self.law_mismatch, [set(one) for one in self.classes], self.sets
+
+    @property
     def tied(self) -> list[Fit]:
         """The chosen fit, and those that the data cannot tell from it where there are any."""
         if self.status != "ambiguous":
