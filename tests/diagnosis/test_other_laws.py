@@ -50,5 +50,5 @@ def test_a_verdict_that_stands_for_all_runs_keeps_its_unseen_figures(
     assert found.effects == before.effects == ["viscous_friction"]
     assert found.gap == before.gap
     assert found.gap["shrink"] is not None
-    assert any("the same if all are fitted" in warning for warning in found.warnings)
-    assert not any("the same if all are fitted" in warning for warning in before.warnings)
+    assert any("the same if all runs are fitted" in warning for warning in found.warnings)
+    assert not any("the same if all runs are fitted" in warning for warning in before.warnings)

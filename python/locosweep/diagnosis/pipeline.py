@@ -393,8 +393,8 @@ def _fitted_to_all(data: _Data, task: _Task, first: _Selected) -> _Selected:
     same = replace(
         first,
         warnings=(
-            "the runs kept from the fit show more than noise beside the model of the others: "
-            "the verdict is the same if all are fitted",
+            "the runs kept from the fit differ from their prediction by more than noise; "
+            "the verdict is the same if all runs are fitted",
         ),
     )
     found = first.choice.fit

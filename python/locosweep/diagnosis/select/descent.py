@@ -46,21 +46,18 @@ def descend(
         # The first steps from poor starts need not see all runs.
         fits = apart(_near_best(fit_all(problem, fits, runs=runs, steps=FEW)))
         (before,) = evaluate(problem, [beside.unfitted()], runs, residuals=False)
-        most = follow_limit(before, fits)
+        most = follow_limit(before, min((fit.chi2 for fit in fits), default=np.inf))
         far = evaluate(problem, [fit for fit in fits if fit.chi2 > most], residuals=False)
         fits = [fit for fit in fits if fit.chi2 <= most]
     fits = _with_limits(search, known, evaluate(problem, fits, residuals=False), at_noise=at_noise)
     fits = apart(sorted(_near_best(fit_all(problem, fits, steps=1)), key=chi2_of))
-    reached = [rival] if rival else []
-    least = min((fit.chi2 for fit in reached), default=np.inf)
+    least = rival.chi2 if rival else np.inf
     first = fit_all(problem, fits[:FEW], steps=steps, least=least)
-    reached += first
-    least = min((fit.chi2 for fit in reached), default=np.inf)
+    least = min([least, *(fit.chi2 for fit in first)])
     others = _with_limits(search, known, fits[FEW:], first, at_noise=at_noise)
     others = apart(fit_all(problem, others, steps=FEW, least=least))
-    reached += others
-    least = min((fit.chi2 for fit in reached), default=np.inf)
-    most = follow_limit(beside, reached)
+    least = min([least, *(fit.chi2 for fit in others)])
+    most = follow_limit(beside, least)
     near = [fit for fit in others if fit.chi2 < most]
     if beside.model.names:
         # Of larger sets only those count that may come to the best one.
@@ -74,9 +71,8 @@ def descend(
     return found
 
 
-def follow_limit(beside: Fit, fits: Sequence[Fit]) -> float:
-    """Return the chi2 above which a fit gains less than half as much as the best one."""
-    least = min((fit.chi2 for fit in fits), default=np.inf)
+def follow_limit(beside: Fit, least: float) -> float:
+    """Return the chi2 above which a fit gains less than half of what one with `least` does."""
     return float(max(beside.chi2 - SHARE * (beside.chi2 - least), least + SLACK))
 
 

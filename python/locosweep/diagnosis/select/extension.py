@@ -148,7 +148,7 @@ def _thresholds_found(search: Search, found: Found, along: Names[str]) -> Found:
     if not found or search.is_noise(min(found.values(), key=chi2_of)):
         return {}
     unseen = sorted((f for names, f in found.items() if not names & set(along)), key=chi2_of)
-    most = follow_limit(search.none, list(found.values()))
+    most = follow_limit(search.none, min(fit.chi2 for fit in found.values()))
     return {frozenset(fit.model.names): _rescanned(search, fit, most) for fit in unseen[:FEW]}
 
 
