@@ -144,9 +144,10 @@ def law_figure(fit: FrictionFit) -> Figure:
     ax.axvline(fit.noise, color="black", linestyle="--", linewidth=1.2, label="sensor noise")
     ax.set_yticks(heights, [law.name for law in laws], fontsize=8)
     widest = max(law.held_out_rms for law in laws)
-    ax.set_xlim(0, 1.5 * widest)
+    # Long names of laws leave a narrow frame: room for the words behind the widest bar.
+    ax.set_xlim(0, 1.9 * widest)
     ax.set_xlabel("root mean square left on samples held out [N]")
-    ax.legend(fontsize=8, loc="lower right")
+    ax.legend(fontsize=8, loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False)
     plain_axis(ax.xaxis)
     ax.spines[["top", "right"]].set_visible(False)
     return figure

@@ -4,6 +4,7 @@
 use crate::error::{Error, Result};
 use crate::sweep::fit::{Asked, Compared, Coordinate, Fit, How, Normal, Objective, Rule, fit};
 use nalgebra::{DMatrix, DVector};
+use std::cell::RefCell;
 use std::sync::atomic::Ordering;
 
 /// Damping of a search's first step.
@@ -75,6 +76,8 @@ struct Over<'a, R> {
     /// Values of all parameters; those that move are replaced.
     base: Vec<f64>,
     moved: &'a [usize],
+    /// Values and residuals of the last call: the next one asks for derivatives at one of them.
+    last: RefCell<Vec<(DVector<f64>, DVector<f64>)>>,
 }
 
 impl<R: Residuals> Over<'_, R> {
@@ -86,11 +89,17 @@ impl<R: Residuals> Over<'_, R> {
         u
     }
 
-    fn one(&self, asked: &Asked<()>) -> Compared {
-        let u = self.values(&asked.theta);
-        let here = DVector::from_vec(self.residuals.at(&u));
+    fn at(&self, theta: &DVector<f64>) -> DVector<f64> {
+        let last = self.last.borrow();
+        let known = last.iter().find(|(values, _)| values == theta);
+        let anew = || DVector::from_vec(self.residuals.at(&self.values(theta)));
+        known.map_or_else(anew, |(_, residuals)| residuals.clone())
+    }
+
+    fn one(&self, asked: &Asked<()>, here: &DVector<f64>) -> Compared {
         let squares = here.norm_squared();
         let normal = asked.slopes.then(|| {
+            let u = self.values(&asked.theta);
             let mut j = jacobian(self.residuals, &u, here.as_slice(), self.moved, false);
             for mut column in j.column_iter_mut() {
                 // The model has no value a step away: it stays where it is.
@@ -98,7 +107,7 @@ impl<R: Residuals> Over<'_, R> {
                     column.fill(0.0);
                 }
             }
-            let pull = j.column_iter().map(|column| column.dot(&here));
+            let pull = j.column_iter().map(|column| column.dot(here));
             let gradient = DVector::from_iterator(j.ncols(), pull);
             Normal { matrix: gram(&j), gradient }
         });
@@ -110,12 +119,18 @@ impl<R: Residuals> Objective for Over<'_, R> {
     type Model = ();
 
     fn compare(&self, asked: &[Asked<()>], how: &How) -> Result<Vec<Compared>> {
-        let cancelled = || how.control.cancel.load(Ordering::Relaxed);
-        let one = |asked: &Asked<()>| match cancelled() {
-            true => Err(Error::Cancelled { done: 0, total: 0 }),
-            false => Ok(self.one(asked)),
-        };
-        asked.iter().map(one).collect()
+        let mut seen = Vec::with_capacity(asked.len());
+        let mut compared = Vec::with_capacity(asked.len());
+        for asked in asked {
+            if how.control.cancel.load(Ordering::Relaxed) {
+                return Err(Error::Cancelled { done: 0, total: 0 });
+            }
+            let here = self.at(&asked.theta);
+            compared.push(self.one(asked, &here));
+            seen.push((asked.theta.clone(), here));
+        }
+        self.last.replace(seen);
+        Ok(compared)
     }
 
     fn room(&self, _: &Fit<()>, _: usize) -> usize {
@@ -139,7 +154,7 @@ pub fn minimise(
     steps: usize,
     how: &How,
 ) -> Result<Minimum> {
-    let over = Over { residuals, base: start.to_vec(), moved };
+    let over = Over { residuals, base: start.to_vec(), moved, last: RefCell::default() };
     let coordinates: Vec<Coordinate> = moved
         .iter()
         .map(|i| {
