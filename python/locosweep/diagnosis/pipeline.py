@@ -47,7 +47,6 @@ from locosweep.diagnosis.select.isolated import isolated_readings
 from locosweep.diagnosis.select.law_mismatch import BY_PLACE
 from locosweep.diagnosis.select.reading_steps import stepped_readings
 from locosweep.diagnosis.select.search import Search
-from locosweep.diagnosis.select.stepwise import stands
 from locosweep.diagnosis.select.verdict import Choice, choose, kept_may_show_a_gap, partial_choice
 from locosweep.diagnosis.select.whiteness import stray_readings
 from locosweep.engine import whole
@@ -390,21 +389,14 @@ def _fitted_to_all(data: _Data, task: _Task, first: _Selected) -> _Selected:
     """
     problem = replace(data.whole, held=(), meter=ReplayMeter())
     search = _search_of(problem, data.scale, task, equation_error(problem), judges=True)
-    same = replace(
-        first,
-        warnings=(
-            "the runs kept from the fit differ from their prediction by more than noise; "
-            "the verdict is the same if all runs are fitted",
-        ),
-    )
-    found = first.choice.fit
-    # Another law of an effect has no formula that could stand.
-    if found.model.names and not first.choice.law_mismatch and stands(search, found):
-        return same
     search = replace(search, hints=first.choice.known.fits)
     choice = choose(search, task.max_effects)
     if choice.fit.model.names and choice.says == first.choice.says:
-        return same
+        said = (
+            "the runs kept from the fit differ from their prediction by more than noise; "
+            "the verdict is the same if all runs are fitted"
+        )
+        return replace(first, warnings=(said,))
     if not first.choice.refuted and choice.status == "none":
         return first
     said = "refute what the others allow"

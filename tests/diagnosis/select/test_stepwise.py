@@ -9,7 +9,7 @@ import numpy as np
 from diagnosis_search import fit_of, ranked, search_for
 from locosweep.diagnosis.select.extension import singles
 from locosweep.diagnosis.select.search import Collection
-from locosweep.diagnosis.select.stepwise import backward, forward, is_stalled, stands, without
+from locosweep.diagnosis.select.stepwise import backward, forward, is_stalled, without
 
 NAMES = ("viscous_friction", "drive_gain_error", "sensor_drift")
 BOTH = {"viscous_friction": {"c": 0.06}, "sensor_drift": {"b": 2e-3}}
@@ -40,17 +40,6 @@ def test_a_set_that_is_needed_stays_whole() -> None:
     known = Collection({frozenset(): search.none})
     assert backward(search, known, both)[0] is both
     assert list(known.fits) == [frozenset()]
-
-
-def test_a_set_stands_where_it_leaves_noise_and_nothing_gains() -> None:
-    search = search_for({"viscous_friction": {"c": 0.06}}, *NAMES)
-    assert stands(search, fit_of(search, "viscous_friction"))
-    assert not stands(search, fit_of(search, "sensor_drift"))
-    # A second cause that is far smaller, but not nothing.
-    small = search_for({"viscous_friction": {"c": 0.06}, "sensor_drift": {"b": 8e-6}}, *NAMES)
-    one, both = fit_of(small, "viscous_friction"), fit_of(small, *BOTH)
-    assert one.chi2 - both.chi2 > 40.0
-    assert not stands(small, one)
 
 
 def test_one_effect_less_has_the_values_of_the_others() -> None:

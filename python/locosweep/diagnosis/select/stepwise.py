@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all, start_fits
+from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all
 from locosweep.diagnosis.select.effort import LEVEL_WORK
 from locosweep.diagnosis.select.extension import extend, extend_each, pairs
 from locosweep.diagnosis.select.score import gains, remaining, total
-from locosweep.diagnosis.select.search import Collection
 from locosweep.diagnosis.select.thresholds import STALLED, TIE
 from locosweep.diagnosis.select.whiteness import noise_level
 
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from locosweep.diagnosis.estimate.problem import Problem
-    from locosweep.diagnosis.select.search import Found, Search
+    from locosweep.diagnosis.select.search import Collection, Found, Search
 
 
 def is_stalled(problem: Problem, before: Fit, after: Fit) -> bool:
@@ -96,17 +95,6 @@ def backward(search: Search, known: Collection, found: Fit) -> tuple[Fit, Collec
         if not gains(search, known.fits[key], found):
             return backward(search, known, known.fits[key])
     return found, known
-
-
-def stands(search: Search, chosen: Fit) -> bool:
-    """Return whether effects that other runs led to leave but noise, and no further one gains."""
-    starts = start_fits(search.nuisances, chosen.model, chosen.parameters[None])
-    (found,) = fit_all(search.problem, starts, steps=search.steps)
-    if remaining(search.problem, found):
-        return False
-    known = Collection({frozenset(): search.none, frozenset(found.model.names): found})
-    larger = forward(search, known, [found], found, rest=False)
-    return not any(gains(search, found, fit) for fit in larger.values())
 
 
 def without(search: Search, found: Fit, name: str) -> Fit:
