@@ -11,8 +11,10 @@ pub fn effective_times(effects: &[Effect], rig: &Rig, times: &[f64]) -> Vec<f64>
         for t in &mut effective {
             *t = match *effect {
                 Effect::Delay { time } => *t + time,
-                // Read once a period, so late by half of it in the mean.
-                Effect::DelayPolled { period } if period > 0.0 => (*t / period).ceil() * period,
+                // Read once a period, from a share of one on: late by half a period in the mean.
+                Effect::DelayPolled { period, phase } if period > 0.0 => {
+                    ((*t / period - phase).ceil() + phase) * period
+                }
                 _ => *t,
             };
         }

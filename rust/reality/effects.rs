@@ -78,7 +78,7 @@ effects! {
     LagAsymmetric "drive_lag" "asymmetric" { rise "T_rise", fall "T_fall" }
     LagTwice "drive_lag" "second_order" { time "T" }
     Delay "drive_delay" "law" { time "T" }
-    DelayPolled "drive_delay" "polled" { period "T" }
+    DelayPolled "drive_delay" "polled" { period "T", phase "p" }
     Deadzone "drive_deadzone" "law" { d "d" }
     DeadzoneHysteresis "drive_deadzone" "hysteresis" { open "d_open", close "d_close" }
     DeadzoneSoft "drive_deadzone" "soft" { d "d" }

@@ -184,7 +184,9 @@ _DRIVE = {
     ),
     ("drive_lag", "second_order"): _Law(lambda s, _: {"T": 0.3 * max(s, 1e-4)}),
     ("drive_delay", "law"): _Law(lambda s, _: {"T": 0.2 * s}),
-    ("drive_delay", "polled"): _Law(lambda s, _: {"T": 0.4 * s}),
+    # From some share of a period on: samples often lie a whole number of periods apart, and
+    # at instants of reading their rounded times would say which change is late.
+    ("drive_delay", "polled"): _Law(lambda s, _, p: {"T": 0.4 * s, "p": p}, _uniform(0.0, 1.0)),
     ("drive_deadzone", "law"): _Law(lambda s, k: {"d": 0.6 * s * k.level}),
     ("drive_deadzone", "hysteresis"): _Law(
         lambda s, k: {"d_open": 1.4 * s * k.level, "d_close": 0.6 * s * k.level}

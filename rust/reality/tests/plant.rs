@@ -121,6 +121,18 @@ fn a_higher_break_away_holds_longer_than_it_resists() {
 }
 
 #[test]
+fn a_drive_read_in_step_with_its_samples_is_a_delay() {
+    // Samples lie five periods apart, each read 0.3 of one later.
+    let polled = effect("drive_delay", "polled", &[("T", 1e-3), ("p", 0.3)]);
+    let late = effect("drive_delay", "law", &[("T", 3e-4)]);
+    let (found, same) =
+        (run(&rig(), &[polled], &samples(rich)), run(&rig(), &[late], &samples(rich)));
+    assert!(worst(&found.x, |i| same.x[i]) < 1e-9);
+    let prompt = run(&rig(), &[], &samples(rich));
+    assert!(worst(&found.x, |i| prompt.x[i]) > 1e-6);
+}
+
+#[test]
 fn a_lag_is_an_exponential_and_a_delay_a_shift() {
     let held = samples(|t| if t < 0.1 { 0.0 } else { 2.0 });
     let lag = run(&rig(), &[effect("drive_lag", "law", &[("T", 0.05)])], &held);
