@@ -224,7 +224,8 @@ pub fn sensitivity_directions() -> Vec<&'static str> {
 /// First-order change of position and speed of a motion under small forces, a row a force.
 ///
 /// The motion is given by speed, seconds to the next sample and whether it is the last of its
-/// run, sample by sample, and by the head's mass in kg and viscous coefficient in N s/m.
+/// run, sample by sample, by the head's mass in kg and viscous coefficient in N s/m, and by the
+/// share of a change of speed that is left at the next sample, 1 but where the head turns round.
 #[pyfunction]
 #[allow(clippy::too_many_arguments, clippy::type_complexity)]
 pub fn linear_response<'py>(
@@ -235,20 +236,22 @@ pub fn linear_response<'py>(
     last: PyReadonlyArray1<'py, bool>,
     mass: f64,
     damping: f64,
+    keeps: PyReadonlyArray1<'py, f64>,
 ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
     let whole = |_| input_error(py, "forces and motion must be contiguous".to_owned());
     let (rows, count) = forces.as_array().dim();
     let forces = forces.as_slice().map_err(whole)?;
     let (v, step) = (v.as_slice().map_err(whole)?, step.as_slice().map_err(whole)?);
     let last = last.as_slice().map_err(whole)?;
+    let keeps = keeps.as_slice().map_err(whole)?;
     let ends = count == 0 || last.last() == Some(&true);
-    if [v.len(), step.len(), last.len()] != [count; 3] || !ends {
+    if [v.len(), step.len(), last.len(), keeps.len()] != [count; 4] || !ends {
         let message = format!(
-            "v, step and last must have {count} samples, and the last sample must end a run"
+            "v, step, last and keeps must have {count} samples, and the last sample must end a run"
         );
         return Err(input_error(py, message));
     }
-    let motion = Slides { v, step, last, mass, damping };
+    let motion = Slides { v, step, last, mass, damping, keeps };
     let (dx, dv) = (
         PyArray2::<f64>::zeros(py, [rows, count], false),
         PyArray2::<f64>::zeros(py, [rows, count], false),

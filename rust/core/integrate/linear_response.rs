@@ -1,5 +1,6 @@
 //! What small forces change of a motion, to first order: they move the head only while it
-//! slides, and a stop takes its change of speed away.
+//! slides, a stop takes its change of speed away, and where it turns round without a rest it
+//! keeps the ratio of the accelerations behind and before: its change of time is the same.
 
 /// A motion at its samples, of runs one after another.
 #[derive(Debug, Clone, Copy)]
@@ -12,6 +13,9 @@ pub struct Slides<'a> {
     pub mass: f64,
     /// Viscous coefficient, N s/m.
     pub damping: f64,
+    /// Share of a change of speed that outlasts the time to the next sample, where neither ends
+    /// at rest: 1 but where the head turns round.
+    pub keeps: &'a [f64],
 }
 
 /// Change of position and speed at every sample under a force given at the samples.
@@ -32,6 +36,6 @@ pub fn linear_response(motion: Slides, force: &[f64], dx: &mut [f64], dv: &mut [
         let decay = libm::exp(-motion.damping * step / motion.mass);
         let after = v * decay + force[i] * step / motion.mass;
         x += 0.5 * (v + after) * step;
-        v = if goes_on { after } else { 0.0 };
+        v = if goes_on { after * motion.keeps[i] } else { 0.0 };
     }
 }

@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis_search import search_for
+from diagnosis_search import search_for, search_of
 from locosweep.diagnosis.estimate.motion import ALL, Motion, motion_of, response, terms_of
+from locosweep.files.runs import Run
 
 
 def sliding(damping: float = 0.0, samples: int = 400) -> Motion:
@@ -16,7 +17,7 @@ def sliding(damping: float = 0.0, samples: int = 400) -> Motion:
     ones = np.ones(samples)
     return Motion(
         t=t, x=t, v=ones, force=ones, drive=ones, run=np.zeros(samples, dtype=np.intp),
-        swept=t, turned=t, mass=0.5, damping=damping,
+        swept=t, turned=t, mass=0.5, damping=damping, keeps=ones,
     )  # fmt: skip
 
 
@@ -31,6 +32,24 @@ def test_damping_bounds_the_speed() -> None:
     m = sliding(damping=2.0, samples=4000)
     _, dv = response(np.full((1, m.t.size), 0.1), m)
     np.testing.assert_allclose(dv[0], 0.05 * (1.0 - np.exp(-4.0 * m.t)), atol=2e-4)
+
+
+def test_a_head_that_turns_keeps_the_ratio_of_its_accelerations() -> None:
+    """A short push before the turns, against a replay with it: the head turns without a rest."""
+    t = np.linspace(0.0, 1.0, 401)
+    square = 2.0 * np.sign(np.sin(2.0 * np.pi * 2.0 * t + 0.3))
+    push = 1e-3 * ((t >= 0.1) & (t < 0.11))
+    moved = []
+    for drive in (square, square + push):
+        search = search_of([Run("0", t, drive, {"x": np.zeros(t.size)})])
+        moved.append(motion_of(search.problem, search.none))
+    plain, pushed = moved
+    assert np.count_nonzero(np.diff(np.sign(plain.v))) >= 3
+    assert np.count_nonzero((plain.keeps > 0.0) & (plain.keeps < 1.0)) >= 3
+    dx, dv = response(push[None, :], plain)
+    late = t > 0.9
+    np.testing.assert_allclose(dv[0][late], (pushed.v - plain.v)[late], rtol=0.05, atol=1e-9)
+    np.testing.assert_allclose(dx[0][late], (pushed.x - plain.x)[late], rtol=0.05, atol=1e-9)
 
 
 def test_a_head_at_rest_does_not_respond() -> None:

@@ -126,6 +126,7 @@ def _along_motion(problem: Problem, run: Run, slides: NDArray[np.bool_]) -> tupl
         last,
         nominal["mass"],
         nominal["viscous"],
+        np.ones(run.t.size),
     )
     return found
 

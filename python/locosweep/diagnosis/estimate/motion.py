@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,12 +10,13 @@ import numpy as np
 from locosweep import _core
 from locosweep.diagnosis.effects.catalogue import VARIABLES
 from locosweep.diagnosis.estimate.least_squares import point_of
+from locosweep.simulation.replay import effect
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from locosweep.diagnosis.estimate.least_squares import Fit
-    from locosweep.diagnosis.estimate.problem import Problem
+    from locosweep.diagnosis.estimate.problem import Point, Problem
 
     Floats = NDArray[np.float64]
 
@@ -47,6 +48,8 @@ class Motion:
     turned: Floats
     mass: float
     damping: float
+    keeps: Floats
+    """Share of a change of speed that is left at the next sample, 1 but where the head turns."""
 
 
 ALL = (*dict.fromkeys(VARIABLES.values()), "terrain", "acceleration")
@@ -84,7 +87,31 @@ def motion_of(problem: Problem, fit: Fit) -> Motion:
         turned=turned,
         mass=problem.nominal["mass"] * point.factors[0] + dm,
         damping=max(c, 0.0),
+        keeps=_keeps(problem, point, number, v, x),
     )
+
+
+def _keeps(
+    problem: Problem, point: Point, number: NDArray[np.intp], v: Floats, x: Floats
+) -> Floats:
+    """Return the share of a change of speed that outlasts the time to the next sample.
+
+    A head that turns round without a rest does so at another time, and keeps the ratio of the
+    accelerations behind and before (Corner, Sandu and Sandu 2019). They follow from way and
+    speeds, each constant up to the turn and from there on.
+    """
+    sensors = [name for name in point.names if effect(name).site == "sensor"]
+    if sensors:
+        names = tuple(name for name in point.names if name not in sensors)
+        x = problem.replay([replace(point, names=names)], problem.fitted)["x"][0]
+    t = np.concatenate([problem.runs[r].since_start for r in problem.fitted])
+    keeps = np.ones(v.size)
+    turns = np.flatnonzero((v[:-1] * v[1:] < 0.0) & (np.diff(number) == 0))
+    before, after, step = v[turns], v[turns + 1], np.diff(t)[turns]
+    until = (2.0 * np.diff(x)[turns] - after * step) / (before - after)
+    until = np.clip(until, 1e-6 * step, (1.0 - 1e-6) * step)
+    keeps[turns] = np.clip(-after / (step - until) / (before / until), 0.0, 1.0)
+    return keeps
 
 
 def _hats(values: Floats, where: NDArray[np.bool_], knots: int = _KNOTS) -> Floats:
@@ -177,4 +204,4 @@ def response(forces: Floats, m: Motion) -> tuple[Floats, Floats]:
     step = np.diff(m.t, append=m.t[-1:])
     last = np.diff(m.run, append=m.run[-1:] + 1) != 0
     rows = np.ascontiguousarray(forces)
-    return _core.linear_response(rows, m.v, step, last, m.mass, m.damping)
+    return _core.linear_response(rows, m.v, step, last, m.mass, m.damping, m.keeps)
