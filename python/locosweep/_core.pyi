@@ -816,13 +816,14 @@ def laws() -> list[Law]:
     All friction laws.
     """
 
-def linear_response(forces: Incomplete, v: Incomplete, step: Incomplete, last: Incomplete, mass: SupportsFloat | SupportsIndex, damping: SupportsFloat | SupportsIndex, keeps: Incomplete) -> tuple[Incomplete, Incomplete]:
+def linear_response(forces: Incomplete, v: Incomplete, step: Incomplete, last: Incomplete, mass: SupportsFloat | SupportsIndex, damping: SupportsFloat | SupportsIndex, keeps: Incomplete, stiffness: Incomplete) -> tuple[Incomplete, Incomplete]:
     """
     First-order change of position and speed of a motion under small forces, a row a force.
 
     The motion is given by speed, seconds to the next sample and whether it is the last of its
-    run, sample by sample, by the head's mass in kg and viscous coefficient in N s/m, and by the
-    share of a change of speed that is left at the next sample, 1 but where the head turns round.
+    run, sample by sample, by the head's mass in kg and viscous coefficient in N s/m, by the share
+    of a change of speed that is left at the next sample, 1 but where the head turns round, and by
+    the stiffness with which gravity pulls the head back, in N/m.
     """
 
 def methods() -> list[tuple[str, str]]:

@@ -224,8 +224,9 @@ pub fn sensitivity_directions() -> Vec<&'static str> {
 /// First-order change of position and speed of a motion under small forces, a row a force.
 ///
 /// The motion is given by speed, seconds to the next sample and whether it is the last of its
-/// run, sample by sample, by the head's mass in kg and viscous coefficient in N s/m, and by the
-/// share of a change of speed that is left at the next sample, 1 but where the head turns round.
+/// run, sample by sample, by the head's mass in kg and viscous coefficient in N s/m, by the share
+/// of a change of speed that is left at the next sample, 1 but where the head turns round, and by
+/// the stiffness with which gravity pulls the head back, in N/m.
 #[pyfunction]
 #[allow(clippy::too_many_arguments, clippy::type_complexity)]
 pub fn linear_response<'py>(
@@ -237,6 +238,7 @@ pub fn linear_response<'py>(
     mass: f64,
     damping: f64,
     keeps: PyReadonlyArray1<'py, f64>,
+    stiffness: PyReadonlyArray1<'py, f64>,
 ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
     let whole = |_| input_error(py, "forces and motion must be contiguous".to_owned());
     let (rows, count) = forces.as_array().dim();
@@ -244,14 +246,16 @@ pub fn linear_response<'py>(
     let (v, step) = (v.as_slice().map_err(whole)?, step.as_slice().map_err(whole)?);
     let last = last.as_slice().map_err(whole)?;
     let keeps = keeps.as_slice().map_err(whole)?;
+    let stiffness = stiffness.as_slice().map_err(whole)?;
     let ends = count == 0 || last.last() == Some(&true);
-    if [v.len(), step.len(), last.len(), keeps.len()] != [count; 4] || !ends {
+    let lengths = [v.len(), step.len(), last.len(), keeps.len(), stiffness.len()];
+    if lengths != [count; 5] || !ends {
         let message = format!(
-            "v, step, last and keeps must have {count} samples, and the last sample must end a run"
+            "v, step, last, keeps and stiffness must have {count} samples, and the last sample must end a run"
         );
         return Err(input_error(py, message));
     }
-    let motion = Slides { v, step, last, mass, damping, keeps };
+    let motion = Slides { v, step, last, mass, damping, keeps, stiffness };
     let (dx, dv) = (
         PyArray2::<f64>::zeros(py, [rows, count], false),
         PyArray2::<f64>::zeros(py, [rows, count], false),

@@ -16,6 +16,8 @@ pub struct Slides<'a> {
     /// Share of a change of speed that outlasts the time to the next sample, where neither ends
     /// at rest: 1 but where the head turns round.
     pub keeps: &'a [f64],
+    /// What pulls the head back by gravity, N/m or N m/rad: minus the force's slope in the position.
+    pub stiffness: &'a [f64],
 }
 
 /// Change of position and speed at every sample under a force given at the samples.
@@ -34,7 +36,9 @@ pub fn linear_response(motion: Slides, force: &[f64], dx: &mut [f64], dv: &mut [
         }
         let step = motion.step[i];
         let decay = libm::exp(-motion.damping * step / motion.mass);
-        let after = v * decay + force[i] * step / motion.mass;
+        // Midway, so that a swing neither grows nor fades by the step.
+        let pulled = force[i] - motion.stiffness[i] * (x + 0.5 * v * step);
+        let after = v * decay + pulled * step / motion.mass;
         x += 0.5 * (v + after) * step;
         v = if goes_on { after * motion.keeps[i] } else { 0.0 };
     }

@@ -201,7 +201,9 @@ class TestVariables:
         found = replay_runs(ROBOT, [Run("0", T, DRIVE)])
         x, v, force = (found[c].to_numpy() for c in ("x", "v", "force"))
         same = np.zeros(T.size, dtype=np.intp)
-        motion = Motion(T, x, v, force, DRIVE, same, np.abs(x), x, 0.5, 0.3, np.ones(T.size))
+        motion = Motion(
+            T, x, v, force, DRIVE, same, np.abs(x), x, 0.5, 0.3, np.ones(T.size), 0.0 * T
+        )
         groups, _ = terms_of(variable, motion)
         assert sum(np.abs(group).sum() > 0.0 for group in groups) > 0
 

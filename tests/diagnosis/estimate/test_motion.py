@@ -17,7 +17,7 @@ def sliding(damping: float = 0.0, samples: int = 400) -> Motion:
     ones = np.ones(samples)
     return Motion(
         t=t, x=t, v=ones, force=ones, drive=ones, run=np.zeros(samples, dtype=np.intp),
-        swept=t, turned=t, mass=0.5, damping=damping, keeps=ones,
+        swept=t, turned=t, mass=0.5, damping=damping, keeps=ones, stiffness=0.0 * t,
     )  # fmt: skip
 
 
@@ -50,6 +50,18 @@ def test_a_head_that_turns_keeps_the_ratio_of_its_accelerations() -> None:
     late = t > 0.9
     np.testing.assert_allclose(dv[0][late], (pushed.v - plain.v)[late], rtol=0.05, atol=1e-9)
     np.testing.assert_allclose(dx[0][late], (pushed.x - plain.x)[late], rtol=0.05, atol=1e-9)
+
+
+def test_gravity_pulls_a_pendulum_back() -> None:
+    """An impulse on a head that slides through its lowest place: a swing of the small rest."""
+    m = sliding(samples=4001)
+    pendulum = Motion(**{**vars(m), "stiffness": np.full(m.t.size, 8.0)})
+    force = np.zeros((1, m.t.size))
+    force[0, 0] = 1.0
+    dx, _ = response(force, pendulum)
+    rate = np.sqrt(8.0 / 0.5)
+    swing = float(m.t[1]) / 0.5 / rate * np.sin(rate * (m.t - 0.5 * m.t[1]))
+    np.testing.assert_allclose(dx[0][1:], swing[1:], atol=2e-3 * float(np.abs(swing).max()))
 
 
 def test_a_head_at_rest_does_not_respond() -> None:

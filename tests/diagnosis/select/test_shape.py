@@ -8,12 +8,13 @@ import numpy as np
 
 from diagnosis_search import search_of
 from diagnosis_small import driven, measured
+from locosweep.diagnosis.effects.catalogue import FURTHER
 from locosweep.diagnosis.estimate.motion import ALL
 from locosweep.diagnosis.select.shape import KINDS, shape_of, shapes, unlisted_of
 
 
 def test_every_variable_has_words() -> None:
-    assert set(KINDS) == set(ALL)
+    assert set(KINDS) == {*ALL, *FURTHER.values()}
     assert {kind.parity for kind in KINDS.values()} <= {"odd", "even", "none"}
 
 

@@ -127,6 +127,7 @@ def _along_motion(problem: Problem, run: Run, slides: NDArray[np.bool_]) -> tupl
         nominal["mass"],
         nominal["viscous"],
         np.ones(run.t.size),
+        np.zeros(run.t.size),
     )
     return found
 

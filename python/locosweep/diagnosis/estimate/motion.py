@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from locosweep.diagnosis.estimate.least_squares import Fit
-    from locosweep.diagnosis.estimate.problem import Point, Problem
+    from locosweep.diagnosis.estimate.problem import Problem
 
     Floats = NDArray[np.float64]
 
@@ -50,6 +50,8 @@ class Motion:
     damping: float
     keeps: Floats
     """Share of a change of speed that is left at the next sample, 1 but where the head turns."""
+    stiffness: Floats
+    """With which gravity pulls a pendulum back, N m/rad; 0 of others."""
 
 
 ALL = (*dict.fromkeys(VARIABLES.values()), "terrain", "acceleration")
@@ -63,6 +65,11 @@ def motion_of(problem: Problem, fit: Fit) -> Motion:
     runs = [problem.runs[r] for r in problem.fitted]
     number = np.repeat(np.arange(len(runs)), [run.t.size for run in runs])
     x, v = found["x"][0], found["v"][0]
+    # The head itself, where its readings err.
+    sensors = [name for name in point.names if effect(name).site == "sensor"]
+    names = tuple(name for name in point.names if name not in sensors)
+    bare = replace(point, names=names)
+    head = problem.replay([bare], problem.fitted)["x"][0] if sensors else x
     swept, turned = np.zeros_like(x), np.zeros_like(x)
     for i in range(1, x.size):
         if number[i] != number[i - 1]:
@@ -87,23 +94,18 @@ def motion_of(problem: Problem, fit: Fit) -> Motion:
         turned=turned,
         mass=problem.nominal["mass"] * point.factors[0] + dm,
         damping=max(c, 0.0),
-        keeps=_keeps(problem, point, number, v, x),
+        keeps=_keeps(problem, number, v, head),
+        stiffness=problem.nominal.get("gravity_torque", 0.0) * np.cos(head),
     )
 
 
-def _keeps(
-    problem: Problem, point: Point, number: NDArray[np.intp], v: Floats, x: Floats
-) -> Floats:
+def _keeps(problem: Problem, number: NDArray[np.intp], v: Floats, x: Floats) -> Floats:
     """Return the share of a change of speed that outlasts the time to the next sample.
 
     A head that turns round without a rest does so at another time, and keeps the ratio of the
     accelerations behind and before (Corner, Sandu and Sandu 2019). They follow from way and
     speeds, each constant up to the turn and from there on.
     """
-    sensors = [name for name in point.names if effect(name).site == "sensor"]
-    if sensors:
-        names = tuple(name for name in point.names if name not in sensors)
-        x = problem.replay([replace(point, names=names)], problem.fitted)["x"][0]
     t = np.concatenate([problem.runs[r].since_start for r in problem.fitted])
     keeps = np.ones(v.size)
     turns = np.flatnonzero((v[:-1] * v[1:] < 0.0) & (np.diff(number) == 0))
@@ -204,4 +206,4 @@ def response(forces: Floats, m: Motion) -> tuple[Floats, Floats]:
     step = np.diff(m.t, append=m.t[-1:])
     last = np.diff(m.run, append=m.run[-1:] + 1) != 0
     rows = np.ascontiguousarray(forces)
-    return _core.linear_response(rows, m.v, step, last, m.mass, m.damping, m.keeps)
+    return _core.linear_response(rows, m.v, step, last, m.mass, m.damping, m.keeps, m.stiffness)

@@ -143,8 +143,8 @@ class RestForce:
             speed = np.where(np.abs(motion.v) > motion.resting_speed, motion.v, 0.0)
             last = np.arange(t.size) == t.size - 1
             step = np.diff(t, append=t[-1:])
-            keeps = np.ones(t.size)
-            dx, dv = _core.linear_response(hats, speed, step, last, mass, damping, keeps)
+            plain = np.ones(t.size), np.zeros(t.size)
+            dx, dv = _core.linear_response(hats, speed, step, last, mass, damping, *plain)
             found.append({"x": dx, "v": dv})
         return found
 
