@@ -72,6 +72,11 @@ class Effect:
         TeX.
         """
     @property
+    def further(self, /) -> str | None:
+        """
+        A second variable of another law, which no other effect follows.
+        """
+    @property
     def keep(self, /) -> str | None:
         """
         Formula that starts must fulfil.

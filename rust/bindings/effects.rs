@@ -25,6 +25,8 @@ pub struct EffectRecord {
     /// Variable that another law of the effect would follow; None where it is the
     /// error of a number, which has no other law.
     variable: Option<&'static str>,
+    /// A second variable of another law, which no other effect follows.
+    further: Option<&'static str>,
     /// What a rig must have for it: body, rear_sensor, slope.
     needs: Vec<&'static str>,
     /// Motion of the head without which it cannot show: at_rest (none), moving,
@@ -176,6 +178,7 @@ pub fn effects(py: Python<'_>) -> PyResult<Vec<EffectRecord>> {
             first: effect.first(),
             fits: fits.collect::<PyResult<_>>()?,
             variable: info.variable.map(Variable::name),
+            further: info.further.map(Variable::name),
             needs: info.needs.iter().copied().map(Need::name).collect(),
             shown: info.shown.name(),
             contains: info.contains.to_vec(),

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from diagnosis_search import search_for, search_of
+from locosweep.diagnosis.effects.catalogue import FURTHER
 from locosweep.diagnosis.estimate.motion import ALL, Motion, motion_of, response, terms_of
 from locosweep.files.runs import Run
 
@@ -81,7 +82,24 @@ def test_terms_of_a_position_add_up_to_friction() -> None:
     np.testing.assert_allclose(terms.sum(axis=0), np.sign(m.v), atol=1e-12)
 
 
-@pytest.mark.parametrize("variable", ALL)
+def test_a_change_that_is_late_lacks_its_impulse() -> None:
+    """A step up by 1 N at 0.5 s and down by 2 N at 1 s, each late by a law of its own."""
+    m = sliding(samples=401)
+    drive = np.where(m.t < 0.5, 0.2, np.where(m.t < 1.0, 1.2, -0.8))
+    terms, is_force = terms_of("change", Motion(**{**vars(m), "drive": drive}))
+    assert is_force
+    assert len(terms) == 2
+    late = np.array([[3e-4], [1e-4]])
+    dx, dv = response(late * np.vstack(terms), m)
+    impulses = np.array([[-1.0], [2.0]]) * late
+    since = m.t - np.array([[0.5], [1.0]])
+    np.testing.assert_allclose(dv, impulses / m.mass * (since > 1e-9), atol=1e-12)
+    step = float(m.t[1])
+    expected = impulses / m.mass * np.maximum(since - 0.5 * step, 0.0) * (since > 1e-9)
+    np.testing.assert_allclose(dx, expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("variable", [*ALL, *FURTHER.values()])
 def test_every_variable_has_terms_of_the_motion_s_length(variable: str) -> None:
     search = search_for({})
     m = motion_of(search.problem, search.none)

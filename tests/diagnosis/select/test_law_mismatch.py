@@ -21,6 +21,7 @@ from locosweep.diagnosis.select import law_mismatch
 from locosweep.diagnosis.select.law_mismatch import (
     best_with_other_law,
     formula_share,
+    is_law_of,
     score_with_other_law,
     unlisted_rival,
 )
@@ -141,6 +142,43 @@ def test_the_formula_of_a_cause_takes_most_of_its_gap_and_an_alien_one_little() 
     assert near > 0.5
     assert far < OTHER_LAW_SHARE
     assert formula_share(search, search.none) == 0.0
+
+
+def stepped(shares: np.ndarray, *, finer: int = 400) -> pl.DataFrame:
+    """Readings of a drive in steps whose changes act late, each by its own share of a sample."""
+    runs = [replace(run, drive=0.9 * np.sign(run.drive)) for run in drives(count=5)]
+    inner, fine = np.arange(finer) / finer, []
+    for run in runs:
+        t = np.linspace(0.0, float(run.t[-1]), (run.t.size - 1) * finer + 1)
+        before, after = np.roll(run.drive, 1), np.roll(run.drive, -1)
+        changes = np.cumsum(run.drive != before) - 1
+        own = np.where(run.drive != before, shares[changes % shares.size], 0.0)
+        next_ = np.where(after != run.drive, shares[(changes + 1) % shares.size], 0.0)
+        late = inner < own[:, None]
+        early = inner >= 1.0 + np.minimum(next_, 0.0)[:, None]
+        drive = np.where(late, before[:, None], np.where(early, after[:, None], run.drive[:, None]))
+        fine.append(
+            replace(run, t=t, drive=drive.ravel()[: t.size], channels={"x": np.zeros(t.size)})
+        )
+    frame = measured({}, fine)
+    coarse = frame.filter(np.concatenate([np.arange(run.t.size) % finer == 0 for run in fine]))
+    return coarse.with_columns(drive=pl.Series(np.concatenate([run.drive for run in runs])))
+
+
+def test_changes_that_are_late_by_turns_are_another_law_of_a_delay() -> None:
+    """What is late at random is no delay by its formula; what is early at times is none at all."""
+    shares = np.random.default_rng(3).uniform(0.0, 0.05, 97)
+    found = []
+    for one in (shares, shares - 0.02):
+        search, (fit,) = fits_of(stepped(one), "drive_delay")
+        found.append(
+            (search.is_noise(fit), score_with_other_law(search, fit), is_law_of(search, fit))
+        )
+    (white, score, is_law), (early_white, early_score, early) = found
+    assert (white, early_white) == (False, False)
+    assert score is not None
+    assert early_score is not None
+    assert (is_law, early) == (True, False)
 
 
 def test_a_kept_run_without_a_gap_says_nothing_of_a_formula() -> None:

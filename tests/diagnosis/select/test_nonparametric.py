@@ -66,6 +66,23 @@ def test_worth_is_the_ratio_of_marginal_likelihoods(names: tuple[str, ...]) -> N
         )
 
 
+def test_sizes_are_means_given_the_residuals_and_their_deviations() -> None:
+    """Of the likeliest process in one variable, an effect's own parameter left as it is."""
+    frame = measured({"quadratic_drag": {"c2": 0.05}}, drives(count=2, samples=60))
+    terms = terms_beside(frame, "viscous_friction")
+    _, root = terms._covariance_root(["speed"], 1.0)
+    own = terms.names == "speed"
+    rows = terms.unit_rows(np.flatnonzero(own))
+    prior = root @ root.T
+    covariance = np.eye(terms.residual.size) + rows.T @ prior @ rows
+    gains = np.linalg.solve(covariance, rows.T @ prior).T
+    spread = np.sqrt(np.diag(prior - gains @ rows.T @ prior))
+    sizes, deviations = terms.sizes_beside("speed", 1.0, "viscous_friction")
+    norms = terms._norm[own]
+    np.testing.assert_allclose(sizes * norms, gains @ terms.residual, rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(deviations * norms, spread, rtol=1e-6)
+
+
 def test_a_parameter_at_its_bound_makes_no_room_for_a_correction() -> None:
     """The head is faster than nominal: no drag, which is none below 0, helps."""
     frame = measured({"drive_gain_error": {"e": 0.02}}, drives(count=3, samples=60))

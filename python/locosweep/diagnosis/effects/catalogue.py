@@ -16,7 +16,7 @@ from locosweep.diagnosis.effects.formula import number, numbers
 from locosweep.simulation.replay import effect, effects, nominal_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping
+    from collections.abc import Callable, Collection, Iterable, Mapping
 
     from numpy.typing import NDArray
 
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 VARIABLES = {record.name: record.variable for record in effects() if record.variable}
 """The variable that an effect acts through, where another law of it is possible."""
+FURTHER = {record.name: record.further for record in effects() if record.further}
+"""A second variable of an effect, which no other one acts through."""
 
 _WHY = {
     "body": "a bench has no anchored body",
@@ -36,6 +38,12 @@ _WHY = {
     "slope": "a rotary bench has no slope",
 }
 """Why an effect has no meaning where a rig lacks what it needs."""
+
+
+def own_variables(names: Iterable[str]) -> list[str]:
+    """Return the variables that other laws of some effects would follow."""
+    found = [of[name] for name in names for of in (VARIABLES, FURTHER) if name in of]
+    return list(dict.fromkeys(found))
 
 
 @dataclass(frozen=True)

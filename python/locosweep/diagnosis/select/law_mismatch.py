@@ -7,8 +7,9 @@ from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.special import ndtr
 
-from locosweep.diagnosis.effects.catalogue import VARIABLES
+from locosweep.diagnosis.effects.catalogue import FURTHER, VARIABLES, own_variables
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all, point_of
 from locosweep.diagnosis.estimate.problem import ReplayMeter
 from locosweep.diagnosis.estimate.validation import validation_residuals
@@ -55,7 +56,8 @@ def best_with_other_law(search: Search, level: Sequence[Fit]) -> tuple[float, Fi
         # No effect acts through some: a force by the position alone, an acceleration.
         others = [v for v in others if v in VARIABLES.values()]
         for variable in others[:_TRIED_NEXT]:
-            new = (f for f in level if variable in _variables(f) and all(f is not g for g in tried))
+            through = (f for f in level if variable in own_variables(f.model.names))
+            new = (f for f in through if all(f is not g for g in tried))
             tried += islice(new, int(len(tried) < _MOST_TRIED))
     if not found:
         return None
@@ -65,12 +67,9 @@ def best_with_other_law(search: Search, level: Sequence[Fit]) -> tuple[float, Fi
 
 def score_with_other_law(search: Search, fit: Fit) -> float | None:
     """Score of a fit with other laws of its effects; None if another variable does better."""
-    scored = _score_with_other_law(search, fit)[0] if _variables(fit) else None
+    own = own_variables(fit.model.names)
+    scored = _score_with_other_law(search, fit)[0] if own else None
     return None if scored is None else scored[1]
-
-
-def _variables(fit: Fit) -> list[str]:
-    return list(dict.fromkeys(VARIABLES[n] for n in fit.model.names if n in VARIABLES))
 
 
 def _score_with_other_law(search: Search, fit: Fit) -> tuple[tuple[bool, float] | None, list[str]]:
@@ -79,7 +78,7 @@ def _score_with_other_law(search: Search, fit: Fit) -> tuple[tuple[bool, float] 
     Before the score stands whether some other variable is clearly likelier, though by no more than
     the distance of knots can make.
     """
-    own = _variables(fit)
+    own = own_variables(fit.model.names)
     problem = search.problem
     terms = NonparametricCorrection(problem, fit)
     left = terms.corrected_residual(own)
@@ -138,6 +137,30 @@ def _together(problem: Problem, parts: Sequence[Floats], runs: Sequence[int]) ->
         for c in range(len(problem.channels))
         for part, n in zip(parts, lengths, strict=True)
     ])  # fmt: skip
+
+
+def is_law_of(search: Search, fit: Fit) -> bool:
+    """Return whether what a correction of a fit makes of the formula is still a law of its effect.
+
+    It is where the formula alone takes away much of the gap, or where the correction is a delay at
+    each change of the drive, and none of these comes before its command: in their mean, late
+    changes may take away next to nothing.
+    """
+    if formula_share(search, fit) >= limits.OTHER_LAW_SHARE:
+        return True
+    late = [name for name in fit.model.names if name in FURTHER]
+    return bool(late) and all(_never_early(search, fit, name) for name in late)
+
+
+def _never_early(search: Search, fit: Fit, effect: str) -> bool:
+    """Return whether no change of the drive acts before its command: beyond what is uncertain."""
+    problem = search.problem
+    terms = NonparametricCorrection(problem, fit)
+    noise = noise_level(problem, terms.corrected_residual(own_variables(fit.model.names)))
+    shifts, deviations = terms.sizes_beside(FURTHER[effect], noise, effect)
+    (common,) = fit.named()[effect].values()
+    early = ndtr((common + shifts) / np.where(deviations > 0.0, deviations, np.inf))
+    return bool(common > 0.0 and early.size and early.min() * early.size > limits.SIGNIFICANCE)
 
 
 def formula_share(search: Search, fit: Fit) -> float:

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.linalg import block_diag
 from scipy.special import chdtrc
 
+from locosweep.diagnosis.effects.catalogue import own_variables
 from locosweep.diagnosis.estimate.least_squares import jacobian_of
 from locosweep.diagnosis.estimate.motion import ALL, motion_of, response, terms_of
 from locosweep.diagnosis.select.prediction import over_deviations
@@ -43,7 +44,7 @@ class NonparametricCorrection:
         self._samples = [problem.of_run(r, problem.fitted) for r in problem.fitted]
         forces: list[tuple[str, Floats]] = []
         readings: list[tuple[str, Floats]] = []
-        for variable in ALL:
+        for variable in dict.fromkeys((*ALL, *own_variables(fit.model.names))):
             groups, is_force = terms_of(variable, motion)
             kind = forces if is_force else readings
             kind += [(variable, terms) for terms in groups if len(terms)]
@@ -69,6 +70,11 @@ class NonparametricCorrection:
         norm = np.sqrt(np.diag(gram))
         seen = np.flatnonzero(norm > 1e-9)
         self._basis, self._places, self._norm = basis, seen, norm[seen]
+        owners = [f.effect for f in fit.model.free]
+        owners += [""] * (fit.theta.size - len(owners))
+        owned = ["" for name in names if name != "fit"]
+        owned += [owner for owner, free in zip(owners, inside, strict=True) if free]
+        self._owners = np.array(owned, dtype=object)[seen]
         law, knot = np.array(knots).reshape(-1, 2)[seen].T
         sizes = np.outer(self._norm, self._norm)
         correlation = np.exp(-0.5 * np.square((knot[:, None] - knot) / _SMOOTH))
@@ -76,6 +82,25 @@ class NonparametricCorrection:
         self.names = np.array(names, dtype=object)[seen]
         self.gram = gram[np.ix_(seen, seen)] / sizes
         self.moments = (basis @ fit.residual)[seen] / self._norm
+
+    def sizes_beside(self, variable: str, noise: float, effect: str) -> tuple[Floats, Floats]:
+        """Return the likeliest sizes of a correction's terms, and their deviations.
+
+        All parameters of the fit are refitted beside it but those of `effect`.
+        """
+        terms, root = self._covariance_root([variable], noise)
+        if not root.any():
+            return np.zeros(terms.size), np.zeros(terms.size)
+        beside = np.flatnonzero((self.names == "fit") & (self._owners != effect))
+        rows = np.concatenate([terms, beside])
+        price = np.full(rows.size, _FREE)
+        price[: terms.size] = 0.0
+        known = self.gram[np.ix_(rows, rows)] / noise + np.diag(price)
+        known[: terms.size, : terms.size] += np.linalg.inv(root @ root.T)
+        covariance = np.linalg.inv(known)[: terms.size]
+        sizes = covariance @ self.moments[rows] / noise
+        deviations = np.sqrt(np.diag(covariance))
+        return sizes / self._norm[terms], deviations / self._norm[terms]
 
     def unit_rows(self, terms: NDArray[np.intp], samples: NDArray[np.intp] | None = None) -> Floats:
         """Return the rows of some terms as unit vectors, at some samples."""
@@ -87,7 +112,7 @@ class NonparametricCorrection:
     @property
     def variables(self) -> list[str]:
         """Variables that have terms along this motion."""
-        return [v for v in ALL if (self.names == v).any()]
+        return [v for v in dict.fromkeys(self.names.tolist()) if v != "fit"]
 
     def solve(self, variables: Sequence[str]) -> tuple[float, int, Floats]:
         """Fall of chi2 under terms of some variables, their number, and their sizes."""

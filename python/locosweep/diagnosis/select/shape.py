@@ -46,6 +46,7 @@ KINDS = {
     "sag": Kind("time", "none", "drive that changes over time", "a supply that sags"),
     "acceleration": Kind("acceleration", "even", "force by acceleration", "a mass that moves too"),
     "history": Kind("earlier drive", "none", "drive that acts late", "a filter or a spring"),
+    "change": Kind("command", "none", "commands late by turns", "a drive read now and then"),
     "reading": Kind("reading", "none", "reading that is scaled", "a sensor's scale"),
     "clock": Kind("time", "none", "reading that drifts", "a sensor's drift"),
     "late": Kind("speed", "none", "reading that is late", "a sensor's delay"),

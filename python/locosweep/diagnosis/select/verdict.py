@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.diagnosis.effects.catalogue import VARIABLES
+from locosweep.diagnosis.effects.catalogue import VARIABLES, own_variables
 from locosweep.diagnosis.estimate.least_squares import Fit, point_of
 from locosweep.diagnosis.estimate.validation import validation_residuals
 from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.extension import extend, singles
 from locosweep.diagnosis.select.law_mismatch import (
     best_with_other_law,
-    formula_share,
+    is_law_of,
     score_with_other_law,
     unlisted_rival,
     without_bending_effect,
@@ -174,7 +174,7 @@ def choose(search: Search, most: int) -> Choice:
     if unlisted:
         choice = Choice("unexplained", found, known, whiteness, unlisted=unlisted)
         return _with_ranks(search, choice, tried)
-    if mismatch and formula_share(search, found) < limits.OTHER_LAW_SHARE:
+    if mismatch and not is_law_of(search, found):
         choice = Choice("unexplained", found, known, whiteness, shape=remaining(problem, found))
         return _with_ranks(search, choice, tried)
     search.progress("rivals")
@@ -288,7 +288,7 @@ def _classes(
     reference = total(search, found)
     tie = limits.TIE
     if mismatch:
-        own = list(dict.fromkeys(VARIABLES[n] for n in names if n in VARIABLES))
+        own = own_variables(names)
         left = NonparametricCorrection(search.problem, found).corrected_residual(own)
         tie += limits.MISFIT_TIE * (found.chi2 - float(left @ left))
     classes = [[name] for name in names]

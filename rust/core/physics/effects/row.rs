@@ -123,6 +123,8 @@ pub enum Variable {
     Drive,
     /// Drive command of a while ago.
     History,
+    /// Single changes of the drive command, each for itself.
+    Change,
     /// Time, in proportion to the drive command.
     Sag,
     /// Position, in the reading alone.
@@ -144,6 +146,7 @@ impl Variable {
             Variable::Swept => "swept",
             Variable::Drive => "drive",
             Variable::History => "history",
+            Variable::Change => "change",
             Variable::Sag => "sag",
             Variable::Reading => "reading",
             Variable::Clock => "clock",
@@ -163,6 +166,8 @@ pub struct EffectInfo {
     pub params: &'static [EffectParam],
     /// None where the effect is the error of a number, which has no other law.
     pub variable: Option<Variable>,
+    /// A second one, which no other effect follows.
+    pub further: Option<Variable>,
     pub needs: &'static [Need],
     pub shown: Shown,
     /// Effects with fewer parameters that this one contains as a limit.
@@ -250,6 +255,7 @@ pub(super) const EFFECT: EffectInfo = EffectInfo {
     meaning: "",
     params: &[],
     variable: None,
+    further: None,
     needs: &[],
     shown: Shown::Moving,
     contains: &[],

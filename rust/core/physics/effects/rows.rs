@@ -402,6 +402,7 @@ effects! {
         formula: r"F_d(t) = \mathrm{gain}\cdot\mathrm{drive}(t - T)",
         meaning: "the drive force follows its command late",
         variable: Some(Variable::History),
+        further: Some(Variable::Change),
         error_of: Some("clock"),
         magnitude: Magnitude { low: "0", high: "0.3", ..EFFECT.magnitude },
         one_sided: true,
