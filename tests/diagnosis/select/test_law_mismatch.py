@@ -144,6 +144,19 @@ def test_the_formula_of_a_cause_takes_most_of_its_gap_and_an_alien_one_little() 
     assert formula_share(search, search.none) == 0.0
 
 
+def test_a_gap_below_the_doubt_about_the_noise_is_shared_all_the_same(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Noise taken for a tenth larger than it is would hide the whole gap."""
+    monkeypatch.setattr(law_mismatch, "noise_level", lambda *_: 1.1)
+    frame = measured({"quadratic_drag": {"c2": 0.0018}}, drives(count=5))
+    search, fits = fits_of(frame, "viscous_friction", "sensor_drift")
+    assert search.none.chi2 < 1.1 * np.count_nonzero(search.none.residual)
+    near, far = (formula_share(search, fit) for fit in fits)
+    assert near > 0.5
+    assert far < OTHER_LAW_SHARE
+
+
 def stepped(shares: np.ndarray, *, finer: int = 400) -> pl.DataFrame:
     """Readings of a drive in steps whose changes act late, each by its own share of a sample."""
     runs = [replace(run, drive=0.9 * np.sign(run.drive)) for run in drives(count=5)]

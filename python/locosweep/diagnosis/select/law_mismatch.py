@@ -167,17 +167,22 @@ def formula_share(search: Search, fit: Fit) -> float:
     """Return the share of the gap beyond noise that a fit takes away by its formulas alone.
 
     Of root mean squares over the fitted and the validation data together: either alone may hold
-    next to no gap.
+    next to no gap. What other laws of its effects leave of the fitted data is their noise: a
+    stated one would hide the small gap of many readings.
     """
     problem, none = search.problem, search.none
-    noise = noise_level(problem, fit.residual)
+    terms = NonparametricCorrection(problem, fit)
+    own = own_variables(fit.model.names)
+    noise = noise_level(problem, terms.corrected_residual(own))
+    fall, count, _ = terms.solve(own)
+    least = fit.chi2 - fall + noise * count
     validated = validation_residuals(problem, [point_of(problem, one) for one in (none, fit)])
-    count = np.count_nonzero(none.residual) + np.count_nonzero(validated[:1])
+    least += noise * np.count_nonzero(validated[:1])
     gap, left = (
-        max(one.chi2 + float(e @ e) - noise * count, 0.0)
+        max(one.chi2 + float(e @ e) - least, 0.0)
         for one, e in zip((none, fit), validated, strict=True)
     )
-    return 1.0 - float(np.sqrt(left / gap)) if gap > 0.0 else 1.0
+    return 1.0 - float(np.sqrt(left / gap)) if gap > 0.0 else 0.0
 
 
 def unlisted_rival(
