@@ -9,7 +9,10 @@ import pytest
 
 from diagnosis_search import search_for, search_of
 from locosweep.diagnosis.effects.catalogue import FURTHER
+from locosweep.diagnosis.estimate.least_squares import Fit, Model, Nuisances
 from locosweep.diagnosis.estimate.motion import ALL, Motion, motion_of, response, terms_of
+from locosweep.diagnosis.estimate.problem import Problem
+from locosweep.files.robot import Robot
 from locosweep.files.runs import Run
 
 
@@ -63,6 +66,27 @@ def test_gravity_pulls_a_pendulum_back() -> None:
     rate = np.sqrt(8.0 / 0.5)
     swing = float(m.t[1]) / 0.5 / rate * np.sin(rate * (m.t - 0.5 * m.t[1]))
     np.testing.assert_allclose(dx[0][1:], swing[1:], atol=2e-3 * float(np.abs(swing).max()))
+
+
+def test_a_push_of_a_pendulum_is_that_of_a_replay() -> None:
+    """It swings to and fro between rests and turns."""
+    robot = Robot(
+        {"mass": 0.01},
+        {"bench.kind": "rotary", "surface.coulomb_force": 0.02, "bench.gravity_torque": 0.4},
+    )
+    t = np.linspace(0.0, 2.0, 801)
+    drive = 0.2 * np.sign(np.sin(2.0 * np.pi * 0.8 * t + 0.3))
+    push = 1e-6 * ((t >= 0.1) & (t < 0.11))
+    moved = []
+    for one in (drive, drive + push):
+        own = Problem(robot, [Run("0", t, one, {"x": np.zeros(t.size)})], 1, speed_scale=1.0)
+        nuisances = Nuisances((), (0.0, 0.0, 0.0, 0.0), 1.0)
+        moved.append(motion_of(own, Fit(Model((), ()), nuisances, np.zeros(0))))
+    plain, pushed = moved
+    change = pushed.x - plain.x
+    assert np.count_nonzero(plain.keeps[t > 0.11] < 1.0) >= 1
+    dx, _ = response(push[None, :], plain)
+    assert np.linalg.norm(dx[0] - change) < 0.05 * np.linalg.norm(change)
 
 
 def test_a_head_at_rest_does_not_respond() -> None:

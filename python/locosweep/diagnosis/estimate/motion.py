@@ -31,7 +31,8 @@ _KNOTS_ALONG = 25
 _CHANGES = 160
 """Changes of the drive, the largest of all runs, that may be late each for itself. Set on nine
 drives that are read once a period, drawn as `locosweep blind-check --only another-law` draws them:
-with 40, three still leave more than noise, with 160 one. More cost computing time."""
+with 40, three still leave more than noise, with 160 one. No command draws such drives alone; more
+changes cost computing time."""
 _LAGS = 8
 """Times that a drive is looked back, evenly in their logarithm."""
 _LONGEST = 0.08

@@ -167,8 +167,8 @@ def formula_share(search: Search, fit: Fit) -> float:
     """Return the share of the gap beyond noise that a fit takes away by its formulas alone.
 
     Of root mean squares over the fitted and the validation data together: either alone may hold
-    next to no gap. What other laws of its effects leave of the fitted data is their noise: a
-    stated one would hide the small gap of many readings.
+    next to no gap. What other laws of its effects leave of the fitted data counts as noise: an
+    estimate of it, times the number of readings, may be off by more than a small gap.
     """
     problem, none = search.problem, search.none
     terms = NonparametricCorrection(problem, fit)

@@ -166,7 +166,7 @@ pub struct EffectInfo {
     pub params: &'static [EffectParam],
     /// None where the effect is the error of a number, which has no other law.
     pub variable: Option<Variable>,
-    /// A second one, which no other effect follows.
+    /// A second variable that another law may follow, and no other effect.
     pub further: Option<Variable>,
     pub needs: &'static [Need],
     pub shown: Shown,
