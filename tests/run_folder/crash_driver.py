@@ -29,8 +29,11 @@ if TYPE_CHECKING:
 SPEC: dict[str, Any] = {**CLOSED, "quantity": "mean_velocity", "chunk": 50, "threads": 1}
 
 
-def forked(job: Callable[[], object], after: float | None = None) -> tuple[int, Any]:
-    """Run a job in a process of its own; return the signal that ended it and what it returned."""
+def forked(job: Callable[[], object], moment: Callable[[], bool] | None = None) -> tuple[int, Any]:
+    """Run a job in a process of its own, which is killed as soon as its moment has come.
+
+    Return the signal that ended it and what it returned.
+    """
     ours, theirs = os.pipe()
     pid = os.fork()
     if pid == 0:
@@ -42,13 +45,35 @@ def forked(job: Callable[[], object], after: float | None = None) -> tuple[int, 
         os.write(theirs, json.dumps(answer).encode())
         os._exit(0)
     os.close(theirs)
-    if after is not None:
-        time.sleep(after)
+    if moment is not None:
+        while not (moment() or ended(pid)):
+            pass
         os.kill(pid, signal.SIGKILL)
     with os.fdopen(ours, "rb") as pipe:
         text = pipe.read()
     _, status = os.waitpid(pid, 0)
     return os.WTERMSIG(status), json.loads(text) if text else None
+
+
+def ended(pid: int) -> bool:
+    """Whether a process of ours has come to its end; it can still be waited for."""
+    return os.waitid(os.P_PID, pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
+
+
+def once_there_are(files: int, folder: Path, wait: float) -> Callable[[], bool]:
+    """Return whether a folder has had so many files for so many seconds.
+
+    Files, as their share of a run is the same on each machine and under any load; the time
+    that a run takes is not even the same in two runs.
+    """
+    since: list[float] = []
+
+    def moment() -> bool:
+        if not since and sum(1 for path in folder.rglob("*") if path.is_file()) >= files:
+            since.append(time.perf_counter())
+        return bool(since) and time.perf_counter() - since[0] >= wait
+
+    return moment
 
 
 def fill(folder: Path, fault: str | None = None) -> Callable[[], object]:
@@ -89,10 +114,10 @@ def at_every_step(root: Path, wanted: dict[str, str], action: str, most: int) ->
     for step in STEPS:
         for turn in range(1, most + 1):
             folder = root / f"{action}-{step}-{turn}"
-            ended, answer = forked(fill(folder, f"{action}@{step}:{turn}"))
-            if ended == 0 and answer == {"value": True}:
+            signal_, answer = forked(fill(folder, f"{action}@{step}:{turn}"))
+            if signal_ == 0 and answer == {"value": True}:
                 break
-            say(at=f"{step}:{turn}", ended=ended, answer=answer, before=state(folder, wanted),
+            say(at=f"{step}:{turn}", ended=signal_, answer=answer, before=state(folder, wanted),
                 **resumed(folder, wanted))  # fmt: skip
 
 
@@ -109,9 +134,9 @@ def main(mode: str, root: Path, most: int) -> None:
         taken = time.perf_counter() - begin
         for turn in range(most):
             folder = root / f"random-{turn}"
-            after = chance.uniform(0.0, taken)
-            ended, answer = forked(fill(folder), after)
-            say(at=f"{after:.4f} s", ended=ended, answer=answer, before=state(folder, wanted),
+            files, wait = chance.randrange(len(wanted)), chance.uniform(0.0, taken / len(wanted))
+            signal_, answer = forked(fill(folder), once_there_are(files, folder, wait))
+            say(at=f"{files} files", ended=signal_, answer=answer, before=state(folder, wanted),
                 **resumed(folder, wanted))  # fmt: skip
     else:
         at_every_step(root, wanted, str(getattr(errno, mode)), most)
