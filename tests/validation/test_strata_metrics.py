@@ -55,6 +55,7 @@ def test_a_fault_of_the_readings_that_is_found_is_no_gap() -> None:
     found = {f.name: f for f in stratum_figures("outside", [OUTSIDE, frozen, missed])}
     assert found["no gap seen, and no fault of the readings"].value == pytest.approx(1 / 3)
     assert found["frozen or slipped readings: found as such, no cause named"].value == 0.5
+    assert [c.detected for c in (OUTSIDE, frozen, missed)] == [True, True, False]
 
 
 def test_causes_over_a_background_are_split_by_size() -> None:

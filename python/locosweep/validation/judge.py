@@ -106,6 +106,11 @@ class Judged:
     times: float = float("nan")
     as_reading: bool = False
 
+    @property
+    def detected(self) -> bool:
+        """True if the report tells of a gap, or of the bad readings that make it."""
+        return self.status != "none" or self.as_reading
+
 
 def _covers(classes: list[list[str]], names: list[str]) -> bool:
     """Return whether each name lies in a class of its own."""

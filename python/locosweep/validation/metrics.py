@@ -210,10 +210,8 @@ def figures(judged: Sequence[Judged]) -> list[Figure]:
         share(
             "false-positive rate: a cause named where there is no gap", (c.named for c in gap_free)
         ),
-        share(
-            "detection rate, d >= 6", (c.status != "none" for c in gaps if c.d >= 6), at_least(0.9)
-        ),
-        share("detection rate, d >= 10", (c.status != "none" for c in seen), at_least(0.99)),
+        share("detection rate, d >= 6", (c.detected for c in gaps if c.d >= 6), at_least(0.9)),
+        share("detection rate, d >= 10", (c.detected for c in seen), at_least(0.99)),
         share("one effect: correct class", (c.right for c in single), at_least(0.97)),
         share(
             "one effect: correct class, d >= 10 before rivals are projected out",
@@ -291,7 +289,7 @@ def power(judged: Sequence[Judged]) -> list[tuple[float, float, Figure, Figure]]
     for low, high in itertools.pairwise(_SIZES):
         inside = [c for c in judged if c.kind != "none" and low <= c.d < high]
         if inside:
-            seen = share("detected", (c.status != "none" for c in inside))
+            seen = share("detected", (c.detected for c in inside))
             rows.append((low, high, seen, share("right", (c.right for c in inside))))
     return rows
 
