@@ -9,8 +9,9 @@ import pytest
 
 from diagnosis_search import fit_of, search_for
 from locosweep.diagnosis.estimate.least_squares import evaluate, fit_all, start_fits
-from locosweep.diagnosis.select.descent import apart, beyond_ridges, descend
+from locosweep.diagnosis.select.descent import _with_limits, apart, beyond_ridges, descend
 from locosweep.diagnosis.select.search import Collection
+from locosweep.diagnosis.select.thresholds import LEAST_GAIN_FITTED, PENALTY
 
 NAMES = ("viscous_friction", "drive_delay")
 
@@ -55,6 +56,21 @@ def test_a_known_fit_that_is_better_stays() -> None:
     found = descend(search, known, starts, [0, 1], search.none)
     assert found[key].chi2 <= best.chi2
     assert descend(search, known, [], [0, 1], search.none) == {}
+
+
+def test_a_set_of_two_has_to_gain_over_the_best_one_but_an_exchange_has_not() -> None:
+    """Drag makes the gap; a second effect beside the poorer delay is of no use short of that."""
+    both = {"viscous_friction": {"c": 0.06}, "sensor_drift": {"b": 2e-4}}
+    search = search_for(both, *NAMES, "sensor_drift")
+    one = fit_of(search, "viscous_friction")
+    assert not search.is_noise(one)
+    known = Collection({frozenset(): search.none, frozenset({"viscous_friction"}): one})
+    model = search.model(("drive_delay", "sensor_drift"))
+    (start,) = start_fits(search.nuisances, model, np.array([[0.001, 1e-5]]))
+    (limited,) = _with_limits(search, known, [start], at_noise=False)
+    assert limited.limit == search.score(one) - LEAST_GAIN_FITTED - 2.0 * PENALTY
+    (free,) = _with_limits(search, known, [start], at_noise=False, rival=one)
+    assert free.limit == np.inf
 
 
 def test_of_fits_that_came_to_one_end_one_is_followed() -> None:

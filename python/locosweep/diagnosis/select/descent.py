@@ -9,7 +9,8 @@ import numpy as np
 
 from locosweep.diagnosis.estimate.least_squares import chi2_of, evaluate, fit_all
 from locosweep.diagnosis.select.effort import FEW, PARTNERS, SHARE, SLACK
-from locosweep.diagnosis.select.thresholds import PENALTY
+from locosweep.diagnosis.select.score import total
+from locosweep.diagnosis.select.thresholds import LEAST_GAIN_FITTED, PENALTY
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -49,12 +50,13 @@ def descend(
         most = follow_limit(before, min((fit.chi2 for fit in fits), default=np.inf))
         far = evaluate(problem, [fit for fit in fits if fit.chi2 > most], residuals=False)
         fits = [fit for fit in fits if fit.chi2 <= most]
-    fits = _with_limits(search, known, evaluate(problem, fits, residuals=False), at_noise=at_noise)
+    fits = evaluate(problem, fits, residuals=False)
+    fits = _with_limits(search, known, fits, at_noise=at_noise, rival=rival)
     fits = apart(sorted(_near_best(fit_all(problem, fits, steps=1)), key=chi2_of))
     least = rival.chi2 if rival else np.inf
     first = fit_all(problem, fits[:FEW], steps=steps, least=least)
     least = min([least, *(fit.chi2 for fit in first)])
-    others = _with_limits(search, known, fits[FEW:], first, at_noise=at_noise)
+    others = _with_limits(search, known, fits[FEW:], first, at_noise=at_noise, rival=rival)
     others = apart(fit_all(problem, others, steps=FEW, least=least))
     least = min([least, *(fit.chi2 for fit in others)])
     most = follow_limit(beside, least)
@@ -131,13 +133,22 @@ def _with_limits(
     others: Sequence[Fit] = (),
     *,
     at_noise: bool,
+    rival: Fit | None = None,
 ) -> list[Fit]:
-    """Return fits with the chi2 that they have to reach, where some fit leaves little but noise.
+    """Return fits with the chi2 that they have to reach to change a verdict.
 
-    Beside a model that is `at_noise` itself nothing ties: a further effect has to gain.
+    Where some fit leaves little but noise, that is about what it leaves: beside a model that is
+    `at_noise` itself nothing ties, so a further effect has to gain. Sets of several effects have
+    to gain over the best smaller one, if they are no exchange for a `rival`.
     """
     best = min([*known.fits.values(), *others], key=search.score)
-    if not search.is_noise(best):
-        return list(fits)
-    most = search.score(best) + (0.0 if at_noise else SLACK)
+    most = np.inf
+    if search.is_noise(best):
+        most = search.score(best) + (0.0 if at_noise else SLACK)
+    if rival is None:
+        count = min((len(fit.model.names) for fit in fits), default=0)
+        fewer = [fit for names, fit in known.fits.items() if 0 < len(names) < count]
+        if fewer:
+            smaller = min(fewer, key=lambda fit: total(search, fit))
+            most = min(most, search.score(smaller) - LEAST_GAIN_FITTED)
     return [replace(fit, limit=most - PENALTY * len(fit.model.free)) for fit in fits]
