@@ -151,6 +151,13 @@ def test_runs_that_pass_no_place_both_ways_are_driven_back(
         assert bool(told["suggestion"]) == proposed, told
 
 
+def test_an_exact_repeat_is_proposed_once(fitted: tuple[Search, list[Fit]]) -> None:
+    problem = fitted[0].problem
+    assert "exactly" in experiment.once_more(problem)["suggestion"]
+    again = replace(problem, runs=[*problem.runs, problem.runs[0]])
+    assert experiment.once_more(again)["suggestion"] is None
+
+
 @pytest.mark.whole
 def test_a_force_along_a_way_that_is_driven_once_asks_for_the_way_back() -> None:
     """A spring to the start, in runs that only go forward."""

@@ -41,6 +41,16 @@ def test_there_is_none_where_only_noise_is_left() -> None:
     assert max(found.noise) < 1.3
 
 
+def test_its_bayes_factor_is_small_under_noise_and_large_under_a_push() -> None:
+    quiet, loud = (
+        RestForce(problem(runs)).log_bayes_factor(nothing())
+        for runs in (measured({}), pushed(0.05))
+    )
+    # Sizes and times are chosen from the same readings: that much noise alone gains.
+    assert 0.0 <= quiet < 8.0
+    assert loud > 1000.0
+
+
 def test_its_deviance_is_that_of_a_normal_distribution() -> None:
     """The covariance of all readings of a run, written out, gives the same likelihood."""
     own = problem(pushed(0.05, 2))

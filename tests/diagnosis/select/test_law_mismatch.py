@@ -134,6 +134,27 @@ def test_a_force_by_position_refutes_a_single_effect_that_it_outdoes() -> None:
         assert unlisted_rival(search, known, found, search.score(found), mismatch=False) == refuted
 
 
+def test_a_push_of_each_runs_own_refutes_what_does_no_better() -> None:
+    """Friction that drifts takes much of a push that grows; drag comes again in every run."""
+    runs = drives(count=5)
+    pushed = [
+        replace(run, drive=run.drive + 0.02 * np.sin(1.5 * run.t + 2.0 * i) * run.t)
+        for i, run in enumerate(runs)
+    ]
+    told = pl.Series(np.concatenate([r.drive for r in runs]))
+    names = ("viscous_friction", "friction_drift", "slope_error")
+    for frame, refuted in (
+        (measured({}, pushed).with_columns(drive=told), "push"),
+        (measured({"viscous_friction": {"c": 0.05}}, runs), ""),
+    ):
+        search, fits = fits_of(frame, *names)
+        found = min(fits, key=search.score)
+        assert search.none.chi2 - found.chi2 > 100.0
+        # No force by place is asked for without what is known of the nominal model.
+        known = Collection({})
+        assert unlisted_rival(search, known, found, search.score(found), mismatch=False) == refuted
+
+
 def test_the_formula_of_a_cause_takes_most_of_its_gap_and_an_alien_one_little() -> None:
     """Drag by the square of the speed is near viscous friction; a drift of readings is not."""
     frame = measured({"quadratic_drag": {"c2": 0.05}}, drives(count=5))

@@ -7,8 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from locosweep.diagnosis.effects.catalogue import parameters_of
+from locosweep.diagnosis.effects.scale import scale_of
 from locosweep.diagnosis.estimate.least_squares import Model, Nuisances, evaluate, start_fits
 from locosweep.diagnosis.estimate.problem import Problem
+from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.reading_steps import stepped_readings
 from locosweep.files.robot import Robot
 from locosweep.files.runs import Run
@@ -89,3 +92,27 @@ def test_a_single_run_is_looked_at_to_its_end() -> None:
     flags, findings = stepped_readings(problem, fit, fit)
     assert [one.t1 for one in findings] == pytest.approx([0.7, 1.4, 2.1, 2.8], abs=0.06)
     assert int((~flags[0]).sum()) == pytest.approx(140, abs=12)
+
+
+def test_jumps_have_to_do_better_than_another_law_where_one_was_found(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of a law that is worth more than the jumps, and of one that is worth less."""
+    runs = measured(steps=1.5)
+    problem = Problem(ROBOT, runs, 1)
+    model = Model(
+        ("viscous_friction",), tuple(parameters_of("viscous_friction", scale_of(ROBOT, runs)))
+    )
+    (none, fit) = evaluate(
+        problem,
+        [
+            *start_fits(Nuisances(), Model((), ()), np.zeros((1, 0))),
+            *start_fits(Nuisances(), model, np.zeros((1, 1))),
+        ],
+    )
+    for worth, slips in ((1e5, 0), (10.0, 8)):
+        monkeypatch.setattr(
+            NonparametricCorrection, "log_bayes_factor", lambda *_, worth=worth: worth
+        )
+        assert len(stepped_readings(problem, none, fit, other_law=True)[1]) == slips
+        assert len(stepped_readings(problem, none, fit)[1]) == 8

@@ -88,6 +88,7 @@ def _chirp(run: Run) -> Run:
     return replace(run, drive=top * np.sin(2.0 * np.pi * turns))
 
 
+AGAIN = Change("again", "repeat one of these runs exactly")
 BACK = Change("back", "drive the same run, and then back over the same way", _back)
 MENU = (
     Change("reverse", "drive it backward: the same run with the opposite drive", _reversed),

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.special import ndtr
 
 from locosweep.diagnosis.data.noise import Noise
-from locosweep.diagnosis.design.menu import BACK, FORCE_NOISE, MENU
+from locosweep.diagnosis.design.menu import AGAIN, BACK, FORCE_NOISE, MENU
 from locosweep.diagnosis.effects.catalogue import starts_of
 from locosweep.diagnosis.estimate.least_squares import (
     Fit,
@@ -152,6 +152,18 @@ def both_ways(problem: Problem) -> dict[str, Any]:
     said = (
         f"{BACK.what}: friction reverses with the motion, a force that depends on position does not"
     )
+    return {"separates": [], "suggestion": said, "possible": True, "menu": []}
+
+
+def once_more(problem: Problem) -> dict[str, Any]:
+    """Propose an exact repeat, if no drive was repeated: only what belongs to the rig comes again.
+
+    A push of a run's own does not.
+    """
+    drives = [run.drive.tobytes() for run in problem.runs]
+    if len(set(drives)) < len(drives):
+        return {"separates": [], "suggestion": None}
+    said = f"{AGAIN.what}: what belongs to the rig comes again, a push from outside does not"
     return {"separates": [], "suggestion": said, "possible": True, "menu": []}
 
 

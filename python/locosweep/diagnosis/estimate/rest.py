@@ -87,6 +87,11 @@ class RestForce:
                     best[i] = Rest(float(sizes[s]), time, wider, float(deviance[i, s]))
         return best
 
+    def log_bayes_factor(self, fit: Fit) -> float:
+        """Return the log Bayes factor of the likeliest force beside a fit, on the scale of chi2."""
+        squares = self._moments(self._residuals([point_of(self.problem, fit)]))[1]
+        return float(squares.sum()) - self.beside([fit])[0].deviance
+
     def beside_one(self, rest: Rest) -> Problem:
         """Return the problem in which every model leaves this rest, and as much noise."""
         problem = self.problem

@@ -12,6 +12,7 @@ from scipy.special import ndtr
 from locosweep.diagnosis.effects.catalogue import FURTHER, VARIABLES, own_variables
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all, point_of
 from locosweep.diagnosis.estimate.problem import ReplayMeter
+from locosweep.diagnosis.estimate.rest import RestForce
 from locosweep.diagnosis.estimate.validation import validation_residuals
 from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
@@ -37,6 +38,8 @@ BY_PLACE = "terrain"
 UNLISTED = (BY_PLACE, "acceleration")
 """Variables of forces that no effect stands for: the position in either direction, as of a tether,
 a magnet or a wall, and the acceleration."""
+BY_TIME = "push"
+"""Variable of a force that no effect stands for, either: the time, other in each run."""
 
 
 def best_with_other_law(search: Search, level: Sequence[Fit]) -> tuple[float, Fit] | None:
@@ -211,7 +214,11 @@ def unlisted_rival(
             gain = terms.log_bayes_factor([variable], noise) * noise
             by = score + margin - (search.score(fit) - gain)
             ahead[variable] = max(ahead.get(variable, by), by)
-    return max(ahead, key=lambda variable: ahead[variable])
+    best = max(ahead, key=lambda variable: ahead[variable])
+    # What the rig does comes again in each run, so that one law is likelier than a force in each.
+    pushed = RestForce(search.problem).log_bayes_factor(search.none.unfitted())
+    ahead_by = pushed - (search.score(search.none) - score)
+    return best or (BY_TIME if ahead_by >= (limits.WIDER_LAW_GAIN if single else 0.0) else "")
 
 
 def without_bending_effect(

@@ -11,14 +11,16 @@ jump while the head rests.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from locosweep.diagnosis.data.readings.finding import Finding
+from locosweep.diagnosis.effects.catalogue import own_variables
 from locosweep.diagnosis.estimate.least_squares import evaluate
+from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.thresholds import LEAST_GAIN, PENALTY
 from locosweep.diagnosis.select.whiteness import whiteness_test
 
@@ -60,14 +62,17 @@ class _Levels:
         return len(self.means) - 1
 
 
-def stepped_readings(problem: Problem, none: Fit, best: Fit) -> tuple[list[Flags], list[Finding]]:
+def stepped_readings(
+    problem: Problem, none: Fit, best: Fit, *, other_law: bool = False
+) -> tuple[list[Flags], list[Finding]]:
     """Return which positions of each run lie beyond a slip, and the findings.
 
     There are some only if jumps explain the errors of the nominal model `none` in all runs down
-    to noise, and better than the `best` model by as much as an effect has to.
+    to noise, and better than the `best` model by as much as an effect has to: than other laws of
+    its effects with `other_law`.
     """
     flags = [np.zeros(run.t.size, dtype=bool) for run in problem.runs]
-    problem, every = problem.of_all_samples(), list(range(len(problem.runs)))
+    problem, every = replace(problem.of_all_samples(), held=()), list(range(len(problem.runs)))
     before, after = evaluate(problem, [none.unfitted(), best.unfitted()], every)
     left = before.residual.copy()
     first = problem.channels.index("x") * problem.count
@@ -86,6 +91,9 @@ def stepped_readings(problem: Problem, none: Fit, best: Fit) -> tuple[list[Flags
         found.append(own)
     jumps = sum(own.jumps for own in found)
     price = _PRICE * jumps - PENALTY * len(best.model.free)
+    if other_law:
+        variables = own_variables(best.model.names)
+        price += NonparametricCorrection(problem, after).log_bayes_factor(variables, 1.0)
     better = float(after.residual @ after.residual) - float(left @ left) - price
     if resting < max(_RESTING * jumps, _FEWEST) or better < LEAST_GAIN:
         return flags, []

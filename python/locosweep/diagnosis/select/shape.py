@@ -38,6 +38,9 @@ KINDS = {
     "speed": Kind("speed", "odd", "friction that depends on the speed", "a lubricant"),
     "place": Kind("place", "odd", "friction that depends on the place", "a rough or dirty stretch"),
     "terrain": Kind("place", "even", "force by place, both ways alike", "a tether, wall or sag"),
+    "push": Kind(
+        "time", "none", "force by time, other in each run", "a push, gusts or swaying ground"
+    ),
     "load": Kind("load", "odd", "friction that depends on the load", "a gear or a guide"),
     "time": Kind("time", "odd", "friction that depends on the time", "warming up or wear"),
     "swept": Kind("distance swept", "odd", "resistance that grows with the way", "a heap"),
