@@ -13,6 +13,7 @@ from locosweep.diagnosis.select.extension import singles
 from locosweep.diagnosis.select.graded import (
     Candidate,
     _compared,
+    _confirmed,
     _narrower,
     confirmed_on_kept,
     graded,
@@ -68,6 +69,20 @@ def test_a_force_of_every_runs_own_is_no_cause() -> None:
     _, found = verdict(rig({}, hidden=0.05))
     assert not found.causes
     assert not found.unlisted
+
+
+def test_what_takes_little_away_is_no_first_cause_but_a_further_one() -> None:
+    """A seventh less error in each block of unseen runs, and surely likelier."""
+    search = search_of(measured({}), *NAMES)
+    known = singles(search)
+    one, other = known.single("viscous_friction"), known.single("coulomb_error")
+    compared = _compared(search, RestForce(search.problem), search.none, [])
+    errors = np.linspace(1.0, 1.1, 8)
+    after = Candidate(one, 0.0, (0.86 * errors) ** 2)
+    for before, named in ((search.none, False), (other, True)):
+        base = Candidate(before, 500.0, errors**2)
+        now = replace(compared, base=base, inflation=1.0)
+        assert _confirmed(now, after, base) == named
 
 
 def test_two_causes_in_the_order_of_what_they_take_away() -> None:

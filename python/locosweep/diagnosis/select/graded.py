@@ -387,7 +387,8 @@ def _confirmed(now: _Compared, one: Candidate, none: Candidate) -> bool:
     before = now.base
     if before.deviance - one.deviance < limits.LEAST_GAIN * now.inflation:
         return False
-    if before.error - one.error < limits.LEAST_SHARE * none.error:
+    least = limits.LEAST_SHARE if before.fit.model.names else limits.MAIN_SHARE
+    if before.error - one.error < least * none.error:
         return False
     if one.error < limits.CLEAR_FALL * before.error:
         return True
