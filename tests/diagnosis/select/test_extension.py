@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from diagnosis_search import fit_of, ranked, search_for
-from locosweep.diagnosis.estimate.least_squares import evaluate
+from locosweep.diagnosis.estimate.least_squares import Fit, evaluate
+from locosweep.diagnosis.select import extension
+from locosweep.diagnosis.select.effort import PARTNERS
 from locosweep.diagnosis.select.extension import (
     _gaining,
     _rescanned,
@@ -102,7 +104,27 @@ def test_a_threshold_is_tried_again_where_that_shows_enough() -> None:
     search = search_for({"drive_deadzone": {"d": 0.1}}, "drive_deadzone")
     stuck = fit_of(search, "drive_deadzone", values=[0.0]).unfitted(np.zeros(1))
     (stuck,) = evaluate(search.problem, [stuck])
-    assert _rescanned(search, stuck, 0.0) is stuck
+    # Where the best effect leaves so little, nothing that a value shows comes near it.
+    assert _rescanned(search, stuck, -10.0 * search.none.chi2) is stuck
     found = _rescanned(search, stuck, stuck.chi2)
     assert found.chi2 < 0.1 * stuck.chi2
     assert found.parameters[0] == pytest.approx(0.1, rel=0.02)
+
+
+@pytest.mark.parametrize(("behind", "rounds"), [(1e6, 1), (8.0, PARTNERS)])
+def test_a_threshold_that_comes_no_nearer_is_given_up(
+    behind: float, rounds: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two less of chi2 in each round: too little for a million, enough for eight."""
+    search = search_for({"drive_deadzone": {"d": 0.1}}, "drive_deadzone")
+    stuck = fit_of(search, "drive_deadzone", values=[0.0]).unfitted(np.zeros(1))
+    (stuck,) = evaluate(search.problem, [stuck])
+    made: list[float] = []
+
+    def a_bit_better(*_: object, **__: object) -> list[Fit]:
+        made.append(stuck.chi2 - 2.0 * (len(made) + 1))
+        return [replace(stuck, chi2=made[-1])]
+
+    monkeypatch.setattr(extension, "fit_all", a_bit_better)
+    _rescanned(search, stuck, stuck.chi2 - behind)
+    assert len(made) == rounds

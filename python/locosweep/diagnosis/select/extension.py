@@ -148,16 +148,19 @@ def _thresholds_found(search: Search, found: Found, along: Names[str]) -> Found:
     if not found or search.is_noise(min(found.values(), key=chi2_of)):
         return {}
     unseen = sorted((f for names, f in found.items() if not names & set(along)), key=chi2_of)
-    most = follow_limit(search.none, min(fit.chi2 for fit in found.values()))
-    return {frozenset(fit.model.names): _rescanned(search, fit, most) for fit in unseen[:FEW]}
+    least = min(fit.chi2 for fit in found.values())
+    return {frozenset(fit.model.names): _rescanned(search, fit, least) for fit in unseen[:FEW]}
 
 
-def _rescanned(search: Search, fit: Fit, most: float) -> Fit:
+def _rescanned(search: Search, fit: Fit, least: float) -> Fit:
     """Return a fit from other values of single parameters, near and far, if one comes further.
 
     A threshold of what acts at rest has no derivative: steps leave it where it was, and
-    few runs may not show it. Values that leave more than a chi2 of `most` are not followed.
+    few runs may not show it. Values from where the best effect, with a chi2 of `least`, is out of
+    reach are not followed, and no further round is made where it does not come nearer by as much
+    as that takes in all rounds.
     """
+    most = follow_limit(search.none, least)
     changes = np.outer(_CHANGES, (-1.0, 1.0)).ravel()
     for _ in range(PARTNERS):
         if search.is_noise(fit):
@@ -173,9 +176,9 @@ def _rescanned(search: Search, fit: Fit, most: float) -> Fit:
         seen = sorted(evaluate(search.problem, trials[::-1], residuals=False), key=chi2_of)
         starts = [one.unfitted() for one in seen[:PARTNERS] if one.chi2 < most]
         end = min(fit_all(search.problem, starts, steps=search.steps), key=chi2_of, default=fit)
-        if end.chi2 >= fit.chi2:
+        gain, fit = fit.chi2 - end.chi2, min(fit, end, key=chi2_of)
+        if gain < max((fit.chi2 - least) / PARTNERS, 1.0):
             break
-        fit = end
     return fit
 
 
