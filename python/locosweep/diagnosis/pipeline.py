@@ -100,7 +100,7 @@ def diagnose(
         that a file has.
     max_effects : int
         Effects at once, at most: 1 to 3. With three, runs that two leave unexplained take
-        several times as long, and a cause that is in no list is named as three of the list.
+        longer, and a cause that is in no list may be named as three of the list.
     seed : int
         Of the resampling that intervals come from.
     columns, units : mapping of str to str, optional

@@ -56,6 +56,23 @@ def test_a_model_from_two_starts_to_one_end_is_compared_once() -> None:
     assert found.base.fit.model.names == ()
 
 
+def test_what_lowers_the_error_too_little_where_it_was_fitted_is_left() -> None:
+    """Drag makes the gap: a reading that drifts takes next to nothing of it."""
+    search = search_of(rig({"viscous_friction": {"c": 0.15}}, hidden=0.003), *NAMES)
+    fits = [fit.unfitted() for names, fit in singles(search).fits.items() if names]
+    every, some, none = (
+        [
+            one.fit.model.names[0]
+            for one in _compared(search, RestForce(search.problem), search.none, fits, fall).others
+        ]
+        for fall in (0.0, 1e-3, 1e3)
+    )
+    assert len(every) == len(NAMES)
+    assert 0 < len(some) < len(NAMES)
+    assert "viscous_friction" in some
+    assert none == []
+
+
 def test_the_cause_is_named_beside_a_rest() -> None:
     _, found = verdict(rig({"viscous_friction": {"c": 0.15}}, hidden=0.003))
     assert [cause.names for cause in found.causes] == [("viscous_friction",)]

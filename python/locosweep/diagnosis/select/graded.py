@@ -139,7 +139,7 @@ def graded(search: Search, known: Collection, most: int) -> Graded:
         if len(causes) < most:
             beside = replace(search, problem=now.problem, judges=False)
             added = [*_extended(beside, base), *_more(search, known, base)]
-            now = _compared(search, force, base, added)
+            now = _compared(search, force, base, added, limits.LEAST_SHARE * first.base.error)
     return Graded(
         now.rest,
         now.problem,
@@ -238,13 +238,20 @@ class _Compared:
     correlated."""
 
 
-def _compared(search: Search, force: RestForce, base: Fit, fits: Sequence[Fit]) -> _Compared:
+def _compared(
+    search: Search, force: RestForce, base: Fit, fits: Sequence[Fit], fall: float = 0.0
+) -> _Compared:
     """Fit models plainly and beside the rest that is likeliest beside the best of them.
 
     Of the two fits of a model the one that predicts unseen runs better says how well it does.
+    What plainly lowers the error on the runs that it has seen by less than `fall` is left: it does
+    no better on others.
     """
     plain = fit_all(search.problem, [base.unfitted(), *fits], steps=_STEPS, tolerance=_TOLERANCE)
     able = [fit for fit in plain[1:] if np.isfinite(fit.chi2)]
+    if fall > 0.0:
+        seen = _seen(search.problem, [plain[0], *able])
+        able = [fit for fit, error in zip(able, seen[1:], strict=True) if error <= seen[0] - fall]
     plain = [plain[0], *apart(sorted(able, key=chi2_of))]
     now = [fit.unfitted() for fit in plain]
     price = np.array([limits.PENALTY * len(fit.model.free) for fit in now])
@@ -266,6 +273,12 @@ def _compared(search: Search, force: RestForce, base: Fit, fits: Sequence[Fit]) 
     likeliest = min(range(len(found)), key=lambda i: found[i].deviance)
     (left,) = evaluate(problem, [now[likeliest].unfitted()])
     return _Compared(rest, problem, found[0], found[1:], inflation(problem, left.residual))
+
+
+def _seen(problem: Problem, fits: Sequence[Fit]) -> list[float]:
+    """Return the root mean square error of x on the fitted runs, of each of some fits."""
+    errors = problem.position_errors(_points(problem, fits), problem.fitted)
+    return list(np.sqrt(np.nanmean(errors**2, axis=1)).tolist())
 
 
 def _unseen(search: Search, problem: Problem, fits: Sequence[Fit]) -> Floats:
