@@ -177,7 +177,7 @@ def _rescanned(search: Search, fit: Fit, least: float) -> Fit:
         starts = [one.unfitted() for one in seen[:PARTNERS] if one.chi2 < most]
         end = min(fit_all(search.problem, starts, steps=search.steps), key=chi2_of, default=fit)
         gain, fit = fit.chi2 - end.chi2, min(fit, end, key=chi2_of)
-        if gain < max((fit.chi2 - least) / PARTNERS, 1.0):
+        if gain <= 0.0 or gain < (fit.chi2 - least) / PARTNERS:
             break
     return fit
 
