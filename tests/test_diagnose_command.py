@@ -95,7 +95,14 @@ class TestCommand:
 
     @pytest.mark.parametrize(
         "options",
-        [("--max-effects", "0"), ("--seed", "-1"), ("--column", "drive"), ("--unit", "x="), ()],
+        [
+            ("--max-effects", "0"),
+            ("--max-effects", "4"),
+            ("--seed", "-1"),
+            ("--column", "drive"),
+            ("--unit", "x="),
+            (),
+        ],
     )
     def test_bad_options_cost_one_line(self, call, tmp_path, options):
         given = ("--nominal", "n", "--out", "d") if options else ("--out", "d")

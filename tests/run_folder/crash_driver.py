@@ -63,8 +63,8 @@ def ended(pid: int) -> bool:
 def once_there_are(files: int, folder: Path, wait: float) -> Callable[[], bool]:
     """Return whether a folder has had so many files for so many seconds.
 
-    Files, as their share of a run is the same on each machine and under any load; the time
-    that a run takes is not even the same in two runs.
+    Moments are told by files, as a run writes the same ones on each machine and under any load;
+    its time differs from run to run.
     """
     since: list[float] = []
 
@@ -114,10 +114,10 @@ def at_every_step(root: Path, wanted: dict[str, str], action: str, most: int) ->
     for step in STEPS:
         for turn in range(1, most + 1):
             folder = root / f"{action}-{step}-{turn}"
-            signal_, answer = forked(fill(folder, f"{action}@{step}:{turn}"))
-            if signal_ == 0 and answer == {"value": True}:
+            killed_by, answer = forked(fill(folder, f"{action}@{step}:{turn}"))
+            if killed_by == 0 and answer == {"value": True}:
                 break
-            say(at=f"{step}:{turn}", ended=signal_, answer=answer, before=state(folder, wanted),
+            say(at=f"{step}:{turn}", ended=killed_by, answer=answer, before=state(folder, wanted),
                 **resumed(folder, wanted))  # fmt: skip
 
 
@@ -135,8 +135,8 @@ def main(mode: str, root: Path, most: int) -> None:
         for turn in range(most):
             folder = root / f"random-{turn}"
             files, wait = chance.randrange(len(wanted)), chance.uniform(0.0, taken / len(wanted))
-            signal_, answer = forked(fill(folder), once_there_are(files, folder, wait))
-            say(at=f"{files} files", ended=signal_, answer=answer, before=state(folder, wanted),
+            killed_by, answer = forked(fill(folder), once_there_are(files, folder, wait))
+            say(at=f"{files} files", ended=killed_by, answer=answer, before=state(folder, wanted),
                 **resumed(folder, wanted))  # fmt: skip
     else:
         at_every_step(root, wanted, str(getattr(errno, mode)), most)

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     "labels", "--runs", multiple=True, metavar="RUN,...",
     help="Runs that take part, by label; default all.",
 )  # fmt: skip
-@options.count_option("--max-effects", 2, "Most effects that act at once.", least=1)
+@options.count_option("--max-effects", 2, "Most effects that act at once.", least=1, most=3)
 @options.count_option("--seed", 0, "Start of the random numbers.")
 @options.force_option
 @click.option("--quiet", is_flag=True, help="Print the verdict only, and no steps.")

@@ -299,11 +299,11 @@ def out_option(text: str) -> Callable[[_Command], _Command]:
 
 
 def count_option(
-    name: str, default: int, text: str, *, least: int = 0
+    name: str, default: int, text: str, *, least: int = 0, most: int | None = None
 ) -> Callable[[_Command], _Command]:
     """Return an option for a whole number that has a default."""
     return click.option(
-        name, default=default, show_default=True, metavar="N", type=click.IntRange(min=least),
+        name, default=default, show_default=True, metavar="N", type=click.IntRange(least, most),
         help=text,
     )  # fmt: skip
 

@@ -156,6 +156,10 @@ def test_an_exact_repeat_is_proposed_once(fitted: tuple[Search, list[Fit]]) -> N
     assert "exactly" in experiment.once_more(problem)["suggestion"]
     again = replace(problem, runs=[*problem.runs, problem.runs[0]])
     assert experiment.once_more(again)["suggestion"] is None
+    # The same drive on other ground is no repeat.
+    steeper = replace(problem.runs[0], slope_deg=5.0)
+    other = replace(problem, runs=[*problem.runs, steeper])
+    assert experiment.once_more(other)["suggestion"]
 
 
 @pytest.mark.whole

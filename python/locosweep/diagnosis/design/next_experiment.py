@@ -156,12 +156,12 @@ def both_ways(problem: Problem) -> dict[str, Any]:
 
 
 def once_more(problem: Problem) -> dict[str, Any]:
-    """Propose an exact repeat, if no drive was repeated: only what belongs to the rig comes again.
+    """Propose an exact repeat of a run, if no run so far has the drive and slope of another one.
 
-    A push of a run's own does not.
+    What belongs to the rig comes again then, a push from outside does not.
     """
-    drives = [run.drive.tobytes() for run in problem.runs]
-    if len(set(drives)) < len(drives):
+    made = [(run.drive.tobytes(), run.slope_deg) for run in problem.runs]
+    if len(set(made)) < len(made):
         return {"separates": [], "suggestion": None}
     said = f"{AGAIN.what}: what belongs to the rig comes again, a push from outside does not"
     return {"separates": [], "suggestion": said, "possible": True, "menu": []}

@@ -156,9 +156,9 @@ def _rescanned(search: Search, fit: Fit, least: float) -> Fit:
     """Return a fit from other values of single parameters, near and far, if one comes further.
 
     A threshold of what acts at rest has no derivative: steps leave it where it was, and
-    few runs may not show it. Values from where the best effect, with a chi2 of `least`, is out of
-    reach are not followed, and no further round is made where it does not come nearer by as much
-    as that takes in all rounds.
+    few runs may not show it. `least` is the chi2 of the best effect: values that show too
+    little to come near it are not followed. A round has to make up a share of what the fit is
+    behind it, such that all rounds could make up the whole, or it is the last one.
     """
     most = follow_limit(search.none, least)
     changes = np.outer(_CHANGES, (-1.0, 1.0)).ravel()

@@ -244,8 +244,8 @@ def _compared(
     """Fit models plainly and beside the rest that is likeliest beside the best of them.
 
     Of the two fits of a model the one that predicts unseen runs better says how well it does.
-    What plainly lowers the error on the runs that it has seen by less than `fall` is left: it does
-    no better on others.
+    A model whose plain fit lowers the error on the fitted runs by less than `fall` is left out: it
+    would not lower that on other runs by more.
     """
     plain = fit_all(search.problem, [base.unfitted(), *fits], steps=_STEPS, tolerance=_TOLERANCE)
     able = [fit for fit in plain[1:] if np.isfinite(fit.chi2)]
