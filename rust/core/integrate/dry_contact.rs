@@ -14,6 +14,9 @@ pub trait DryContact<L: Lane> {
     /// See `Dry::PLACED`.
     fn placed(&self) -> bool;
 
+    /// See `Dry::ages`.
+    fn ages(&self) -> bool;
+
     /// One Runge-Kutta step of sliding from `state`.
     fn slide(&self, segment: &Segment<L>, state: &State<L>, dt: L, energy: bool) -> Slide<L>;
 
@@ -72,10 +75,17 @@ impl<Q: Dry, L: Lane> Bound<Q, L> {
         ContactState { direction, x, sliding_distance, drive, t }
     }
 
-    /// Acceleration, drive force and resistance on lanes that slide.
+    /// Acceleration, drive force and resistance on lanes that slide, under what the drive
+    /// gives without the spring.
     #[inline(always)]
-    fn slope(&self, segment: &Segment<L>, state: &State<L>, (t, x, v): (L, L, L)) -> (L, L, L) {
-        let force = segment.force(t, &state.clock, x, v);
+    fn slope(
+        &self,
+        segment: &Segment<L>,
+        state: &State<L>,
+        (t, x, v): (L, L, L),
+        drive: L,
+    ) -> (L, L, L) {
+        let force = segment.with_spring(drive, t, x, v);
         let contact_state = self.contact_state(state, state.direction, x, force, t);
         let against = Q::resistance(&self.0, state.direction * v, &contact_state);
         let net = force - segment.pull_back(x) - state.direction * against;
@@ -110,6 +120,8 @@ impl<Q: Dry, L: Lane> Bound<Q, L> {
         let (mut start, mut sum_a, mut sum_v) = (zero, zero, zero);
         let (mut work, mut heat) = (zero, zero);
         let mut fourth = zero;
+        let steady = segment.drive.is_steady();
+        let mut drive = segment.commanded(state.t, &state.clock);
         // The fifth slope is the one after the step, for the cubics; that of the
         // fourth stage lies an order lower.
         for stage in 0..5 {
@@ -127,7 +139,12 @@ impl<Q: Dry, L: Lane> Bound<Q, L> {
                 v = sixth.mul_add(sum_a, v0);
                 x = sixth.mul_add(sum_v, x0);
             }
-            let (slope, force, against) = self.slope(segment, state, (state.t + reach, x, v));
+            let t = state.t + reach;
+            // The other stages share the time of the one before.
+            if !steady && (stage == 1 || stage == 3) {
+                drive = segment.commanded(t, &state.clock);
+            }
+            let (slope, force, against) = self.slope(segment, state, (t, x, v), drive);
             (a, u) = (slope, v);
             if stage == 0 {
                 start = a;
@@ -158,6 +175,11 @@ impl<Q: Dry, L: Lane> DryContact<L> for Bound<Q, L> {
     }
 
     #[inline(always)]
+    fn ages(&self) -> bool {
+        Q::ages(&self.0)
+    }
+
+    #[inline(always)]
     fn slide(&self, segment: &Segment<L>, state: &State<L>, dt: L, energy: bool) -> Slide<L> {
         dt.outlined(
             #[inline(always)]
@@ -185,7 +207,7 @@ impl<Q: Dry> PlainContact for Bound<Q, f64> {
         state: &State<f64>,
         at: (f64, f64, f64),
     ) -> (f64, f64, f64) {
-        Bound::slope(self, segment, state, at)
+        Bound::slope(self, segment, state, at, segment.commanded(at.0, &state.clock))
     }
 
     fn excess(&self, segment: &Segment<f64>, state: &State<f64>, t: f64) -> (f64, f64) {

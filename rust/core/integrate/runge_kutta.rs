@@ -22,12 +22,16 @@ pub struct RungeKutta<'a, 'b, C: ?Sized, L, F, const CONTROL: bool = false> {
     /// Longest way of a controlled step, m: a step that spans a wave of friction along the
     /// track can miss it, and so can the estimate of its error.
     stride: L,
+    /// Whether what pushes and what holds the segment at rest stay from jump to jump.
+    steady: bool,
     /// What the error of the last part of a step would have allowed.
     reach: L,
     go_on: F,
 }
 
-impl<'a, 'b, C: ?Sized, L: Lane, F, const CONTROL: bool> RungeKutta<'a, 'b, C, L, F, CONTROL> {
+impl<'a, 'b, C: DryContact<L> + ?Sized, L: Lane, F, const CONTROL: bool>
+    RungeKutta<'a, 'b, C, L, F, CONTROL>
+{
     pub fn new(
         segment: &'b Segment<'a, L>,
         contact: &'b C,
@@ -36,7 +40,8 @@ impl<'a, 'b, C: ?Sized, L: Lane, F, const CONTROL: bool> RungeKutta<'a, 'b, C, L
         go_on: F,
     ) -> Self {
         let stride = step.splat(f64::INFINITY);
-        RungeKutta { segment, contact, locate, step, stride, reach: step, go_on }
+        let steady = segment.is_steady() && !contact.ages();
+        RungeKutta { segment, contact, locate, step, stride, steady, reach: step, go_on }
     }
 
     /// The same with steps that go no further than `stride`, m.
@@ -127,8 +132,12 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool, const CONTROL: bool
         self.contact.excess(self.segment, state, t)
     }
 
+    /// See `dry_contact::wait`, of lanes that friction holds at the start.
     #[inline(always)]
     fn wait(&self, state: &State<L>, left: L, locate: bool) -> (L, L) {
+        if self.steady {
+            return (left, left.splat(0.0));
+        }
         wait(
             state.t,
             left,
@@ -150,6 +159,7 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool, const CONTROL: bool
         if self.segment.drive.swings() {
             self.heed_drive(state, tally, dt, moving);
         }
+        let mut tried = None;
         // Most steps hold no event in any lane.
         if !L::any(resting) || (self.locate && self.stays(state, resting, dt)) {
             let length = L::select(moving, dt, zero);
@@ -161,10 +171,11 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool, const CONTROL: bool
                 tally.stuck = L::select(resting, tally.stuck + dt, tally.stuck);
                 return;
             }
+            tried = Some(step);
         }
         dt.outlined(
             #[inline(always)]
-            || self.eventful(state, tally, dt),
+            || self.eventful(state, tally, dt, tried),
         );
     }
 
@@ -204,8 +215,15 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool, const CONTROL: bool
         below
     }
 
+    /// A step with events, `tried` as if there were none where that was done.
     #[inline(always)]
-    fn eventful(&mut self, state: &mut State<L>, tally: &mut Tally<L>, dt: L) {
+    fn eventful(
+        &mut self,
+        state: &mut State<L>,
+        tally: &mut Tally<L>,
+        dt: L,
+        mut tried: Option<Slide<L>>,
+    ) {
         let zero = dt.splat(0.0);
         let begin = state.t;
         let mut left = dt;
@@ -219,7 +237,7 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool, const CONTROL: bool
                 tally.lost = L::select(open, tally.lost + 1.0, tally.lost);
                 break;
             }
-            let used = self.part(state, tally, left);
+            let used = self.part(state, tally, left, tried.take());
             left = L::select(used.lt(left), left - used, zero);
             state.t = state.t + used;
         }
@@ -227,9 +245,15 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool, const CONTROL: bool
     }
 
     /// To the next event of each lane, or to the end of what is left of the
-    /// step; returns the time that this took.
+    /// step; returns the time that this took. `tried` is all that is left, taken as one step.
     #[inline(always)]
-    fn part(&mut self, state: &mut State<L>, tally: &mut Tally<L>, left: L) -> L {
+    fn part(
+        &mut self,
+        state: &mut State<L>,
+        tally: &mut Tally<L>,
+        left: L,
+        tried: Option<Slide<L>>,
+    ) -> L {
         let zero = left.splat(0.0);
         let open = zero.lt(left);
         let resting = L::and(open, L::not(zero.lt(state.direction.abs())));
@@ -250,7 +274,10 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool, const CONTROL: bool
             if self.segment.drive.swings() {
                 self.heed_drive(state, tally, dt, moving);
             }
-            let mut whole = self.slide(state, dt, tally.watch.energy);
+            let mut whole = match tried {
+                Some(tried) => tried,
+                None => self.slide(state, dt, tally.watch.energy),
+            };
             if CONTROL {
                 (dt, whole) = self.controlled(state, moving, (dt, whole));
                 used = L::select(moving, dt, used);

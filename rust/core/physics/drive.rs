@@ -306,6 +306,12 @@ impl<'a, L: Lane> Drive<'a, L> {
         }
     }
 
+    /// Whether the force stays what it is from one jump to the next.
+    #[inline(always)]
+    pub fn is_steady(&self) -> bool {
+        self.kind.is_stepwise() && self.path.is_none_or(|path| !path.sags && !path.lags)
+    }
+
     /// Mean force from `t` on over `dt` within a piece.
     #[inline(always)]
     pub fn mean(&self, t: L, dt: L, clock: &Clock<L>) -> L {

@@ -71,6 +71,13 @@ impl<'a, L: Lane> Segment<'a, L> {
         self.drive.force(t, clock).clip(self.limit)
     }
 
+    /// Whether what pushes a segment at rest stays what it is from one jump of the drive to
+    /// the next.
+    #[inline(always)]
+    pub fn is_steady(&self) -> bool {
+        self.drive.is_steady() && !L::any(self.pull.splat(0.0).lt(self.pull.abs()))
+    }
+
     /// What gravity pulls backward at a position.
     #[inline(always)]
     pub fn pull_back(&self, x: L) -> L {

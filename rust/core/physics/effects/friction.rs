@@ -129,6 +129,11 @@ impl Dry for Measured {
     const PLACED: bool = true;
 
     #[inline(always)]
+    fn ages<L: Lane>(law: &Coefficients<L>) -> bool {
+        law.active.has(Effect::FrictionDrift)
+    }
+
+    #[inline(always)]
     fn resistance<L: Lane>(law: &Coefficients<L>, speed: L, at: &ContactState<L>) -> L {
         let mut level = law.sliding(speed, law.level(at));
         if law.active.has(Effect::LubricantBuildup) {

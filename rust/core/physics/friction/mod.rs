@@ -233,6 +233,12 @@ pub trait Dry: Law {
     /// Resistance depends on `x` or on `sliding_distance`.
     const PLACED: bool = false;
 
+    /// Whether what holds a segment at rest changes with time.
+    #[inline(always)]
+    fn ages<L: Lane>(_law: &Self::Coefficients<L>) -> bool {
+        false
+    }
+
     /// Force against the motion at `speed` = direction * v. Below zero, where a trial
     /// step may look, it must go on finite.
     fn resistance<L: Lane>(law: &Self::Coefficients<L>, speed: L, at: &ContactState<L>) -> L;
