@@ -139,7 +139,7 @@ def graded(search: Search, known: Collection, most: int) -> Graded:
         if len(causes) < most:
             beside = replace(search, problem=now.problem, judges=False)
             added = [*_extended(beside, base), *_more(search, known, base)]
-            now = _compared(search, force, base, added, limits.LEAST_SHARE * first.base.error)
+            now = _compared(search, force, base, added, first.base.error)
     return Graded(
         now.rest,
         now.problem,
@@ -239,20 +239,14 @@ class _Compared:
 
 
 def _compared(
-    search: Search, force: RestForce, base: Fit, fits: Sequence[Fit], fall: float = 0.0
+    search: Search, force: RestForce, base: Fit, fits: Sequence[Fit], error: float | None = None
 ) -> _Compared:
     """Fit models plainly and beside the rest that is likeliest beside the best of them.
 
     Of the two fits of a model the one that predicts unseen runs better says how well it does.
-    A model whose plain fit lowers the error on the fitted runs by less than `fall` is left out: it
-    would not lower that on other runs by more.
+    `error` is that of the nominal model on unseen runs, None where `base` is that model.
     """
-    plain = fit_all(search.problem, [base.unfitted(), *fits], steps=_STEPS, tolerance=_TOLERANCE)
-    able = [fit for fit in plain[1:] if np.isfinite(fit.chi2)]
-    if fall > 0.0:
-        seen = _seen(search.problem, [plain[0], *able])
-        able = [fit for fit, error in zip(able, seen[1:], strict=True) if error <= seen[0] - fall]
-    plain = [plain[0], *apart(sorted(able, key=chi2_of))]
+    plain = _plainly(search.problem, base, fits, error)
     now = [fit.unfitted() for fit in plain]
     price = np.array([limits.PENALTY * len(fit.model.free) for fit in now])
     rests = force.beside(now)
@@ -273,6 +267,24 @@ def _compared(
     likeliest = min(range(len(found)), key=lambda i: found[i].deviance)
     (left,) = evaluate(problem, [now[likeliest].unfitted()])
     return _Compared(rest, problem, found[0], found[1:], inflation(problem, left.residual))
+
+
+def _plainly(problem: Problem, base: Fit, fits: Sequence[Fit], error: float | None) -> list[Fit]:
+    """Fit a model, and those of others that may take away what is worth a name.
+
+    What lowers the error of x on the fitted runs by less would not lower that on other runs by
+    more. The share is one of `error`, or of what `base` leaves.
+    """
+    (own,) = fit_all(problem, [base.unfitted()], steps=_STEPS, tolerance=_TOLERANCE)
+    (before,) = _seen(problem, [own])
+    most = max(before - limits.LEAST_SHARE * (before if error is None else error), 0.0)
+    # Squares of errors of x are the most of chi2, where more than noise is left.
+    limit = own.chi2 * (most / before) ** 2
+    starts = [replace(fit.unfitted(), limit=limit) for fit in fits]
+    fitted = fit_all(problem, starts, steps=_STEPS, tolerance=_TOLERANCE)
+    able = [fit for fit in fitted if np.isfinite(fit.chi2)]
+    able = [fit for fit, left in zip(able, _seen(problem, able), strict=True) if left <= most]
+    return [own, *apart(sorted(able, key=chi2_of))]
 
 
 def _seen(problem: Problem, fits: Sequence[Fit]) -> list[float]:
