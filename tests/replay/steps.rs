@@ -66,3 +66,34 @@ fn other_effects_are_good_to_a_micrometre() {
     }
     assert!(report.is_empty(), "{report}");
 }
+
+/// A drive that stays as it is, on a slope.
+fn constant(drive: f64, slope_deg: f64) -> Run {
+    let times: Vec<f64> = (0..5).map(|i| 0.25 * i as f64).collect();
+    Run { drive: vec![drive; times.len()], times, slope_deg }
+}
+
+#[test]
+fn what_rests_lets_go_between_samples_where_friction_or_the_drive_wears_off() {
+    // Drag too weak to be seen takes the steps that bent friction needs.
+    let drag = Effect::QuadraticDrag;
+    for (effect, sizes, run) in [
+        (Effect::FrictionDrift, [-0.5, 0.8], constant(0.45, 3.0)),
+        (Effect::SupplySag, [0.95, 0.3], constant(0.4, 12.0)),
+    ] {
+        let active = Active::default().with(effect).with(drag);
+        let mut values = [0.0; EFFECT_PARAMS];
+        values[effect.first()..][..2].copy_from_slice(&sizes);
+        values[drag.first()] = 1e-9;
+        let level = Level::current().unwrap();
+        let by = 500;
+        let fine = finer(&run, by);
+        let coarse = &all(&[column(active, values, run.times.len())], &run, level)[0];
+        let fine = &all(&[column(active, values, fine.times.len())], &fine, level)[0];
+        let picked: Vec<f64> = fine.x.iter().step_by(by).copied().collect();
+        assert_eq!(fine.x[50], 0.0, "{} rests at first", effect.info().name);
+        assert!(picked[2].abs() > 1e-3, "{} moves then", effect.info().name);
+        let gap = largest(&coarse.x, &picked);
+        assert!(gap < 1e-6, "{}: {gap:e}", effect.info().name);
+    }
+}
