@@ -29,13 +29,17 @@ ROOT = Path(__file__).parents[1]
 _BLOCK = re.compile(r"<!-- begin (?P<name>\w+) -->\n.*?<!-- end (?P=name) -->\n", re.DOTALL)
 _MARK = re.compile(r"<!-- (?:begin|end) \w+ -->")
 
+# Kinds of cases that a blind check draws alone.
+STRATA = ("outside", "another_law", "pairs", "background", "bad_readings")
 # How each result is made, for whoever makes it anew.
 COMMANDS = {
     "accuracy": "python -m pytest tests/test_precision.py -s > accuracy.txt",
-    "blind_check": "locosweep blind-check --cases 300 --gap-free 300 --seed 2029 --out DIR",
-    "blind_check_1000": "locosweep blind-check --cases 1000 --gap-free 1000 --seed 2026 "
-    "--experiments 38 --out DIR",
-    "blind_check_unseen": "the same, of the cases that nobody had looked at before",
+    "blind_check": "locosweep blind-check --cases 400 --gap-free 400 --seed 11011 --out DIR",
+    **{
+        f"blind_{kind}": f"locosweep blind-check --only {kind.replace('_', '-')} --cases 210 "
+        "--seed S --out DIR"
+        for kind in STRATA
+    },
     "border": "python benches/border.py --json border.json",
     "diagnosis": "python benches/diagnosis.py --json diagnosis.json",
     "dynamics": "python benches/dynamics_peers.py --json dynamics.json",
@@ -151,8 +155,7 @@ def stored(result: dict[str, Any]) -> Lines:
 RESULTS: dict[str, Callable[[dict[str, Any]], Lines]] = {
     "accuracy": accuracy,
     "blind_check": blind_check,
-    "blind_check_1000": blind_check,
-    "blind_check_unseen": blind_check,
+    **dict.fromkeys((f"blind_{kind}" for kind in STRATA), blind_check),
     "border": border,
     "diagnosis": diagnosis,
     "dynamics": dynamics,

@@ -52,7 +52,7 @@ def descend(
         fits = [fit for fit in fits if fit.chi2 <= most]
     fits = evaluate(problem, fits, residuals=False)
     fits = _with_limits(search, known, fits, at_noise=at_noise, rival=rival)
-    fits = apart(sorted(_near_best(fit_all(problem, fits, steps=1)), key=chi2_of))
+    fits = apart(sorted(fit_all(problem, fits, steps=1), key=chi2_of))
     least = rival.chi2 if rival else np.inf
     first = fit_all(problem, fits[:FEW], steps=steps, least=least)
     least = min([least, *(fit.chi2 for fit in first)])

@@ -8,7 +8,8 @@ search before, in less processor time. None was varied alone.
 from __future__ import annotations
 
 STRONGEST_SCALING = 4.0
-"""Factor on a start up to which an effect is taken to act in proportion."""
+"""Factor on a start up to which an effect is taken to act in proportion. A start that promises
+most as weak as one part in so many, or weaker, is evaluated again at that strength."""
 LEAST_ERROR = 10.0
 """Mean square of the equation error, in that of noise, from which few starts besides its own
 are replayed."""

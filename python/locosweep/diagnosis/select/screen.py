@@ -18,7 +18,7 @@ from locosweep.diagnosis.select.effort import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -152,19 +152,28 @@ def scan_beside(
     """Evaluate many starts on some runs, and what each promises beside a fit.
 
     A start extends the model of `beside`: the change that it makes is added to that fit's
-    residual. Returns them in the order of `fits`, and chi2 of `beside` on these runs.
+    residual. One that is far too strong says little of a weaker one, which takes its place.
+    Returns them in the order of `fits`, and chi2 of `beside` on these runs.
     """
     (known,) = evaluate(problem, [beside.unfitted()], runs)
     free = np.nan_to_num(jacobian_of(problem, known, runs))
     basis = np.linalg.qr(free.T)[0]
-    found = []
-    for fit in _evaluated(problem, fits, runs):
-        change = fit.residual - known.residual
-        change -= basis @ (basis.T @ change)
-        size, factor, fall = (float(v[0]) for v in _scalings(change[None], -known.residual))
-        sure = bool(np.isfinite(fall)) and size > 0.0
-        promised = min(fit.chi2, known.chi2 - fall) if sure else fit.chi2
-        found.append(Screened(fit.without_residual(), promised, factor if sure else 1.0))
+
+    def screened(fits: Iterable[Fit]) -> Iterator[Screened]:
+        for fit in _evaluated(problem, fits, runs):
+            change = fit.residual - known.residual
+            change -= basis @ (basis.T @ change)
+            size, factor, fall = (float(v[0]) for v in _scalings(change[None], -known.residual))
+            sure = bool(np.isfinite(fall)) and size > 0.0
+            promised = min(fit.chi2, known.chi2 - fall) if sure else fit.chi2
+            yield Screened(fit.without_residual(), promised, factor if sure else 1.0)
+
+    found = list(screened(fits))
+    weak = 1.0 / STRONGEST_SCALING
+    weaker = {i: scaled(s.fit, s.factor) for i, s in enumerate(found) if abs(s.factor) < weak}
+    weaker = {i: fit for i, fit in weaker.items() if (fit.theta != found[i].fit.theta).any()}
+    for i, again in zip(weaker, screened(weaker.values()), strict=True):
+        found[i] = again
     return found, known.chi2
 
 

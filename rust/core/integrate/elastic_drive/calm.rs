@@ -7,7 +7,6 @@
 
 use super::{ElasticDrive, Now};
 use crate::lane::Lane;
-use crate::physics::drive::Path;
 use crate::physics::effects::{Active, Variable};
 
 /// Factor on what the swing and the motion could do, as viscous friction changes with the speed
@@ -17,11 +16,10 @@ const MARGIN: f64 = 2.0;
 /// Largest share of the speed that viscous friction may take meanwhile, far within `MARGIN`.
 const MOST_FADE: f64 = 0.1;
 
-/// Whether the drive is constant between its jumps, and what holds the head constant while it
-/// rests.
-pub(super) fn is_possible<L>(path: &Path<L>, active: Active) -> bool {
+/// Whether what holds the head stays what it is while it rests. The drive has to be steady, too.
+pub(super) fn is_possible(active: Active) -> bool {
     let changes = |v| matches!(v, Some(Variable::Load | Variable::Time));
-    !path.lags && !path.sags && !active.iter().any(|effect| changes(effect.info().variable))
+    !active.iter().any(|effect| changes(effect.info().variable))
 }
 
 impl<L: Lane, F> ElasticDrive<'_, '_, L, F> {

@@ -20,7 +20,7 @@ use crate::lane::Lane;
 use crate::physics::effects::{Coefficients, Joint, Measured};
 use crate::physics::friction::{ContactState, Dry};
 use crate::physics::segment::Segment;
-use propagation::{HALVINGS, Level, Rates, levels};
+use propagation::{HALVINGS, JOINED_MODES, Level, MODES, Rates, levels};
 
 /// What stands between the drive and the head.
 #[derive(Clone, Copy)]
@@ -93,6 +93,9 @@ pub struct ElasticDrive<'a, 'b, L: Lane, F> {
     reach: L,
     /// Whether there may be stretches in which nothing happens, see `calm`.
     calms: bool,
+    /// Whether the drive gives the same over all of a stretch, and what it gives then.
+    steady: bool,
+    given: L,
     now: Now<L>,
     levels: Vec<Level<L>>,
     /// Whether to go on; asked at the end of every stretch.
@@ -176,13 +179,13 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         // As many equal steps as fill an interval.
         let looks = (look.max(zero.splat(least)).max(one) * (1.0 - 1e-9)).floor() + 1.0;
         let dt = one * interval / looks * 0.5_f64.powi(HALVINGS);
-        let levels = levels(&rates, dt, is_gap);
+        let modes = if is_gap { MODES.len() } else { JOINED_MODES };
+        let levels = levels(&rates, dt, modes);
         let bent = longest.is_some();
         let refines = bent && refinement::is_needed(&law, rates.is_lag);
         let stride = refinement::stride(&law);
         let reach = zero.splat(levels.len() as f64);
-        let calms = !rates.is_lag
-            && segment.drive.path.is_some_and(|path| calm::is_possible(path, law.active));
+        let calms = !rates.is_lag && segment.drive.is_steady() && calm::is_possible(law.active);
         ElasticDrive {
             segment,
             law,
@@ -195,6 +198,8 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
             stride,
             reach,
             calms,
+            steady: segment.drive.is_steady(),
+            given: zero,
             now,
             levels,
             go_on,
@@ -289,6 +294,18 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         (own, L::select(zero.lt(now.joined), -push, closes))
     }
 
+    /// Number of modes that a lane may be in.
+    #[inline(always)]
+    fn modes(&self) -> usize {
+        if self.is_gap { MODES.len() } else { JOINED_MODES }
+    }
+
+    /// Mean of what the drive gives from `t` on over `dt`, within a stretch.
+    #[inline(always)]
+    fn mean(&self, t: L, dt: L, state: &State<L>) -> L {
+        if self.steady { self.given } else { self.segment.drive.mean(t, dt, &state.clock) }
+    }
+
     /// Over `left` seconds of one piece.
     #[inline(always)]
     fn stretch(&mut self, state: &State<L>, tally: &mut Tally<L>, left: L, events: &mut L) {
@@ -296,6 +313,7 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         let (mut t, mut left) = (state.t, left);
         let shortest = self.levels[0].dt;
         let drive = self.segment.drive.mean(t, left, &state.clock);
+        self.given = drive;
         self.now.a = L::select(zero.lt(self.at_once), drive, self.now.a);
         let mut calm = zero.lt(zero);
         if self.calms {
@@ -349,14 +367,14 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
             zero.outlined(
                 #[inline(always)]
                 || {
-                    let drive = self.segment.drive.mean(t, left, &state.clock);
+                    let drive = self.mean(t, left, state);
                     let inputs = self.inputs(&self.now, &self.now, (t, left), drive);
                     self.now = self.crept(L::select(open, left, zero), &self.now, inputs);
                     self.settle(open, t + left);
                 },
             );
         } else if L::DERIVED {
-            let drive = self.segment.drive.mean(t, left, &state.clock);
+            let drive = self.mean(t, left, state);
             let inputs = self.inputs(&self.now, &self.now, (t, left), drive);
             let end = self.crept(left - left.frozen(), &self.now, inputs);
             let now = &mut self.now;
@@ -399,7 +417,7 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         let zero = dt.splat(0.0);
         self.release(mask, t);
         let from = self.now;
-        let drive = self.segment.drive.mean(t, dt, &state.clock);
+        let drive = self.mean(t, dt, state);
         let (to, inputs) = self.midpoint(level, &from, (t, dt), drive);
         let (own, touch) = self.overruns(&to, t + dt);
         let happens = L::and(mask, zero.lt(own.max(touch)));

@@ -1,7 +1,7 @@
 //! One step of a head behind a joint or a lag, whatever happens within: friction and gravity as
 //! they are at its middle.
 
-use super::propagation::{Inputs, Level};
+use super::propagation::{Inputs, Level, MODES};
 use super::{ElasticDrive, Now};
 use crate::lane::Lane;
 use crate::lane::exp::speed_factor;
@@ -21,32 +21,45 @@ impl<L: Lane, F> ElasticDrive<'_, '_, L, F> {
     /// One step of a level from `now`, whatever happens within.
     #[inline(always)]
     pub(super) fn moved(&self, level: &Level<L>, now: &Now<L>, inputs: (L, L)) -> Now<L> {
-        let zero = now.x.splat(0.0);
-        let slides = zero.lt(now.direction.abs());
         let (offset, at) = self.inward(now, inputs);
-        let mut end = either(slides, level.sliding.apply(&at), level.resting.apply(&at));
-        if self.is_gap {
-            let free = either(slides, level.sliding_free.apply(&at), level.resting_free.apply(&at));
-            end = either(zero.lt(now.joined), end, free);
-        }
+        let end = self.by_mode(
+            now,
+            #[inline(always)]
+            |mode| level.maps[mode].apply(&at),
+        );
         self.gone(now, end, offset)
     }
 
     /// The same over any time up to the shortest step.
     #[inline(always)]
     pub(super) fn crept(&self, dt: L, now: &Now<L>, inputs: (L, L)) -> Now<L> {
-        let zero = now.x.splat(0.0);
-        let slides = zero.lt(now.direction.abs());
         let (offset, at) = self.inward(now, inputs);
-        let rates = &self.rates;
-        let go = rates.series(&at, dt, true, true);
-        let mut end = either(slides, go, rates.series(&at, dt, false, true));
-        if self.is_gap {
-            let go = rates.series(&at, dt, true, false);
-            let free = either(slides, go, rates.series(&at, dt, false, false));
-            end = either(zero.lt(now.joined), end, free);
-        }
+        let end = self.by_mode(
+            now,
+            #[inline(always)]
+            |mode| {
+                let (slides, joined) = MODES[mode];
+                self.rates.series(&at, dt, slides, joined)
+            },
+        );
         self.gone(now, end, offset)
+    }
+
+    /// What `to` says of each mode that some lane is in.
+    #[inline(always)]
+    fn by_mode(&self, now: &Now<L>, to: impl Fn(usize) -> [L; 4]) -> [L; 4] {
+        let zero = now.x.splat(0.0);
+        let (slides, joined) = (zero.lt(now.direction.abs()), zero.lt(now.joined));
+        let mut end = [zero; 4];
+        for (mode, own) in MODES.iter().enumerate().take(self.modes()) {
+            let mask = if own.0 { slides } else { L::not(slides) };
+            let there = if own.1 { joined } else { L::not(joined) };
+            let mask = if self.is_gap { L::and(mask, there) } else { mask };
+            if L::any(mask) {
+                end = either(mask, to(mode), end);
+            }
+        }
+        end
     }
 
     /// Where a step has led to.

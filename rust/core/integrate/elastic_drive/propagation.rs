@@ -48,7 +48,7 @@ impl<L: Lane> Map<L> {
     }
 }
 
-/// What a lane is doing: sliding or at rest, joined or in free flight.
+/// Of a head behind a joint or a lag.
 #[derive(Clone, Copy)]
 pub(super) struct Rates<L> {
     pub per_mass: L,
@@ -118,14 +118,17 @@ impl<L: Lane> Rates<L> {
 /// Terms of the series: it is taken over times far below those of any rate.
 const TERMS: usize = 8;
 
-/// Maps of one step: sliding or not, joined or not.
+/// What a lane may be doing: whether it slides, and whether it is joined.
+pub(super) const MODES: [(bool, bool); 4] =
+    [(true, true), (false, true), (true, false), (false, false)];
+/// Those of a joint that always transmits.
+pub(super) const JOINED_MODES: usize = 2;
+
+/// Maps of one step, of each of `MODES`.
 #[derive(Clone, Copy)]
 pub(super) struct Level<L> {
     pub dt: L,
-    pub sliding: Map<L>,
-    pub resting: Map<L>,
-    pub sliding_free: Map<L>,
-    pub resting_free: Map<L>,
+    pub maps: [Map<L>; MODES.len()],
 }
 
 /// Halvings of a step: rates up to a thousand per step are resolved.
@@ -135,25 +138,19 @@ pub(super) const HALVINGS: i32 = 13;
 /// (`MOST_LOOKS`).
 const DOUBLINGS: i32 = 4;
 
-/// Maps of a step of `dt`, twice that and so on; those of free flight only for a gap.
+/// Maps of a step of `dt`, twice that and so on, of the first so many modes.
 #[inline(always)]
-pub(super) fn levels<L: Lane>(rates: &Rates<L>, dt: L, is_gap: bool) -> Vec<Level<L>> {
-    let mut level = Level {
-        dt,
-        sliding: rates.map(dt, true, true),
-        resting: rates.map(dt, false, true),
-        sliding_free: rates.map(dt, true, false),
-        resting_free: rates.map(dt, false, false),
-    };
+pub(super) fn levels<L: Lane>(rates: &Rates<L>, dt: L, modes: usize) -> Vec<Level<L>> {
+    let mut level = Level { dt, maps: [rates.map(dt, true, true); MODES.len()] };
+    for (map, (slides, joined)) in level.maps.iter_mut().zip(MODES).take(modes).skip(1) {
+        *map = rates.map(dt, slides, joined);
+    }
     let mut levels = vec![level];
     for _ in 0..HALVINGS + DOUBLINGS {
-        level = Level {
-            dt: level.dt * 2.0,
-            sliding: level.sliding.twice(),
-            resting: level.resting.twice(),
-            sliding_free: if is_gap { level.sliding_free.twice() } else { level.sliding_free },
-            resting_free: if is_gap { level.resting_free.twice() } else { level.resting_free },
-        };
+        level.dt = level.dt * 2.0;
+        for map in level.maps.iter_mut().take(modes) {
+            *map = map.twice();
+        }
         levels.push(level);
     }
     levels

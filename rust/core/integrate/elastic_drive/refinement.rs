@@ -67,13 +67,13 @@ impl<L: Lane, F> ElasticDrive<'_, '_, L, F> {
         }
         let from = self.now;
         let half = dt * 0.5;
-        let drive = self.segment.drive.mean(t, dt, &state.clock);
+        let drive = self.mean(t, dt, state);
         let (whole, inputs) = self.midpoint(level, &from, (t, dt), drive);
         // Up to an event, friction is taken as at the middle.
         let bend = (inputs.0 - self.inputs(&from, &from, (t, dt), drive).0).abs() * dt;
-        let drive = self.segment.drive.mean(t, half, &state.clock);
+        let drive = self.mean(t, half, state);
         let (middle, _) = self.midpoint(level - 1, &from, (t, half), drive);
-        let drive = self.segment.drive.mean(t + half, half, &state.clock);
+        let drive = self.mean(t + half, half, state);
         let (halves, _) = self.midpoint(level - 1, &middle, (t + half, half), drive);
         let end = halves.beyond(&whole);
 

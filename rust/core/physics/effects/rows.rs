@@ -555,7 +555,7 @@ effects! {
                 off: Off::Never,
                 log: true,
                 starts: "[0.1, 0.6]",
-                composed: Some("value * critical(k, mass)"),
+                composed: Some("value * critical(k, m_d)"),
                 low: "1e-4 * critical(mass, mass)",
                 high: "3 * critical(mass * 1e6, mass)",
                 windows: Some(("1e-3 * mass / replayed", "mass / interval")),
