@@ -106,6 +106,15 @@ def test_terms_of_a_position_add_up_to_friction() -> None:
     np.testing.assert_allclose(terms.sum(axis=0), np.sign(m.v), atol=1e-12)
 
 
+def test_a_speed_that_dies_away_has_terms_without_a_warning() -> None:
+    """Knots then lie so near to each other that a quotient overflows."""
+    m = sliding(samples=401)
+    v = np.exp(-np.interp(m.t, m.t[[0, 200, 400]], [0.0, 700.0, 740.0]))
+    v[:50] = -1.0
+    groups, _ = terms_of("speed", Motion(**{**vars(m), "v": v}))
+    np.testing.assert_allclose(groups[0].sum(axis=0), v > 0.0)
+
+
 def test_a_change_that_is_late_lacks_its_impulse() -> None:
     """A step up by 1 N at 0.5 s and down by 2 N at 1 s, each late by a law of its own."""
     m = sliding(samples=401)

@@ -129,7 +129,9 @@ def _hats(values: Floats, where: NDArray[np.bool_], knots: int = _KNOTS) -> Floa
     if edges.size < 3:
         return np.zeros((0, values.size))
     below = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
-    share = np.clip((values - edges[below]) / np.diff(edges)[below], 0.0, 1.0)
+    with np.errstate(over="ignore"):
+        # A speed that dies away may leave edges nearer to each other than a quotient can say.
+        share = np.clip((values - edges[below]) / np.diff(edges)[below], 0.0, 1.0)
     found = np.zeros((edges.size, values.size))
     sample = np.arange(values.size)
     found[below, sample] = 1.0 - share
