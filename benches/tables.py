@@ -30,7 +30,7 @@ _BLOCK = re.compile(r"<!-- begin (?P<name>\w+) -->\n.*?<!-- end (?P=name) -->\n"
 _MARK = re.compile(r"<!-- (?:begin|end) \w+ -->")
 
 # Kinds of cases that a blind check draws alone.
-STRATA = ("outside", "another_law", "pairs", "background", "bad_readings")
+STRATA = ("outside", "another_law", "pairs", "background")
 # How each result is made, for whoever makes it anew.
 COMMANDS = {
     "accuracy": "python -m pytest tests/test_precision.py -s > accuracy.txt",

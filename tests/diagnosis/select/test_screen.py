@@ -47,6 +47,17 @@ def test_what_a_start_promises_is_a_linear_fit() -> None:
     assert not seen.fit.residual.size
 
 
+def test_a_start_far_too_strong_is_evaluated_as_weak_as_it_promises_most() -> None:
+    strong, fair = starts("viscous_friction", 5.0, 0.04)
+    seen, leaves = scan_beside(SEARCH.problem, [strong, fair], [0, 1, 2], SEARCH.none)
+    first, second, weaker = seen
+    assert first.fit.parameters[0] == pytest.approx(5.0)
+    assert second.fit.parameters[0] == pytest.approx(0.04)
+    assert weaker.fit.parameters[0] == pytest.approx(5.0 * first.factor)
+    # The line through the strong one misses: it sticks where the others slide.
+    assert weaker.promised < min(first.promised, leaves)
+
+
 def test_pairs_that_cancel_most_are_those_of_all_least_squares() -> None:
     random = np.random.default_rng(1)
     names = ["viscous_friction"] * 2 + ["drive_gain_error"] * 2

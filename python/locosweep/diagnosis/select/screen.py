@@ -152,8 +152,9 @@ def scan_beside(
     """Evaluate many starts on some runs, and what each promises beside a fit.
 
     A start extends the model of `beside`: the change that it makes is added to that fit's
-    residual. One that is far too strong says little of a weaker one, which takes its place.
-    Returns them in the order of `fits`, and chi2 of `beside` on these runs.
+    residual. One that is far too strong says little of a weaker one, which is evaluated, too.
+    Returns those of `fits` in their order and then the weaker ones, and chi2 of `beside` on these
+    runs.
     """
     (known,) = evaluate(problem, [beside.unfitted()], runs)
     free = np.nan_to_num(jacobian_of(problem, known, runs))
@@ -170,11 +171,9 @@ def scan_beside(
 
     found = list(screened(fits))
     weak = 1.0 / STRONGEST_SCALING
-    weaker = {i: scaled(s.fit, s.factor) for i, s in enumerate(found) if abs(s.factor) < weak}
-    weaker = {i: fit for i, fit in weaker.items() if (fit.theta != found[i].fit.theta).any()}
-    for i, again in zip(weaker, screened(weaker.values()), strict=True):
-        found[i] = again
-    return found, known.chi2
+    pairs = [(s.fit, scaled(s.fit, s.factor)) for s in found if abs(s.factor) < weak]
+    weaker = [now for before, now in pairs if (now.theta != before.theta).any()]
+    return [*found, *screened(weaker)], known.chi2
 
 
 def _evaluated(problem: Problem, fits: Iterable[Fit], runs: Sequence[int]) -> Iterable[Fit]:
