@@ -254,6 +254,21 @@ def test_runs_that_carry_little_say_so() -> None:
     assert len(found.not_visible) > 10
 
 
+def test_a_gap_in_force_of_a_head_that_never_moves_is_told() -> None:
+    """The error of x is 0 then, with any model."""
+    noise = np.random.default_rng(1)
+    t = np.arange(0.0, 2.0, 0.01)
+    parts = []
+    for i in range(4):
+        drive = 0.4 * np.sin(2.0 * np.pi * (0.5 + 0.3 * i) * t)
+        force = drive + 0.05 * np.sin(40.0 * t) + noise.normal(0.0, 1e-3, t.size)
+        columns = {"run": np.full(t.size, i), "t": t, "drive": drive, "x": 0.0 * t, "force": force}
+        parts.append(pl.DataFrame(columns))
+    found = diagnose(pl.concat(parts), replace(ROBOT, other={}))
+    assert found.status == "unexplained"
+    assert any("never moves" in warning for warning in found.warnings)
+
+
 @pytest.mark.slow
 def test_millimetres_are_suspected() -> None:
     frame = measured({}, drives(samples=100)).with_columns(pl.col("x") * 1e3)

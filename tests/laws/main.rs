@@ -20,6 +20,8 @@ struct Ask<L> {
 }
 
 const OUTPUTS: usize = 36;
+/// Place of whether a dry law changes with time.
+const AGES: usize = 4;
 
 /// All functions of a law at once, on any lanes.
 trait Probe {
@@ -40,6 +42,7 @@ impl<D: Dry> Probe for OfDry<D> {
         if D::LINEAR {
             (all[2], all[3]) = D::linear(&law, &ask.contact_state);
         }
+        all[AGES] = ask.speed.splat(if D::ages(&law) { 1.0 } else { 0.0 });
         all
     }
 }

@@ -47,6 +47,21 @@ fn reference_values() {
     }
 }
 
+/// Integrators do not watch what rests under a law that does not age.
+#[test]
+fn a_dry_law_that_changes_with_time_says_so() {
+    let mut random = Random(5);
+    for law in laws().into_iter().filter(|law| law.entry.kind == Kind::Dry) {
+        for _ in 0..100 {
+            let mut case = random.usual_case(law.entry);
+            let now = (law.outputs)(&case);
+            case.ask.contact_state.t += 1.0;
+            let name = law.entry.info.name;
+            assert!(now[AGES] == 1.0 || now == (law.outputs)(&case), "{name} changes with time");
+        }
+    }
+}
+
 #[test]
 fn every_named_parameter_counts_and_no_other() {
     let mut random = Random(3);

@@ -310,6 +310,16 @@ ELSEWHERE = {
 """Files that say something of one effect that is in no row, and of which."""
 
 
+def test_a_joint_starts_underdamped_whatever_the_mass_on_the_drive_s_side():
+    """Its damping is a share of what is critical for that side, which swings on the spring."""
+    least = {}
+    for k, d, side in catalogue.starts_of("transmission_compliance", SCALES["coefficient"]):
+        share = d / (2.0 * np.sqrt(k * side))
+        least[k, side] = min(share, least.get((k, side), np.inf))
+    assert len({side for _, side in least}) > 1
+    assert max(least.values()) < 0.3
+
+
 def test_no_other_file_of_the_package_names_an_effect():
     faults = []
     for path in sorted(PACKAGE.rglob("*.py")):

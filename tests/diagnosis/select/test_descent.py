@@ -9,6 +9,7 @@ import pytest
 
 from diagnosis_search import fit_of, search_for
 from locosweep.diagnosis.estimate.least_squares import evaluate, fit_all, start_fits
+from locosweep.diagnosis.select import descent
 from locosweep.diagnosis.select.descent import _with_limits, apart, beyond_ridges, descend
 from locosweep.diagnosis.select.search import Collection
 from locosweep.diagnosis.select.thresholds import LEAST_GAIN_FITTED, PENALTY
@@ -45,6 +46,29 @@ def test_what_shows_little_after_the_first_steps_gets_no_more() -> None:
     assert far.seen == (search.problem, search.problem.chosen(None))
     assert far.chi2 > alone.chi2 + 10.0
     assert found[frozenset({"viscous_friction"})].chi2 < 0.5 * far.chi2
+
+
+def test_a_start_that_lies_behind_after_one_step_on_all_runs_is_followed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Steps on few runs may lead away from where all runs lead."""
+    search = search_for({"viscous_friction": {"c": 0.06}}, *NAMES)
+    model = search.model(("viscous_friction",))
+    slow, good = start_fits(search.nuisances, model, np.array([[0.2], [0.4]]))
+    after = {1: (1000.0, 2000.0), search.steps: (900.0, 100.0)}
+
+    def fitted(problem, fits, *, runs=None, steps=12, **_):
+        chosen = after.get(steps, (1500.0, 1500.0)) if runs is None else (500.0, 500.0)
+        found = []
+        for fit in fits:
+            is_good = float(fit.theta[0]) == float(good.theta[0])
+            found.append(replace(fit, chi2=chosen[is_good], seen=(problem, problem.chosen(runs))))
+        return found
+
+    monkeypatch.setattr(descent, "fit_all", fitted)
+    known = Collection({frozenset(): replace(search.none, chi2=1e4)})
+    found = descend(search, known, [slow, good], [0, 1], search.none)
+    assert found[frozenset({"viscous_friction"})].chi2 == 100.0
 
 
 def test_a_known_fit_that_is_better_stays() -> None:

@@ -270,19 +270,19 @@ def _compared(
 
 
 def _plainly(problem: Problem, base: Fit, fits: Sequence[Fit], error: float | None) -> list[Fit]:
-    """Fit a model, and those of others that may take away what is worth a name.
+    """Fit a model, and those of others that lower its error of x by a share worth a name.
 
-    What lowers the error of x on the fitted runs by less would not lower that on other runs by
-    more. The share is one of `error`, or of what `base` leaves.
+    The error is that on the fitted runs: what lowers it by less would not lower that on other
+    runs by more. The share is one of `error`, or of what `base` leaves.
     """
     (own,) = fit_all(problem, [base.unfitted()], steps=_STEPS, tolerance=_TOLERANCE)
     (before,) = _seen(problem, [own])
     most = max(before - limits.LEAST_SHARE * (before if error is None else error), 0.0)
-    # Squares of errors of x are the most of chi2, where more than noise is left.
-    limit = own.chi2 * (most / before) ** 2
+    # Where more than noise is left, chi2 goes about with the square of the error.
+    limit = own.chi2 * (most / before) ** 2 if before > 0.0 else np.inf
     starts = [replace(fit.unfitted(), limit=limit) for fit in fits]
     fitted = fit_all(problem, starts, steps=_STEPS, tolerance=_TOLERANCE)
-    able = [fit for fit in fitted if np.isfinite(fit.chi2)]
+    able = [replace(fit, limit=np.inf) for fit in fitted if np.isfinite(fit.chi2)]
     able = [fit for fit, left in zip(able, _seen(problem, able), strict=True) if left <= most]
     return [own, *apart(sorted(able, key=chi2_of))]
 

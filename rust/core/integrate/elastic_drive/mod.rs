@@ -93,9 +93,11 @@ pub struct ElasticDrive<'a, 'b, L: Lane, F> {
     reach: L,
     /// Whether there may be stretches in which nothing happens, see `calm`.
     calms: bool,
+    /// Modes that a lane may be in, the first so many of `MODES`.
+    modes: usize,
     /// Whether the drive gives the same over all of a stretch, and what it gives then.
     steady: bool,
-    given: L,
+    steady_force: L,
     now: Now<L>,
     levels: Vec<Level<L>>,
     /// Whether to go on; asked at the end of every stretch.
@@ -185,7 +187,8 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         let refines = bent && refinement::is_needed(&law, rates.is_lag);
         let stride = refinement::stride(&law);
         let reach = zero.splat(levels.len() as f64);
-        let calms = !rates.is_lag && segment.drive.is_steady() && calm::is_possible(law.active);
+        let steady = segment.drive.is_steady();
+        let calms = !rates.is_lag && steady && calm::is_possible(law.active);
         ElasticDrive {
             segment,
             law,
@@ -198,8 +201,9 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
             stride,
             reach,
             calms,
-            steady: segment.drive.is_steady(),
-            given: zero,
+            modes,
+            steady,
+            steady_force: zero,
             now,
             levels,
             go_on,
@@ -294,16 +298,10 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         (own, L::select(zero.lt(now.joined), -push, closes))
     }
 
-    /// Number of modes that a lane may be in.
-    #[inline(always)]
-    fn modes(&self) -> usize {
-        if self.is_gap { MODES.len() } else { JOINED_MODES }
-    }
-
     /// Mean of what the drive gives from `t` on over `dt`, within a stretch.
     #[inline(always)]
     fn mean(&self, t: L, dt: L, state: &State<L>) -> L {
-        if self.steady { self.given } else { self.segment.drive.mean(t, dt, &state.clock) }
+        if self.steady { self.steady_force } else { self.segment.drive.mean(t, dt, &state.clock) }
     }
 
     /// Over `left` seconds of one piece.
@@ -313,7 +311,7 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         let (mut t, mut left) = (state.t, left);
         let shortest = self.levels[0].dt;
         let drive = self.segment.drive.mean(t, left, &state.clock);
-        self.given = drive;
+        self.steady_force = drive;
         self.now.a = L::select(zero.lt(self.at_once), drive, self.now.a);
         let mut calm = zero.lt(zero);
         if self.calms {

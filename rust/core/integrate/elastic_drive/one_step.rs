@@ -45,13 +45,13 @@ impl<L: Lane, F> ElasticDrive<'_, '_, L, F> {
         self.gone(now, end, offset)
     }
 
-    /// What `to` says of each mode that some lane is in.
+    /// Where each lane comes to, by its mode; `to` is worked out for modes that some lane is in.
     #[inline(always)]
     fn by_mode(&self, now: &Now<L>, to: impl Fn(usize) -> [L; 4]) -> [L; 4] {
         let zero = now.x.splat(0.0);
         let (slides, joined) = (zero.lt(now.direction.abs()), zero.lt(now.joined));
         let mut end = [zero; 4];
-        for (mode, own) in MODES.iter().enumerate().take(self.modes()) {
+        for (mode, own) in MODES.iter().enumerate().take(self.modes) {
             let mask = if own.0 { slides } else { L::not(slides) };
             let there = if own.1 { joined } else { L::not(joined) };
             let mask = if self.is_gap { L::and(mask, there) } else { mask };

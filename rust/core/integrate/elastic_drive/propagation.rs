@@ -48,7 +48,7 @@ impl<L: Lane> Map<L> {
     }
 }
 
-/// Of a head behind a joint or a lag.
+/// Rates of a head behind a joint or a lag.
 #[derive(Clone, Copy)]
 pub(super) struct Rates<L> {
     pub per_mass: L,

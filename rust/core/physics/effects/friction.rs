@@ -1,7 +1,7 @@
 //! Friction of the measured head: the nominal Coulomb and viscous law with the
 //! friction effects on top, each left out where it is not active.
 
-use super::{Active, Effect};
+use super::{Active, Effect, Variable};
 use crate::friction::{
     Bristle, Contact, ContactState, Dry, Law, LawInfo, MOST_STATES, Parameters, Partials,
     ReferenceValue, directed, dragged, ploughed, pressed, rippled, share_left,
@@ -130,7 +130,7 @@ impl Dry for Measured {
 
     #[inline(always)]
     fn ages<L: Lane>(law: &Coefficients<L>) -> bool {
-        law.active.has(Effect::FrictionDrift)
+        law.active.iter().any(|effect| effect.info().variable == Some(Variable::Time))
     }
 
     #[inline(always)]

@@ -233,7 +233,8 @@ pub trait Dry: Law {
     /// Resistance depends on `x` or on `sliding_distance`.
     const PLACED: bool = false;
 
-    /// Whether what holds a segment at rest changes with time.
+    /// Whether what holds a segment at rest changes with time (`ContactState::t`): if it does not,
+    /// integrators watch a resting segment at jumps of the drive only. Held by `tests/laws`.
     #[inline(always)]
     fn ages<L: Lane>(_law: &Self::Coefficients<L>) -> bool {
         false
