@@ -44,7 +44,7 @@ test: $(VENV)/built lint
 # of robots and of pairs of effects, and benches as short as shows that they run.
 test-all: test docs
 	LOCOSWEEP_SITE=$(CURDIR)/$(OUT)/docs $(PYTEST) -m slow tests
-	cargo test $(CARGO_FLAGS) --test robot --test replay -- --ignored
+	cargo test $(CARGO_FLAGS) --workspace -- --ignored
 	cargo bench --locked --workspace --bench sweep -- --test
 	cargo bench --locked --workspace --bench dynamics -- --test
 	$(BIN)/python benches/border.py --quick

@@ -11,6 +11,8 @@ import pytest
 from locosweep.cli import main
 from locosweep.cli.commands import COMMANDS, command
 
+pytestmark = pytest.mark.whole
+
 ROOT = Path(__file__).parents[1]
 SWEEP = ["sweep", "mean_velocity", "--axis", "mu_static=0.2:0.8:20", "--axis", "segments=2:20",
          "--set", "mu_coulomb=0.3"]  # fmt: skip

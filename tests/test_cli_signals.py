@@ -13,7 +13,10 @@ import pytest
 
 from locosweep.cli import main, signals
 
-pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="no SIGHUP here")
+pytestmark = [
+    pytest.mark.whole,
+    pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="no SIGHUP here"),
+]
 LONG = [
     "sweep", "mean_velocity", "--axis", "mu_static=0.31:1:400", "--axis", "slope_deg=0:20:400",
     "--axis", "viscous=0.1:2:40", "--axis", "segments=2:4001", "--over", "segments",

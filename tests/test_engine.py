@@ -202,6 +202,7 @@ def test_shapes(lengths, data):
     np.testing.assert_allclose(result.values[point], one.values, rtol=1e-14)
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(st.data())
 def test_extreme_values_give_a_number_or_a_status(data):

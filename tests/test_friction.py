@@ -330,6 +330,7 @@ def table(folder, data=None, name="data.csv", **columns):
 
 
 @pytest.mark.whole
+@pytest.mark.whole
 class TestCommand:
     LAWS = ("--law", "coulomb", "--law", "coulomb_viscous")
 

@@ -392,6 +392,7 @@ def test_bad_files_end_the_command_with_one_line(old, new, words, tmp_path, caps
 FILES = ["forces.png", "spacetime.png", "summary.csv", "summary.md", "trace.parquet"]
 
 
+@pytest.mark.whole
 def test_command_writes_pictures_and_tables(tmp_path, capsys):
     out = tmp_path / "new" / "folder"
     assert main(["gait", str(ROOT / "examples/gait_window.toml"), "--out", str(out)]) == 0
@@ -413,6 +414,7 @@ def test_command_writes_pictures_and_tables(tmp_path, capsys):
     assert trace["segment"].n_unique() == 6
 
 
+@pytest.mark.whole
 def test_a_folder_that_is_not_empty_needs_force(tmp_path, capsys):
     (tmp_path / "mine.txt").write_text("")
     command = ["gait", str(ROOT / "examples/gait_single.toml"), "--out", str(tmp_path)]

@@ -77,37 +77,53 @@ fn check(case: &Case, names: &[&str]) -> Result<bool, TestCaseError> {
     Ok(true)
 }
 
+fn a_run_is_a_value_or_a_reason(seed: u64) -> Result<(), TestCaseError> {
+    let mut random = Random(seed);
+    let (law, drive) = (random.pick(&LAWS.iter().collect::<Vec<_>>()), random.pick(DriveKind::ALL));
+    let mut case = Case::usual(law.info.name, drive);
+    for (name, value) in &mut case.given {
+        *value = allowed(&mut random, ParamId::parse(name).unwrap());
+    }
+    // Short runs of few steps and few pieces; what adaptive steps make of it is theirs.
+    let duration = random.log(1e-6, 0.5);
+    let step = duration / random.log(1.0, 300.0);
+    let more = [
+        ("duration", duration),
+        ("time_step", step.max(1e-12)),
+        ("tolerance", random.log(1e-8, 0.1)),
+        ("drive_period", duration / random.log(0.1, 30.0)),
+    ];
+    let speeds = vec![-0.1, 0.0, allowed(&mut random, ParamId::StartSpeed)];
+    let mut case = case.with(&more).over("start_speed", speeds);
+    let sprung = case.given.iter().any(|(name, v)| name.starts_with("spring") && *v != 0.0);
+    let mut fit = methods(law, drive);
+    fit.retain(|method| !sprung || *method != "exact");
+    if !fit.is_empty() && random.one_in(2) {
+        case = case.by(random.pick(&fit));
+    }
+    case.choice.locate = random.one_in(2);
+    check(&case, &outputs()).map(|_| ())
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1500, failure_persistence: None, ..Default::default() })]
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..Default::default() })]
 
     #[test]
     fn any_run_is_a_value_or_a_reason(seed in any::<u64>()) {
-        let mut random = Random(seed);
-        let (law, drive) = (random.pick(&LAWS.iter().collect::<Vec<_>>()), random.pick(DriveKind::ALL));
-        let mut case = Case::usual(law.info.name, drive);
-        for (name, value) in &mut case.given {
-            *value = allowed(&mut random, ParamId::parse(name).unwrap());
-        }
-        // Short runs of few steps and few pieces; what adaptive steps make of it is theirs.
-        let duration = random.log(1e-6, 0.5);
-        let step = duration / random.log(1.0, 300.0);
-        let more = [
-            ("duration", duration),
-            ("time_step", step.max(1e-12)),
-            ("tolerance", random.log(1e-8, 0.1)),
-            ("drive_period", duration / random.log(0.1, 30.0)),
-        ];
-        let speeds = vec![-0.1, 0.0, allowed(&mut random, ParamId::StartSpeed)];
-        let mut case = case.with(&more).over("start_speed", speeds);
-        let sprung = case.given.iter().any(|(name, v)| name.starts_with("spring") && *v != 0.0);
-        let mut fit = methods(law, drive);
-        fit.retain(|method| !sprung || *method != "exact");
-        if !fit.is_empty() && random.one_in(2) {
-            case = case.by(random.pick(&fit));
-        }
-        case.choice.locate = random.one_in(2);
-        check(&case, &outputs())?;
+        a_run_is_a_value_or_a_reason(seed)?;
     }
+
+    #[test]
+    #[ignore = "takes a quarter of a minute"]
+    fn many_runs_are_values_or_reasons(seeds in prop::array::uniform5(any::<u64>())) {
+        for seed in seeds {
+            a_run_is_a_value_or_a_reason(seed)?;
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1500, failure_persistence: None, ..Default::default() })]
 
     #[test]
     fn any_robot_is_a_value_or_a_reason(seed in any::<u64>()) {

@@ -89,26 +89,48 @@ fn assert_no_fault(points: &[Values]) {
     assert!(faults.is_empty(), "{} faults{report}", faults.len());
 }
 
+/// Points at random: those of the quick tests, and those that take a quarter of a minute.
+const FEW: usize = 20_000;
+const MANY: usize = 200_000;
+
+fn a_value_or_a_reason(count: usize, seed: u64, draw: fn(&mut Random, ParamId) -> f64) {
+    let mut random = Random(seed);
+    assert_no_fault(&(0..count).map(|_| random.values(draw)).collect::<Vec<_>>());
+}
+
 #[test]
 fn a_value_or_a_reason_at_usual_points() {
-    let mut random = Random(4);
-    let points: Vec<_> = (0..100_000).map(|_| random.values(Random::usual)).collect();
-    assert_no_fault(&points);
+    a_value_or_a_reason(FEW, 4, Random::usual);
 }
 
 #[test]
 fn a_value_or_a_reason_at_extreme_points() {
-    let mut random = Random(5);
-    let points: Vec<_> = (0..100_000).map(|_| random.values(Random::allowed)).collect();
-    assert_no_fault(&points);
+    a_value_or_a_reason(FEW, 5, Random::allowed);
+}
+
+#[test]
+#[ignore = "takes a quarter of a minute"]
+fn a_value_or_a_reason_at_many_points() {
+    a_value_or_a_reason(MANY, 4, Random::usual);
+    a_value_or_a_reason(MANY, 5, Random::allowed);
 }
 
 #[test]
 fn plain_and_general_give_the_same_bits() {
+    plain_is_general(FEW);
+}
+
+#[test]
+#[ignore = "takes five seconds"]
+fn plain_and_general_give_the_same_bits_at_many_points() {
+    plain_is_general(MANY);
+}
+
+fn plain_is_general(count: usize) {
     let mut random = Random(6);
     let mut wrong = BTreeSet::new();
     let mut report = String::new();
-    for i in 0..200_000 {
+    for i in 0..count {
         let mut values = random.values(if i % 2 == 0 { Random::usual } else { Random::allowed });
         for (id, value) in [
             (ParamId::Viscous, 0.0),

@@ -76,6 +76,7 @@ fn waves_of_friction_along_the_way_behind_a_spring() {
 
 /// A contact that opens and closes leaves more to chance, in the plain integration most.
 #[test]
+#[ignore = "takes ten seconds"]
 fn friction_that_bends_behind_a_spring_or_a_gap() {
     for (link, longest) in
         [(Effect::TransmissionCompliance, 2e-7), (Effect::TransmissionBacklash, 5e-8)]

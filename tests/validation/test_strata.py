@@ -41,6 +41,7 @@ def test_families_are_those_of_the_stratum() -> None:
         chosen_families(STRATA["pairs"], ("tether",))
 
 
+@pytest.mark.slow
 def test_cases_of_chosen_families_are_sealed_and_kept(tmp_path: Path) -> None:
     drawn = {"families": ["sagging_rail"], "processes": 1}
     (name,) = draw_stratum(tmp_path, STRATA["outside"], 1, 3, **drawn)  # type: ignore[arg-type]

@@ -141,6 +141,7 @@ class TestResult:
         assert "\n" not in str(caught.value)
 
 
+@pytest.mark.whole
 class TestCommand:
     @pytest.fixture
     def call(self, tmp_path, monkeypatch, capsys):

@@ -1,6 +1,7 @@
 """All pictures of a diagnosis together."""
 
 import numpy as np
+import pytest
 from matplotlib.figure import Figure
 
 from diagnosis_case import made
@@ -23,12 +24,14 @@ OF_RUNS = ("runs_large.png", "runs_small.png", "where_in_time.png", "shares.png"
 """Pictures that show runs with their names."""
 
 
+@pytest.mark.whole
 def test_labels_of_files_are_drawn_as_they_are(hostile):
     drawn = pictures(hostile)
     for name in OF_RUNS:
         drawn[name].draw_without_rendering()
 
 
+@pytest.mark.whole
 def test_missing_samples_leave_gaps(tmp_path):
     one = made(tmp_path)
     for trace in one.traces:

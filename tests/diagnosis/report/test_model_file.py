@@ -17,6 +17,7 @@ class TestAugmented:
         write_augmented(augmented, path, nominal)
         return path.read_text(encoding="utf-8")
 
+    @pytest.mark.whole
     def test_the_users_file_is_kept(self, found, saved):
         text = (saved / "augmented.toml").read_text()
         assert text.startswith(NOMINAL)

@@ -174,6 +174,7 @@ class TestFilters:
         assert _line({"largest_rest": [1, None], "b": {}}) == "largest rest 1, unknown, b none"
 
 
+@pytest.mark.whole
 def test_a_few_lines_for_notebooks(found, hostile):
     assert short(found).startswith(f"<div><strong>{HEADLINES['explained']}</strong>")
     assert "0.97" in short(found)
