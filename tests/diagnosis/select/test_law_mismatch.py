@@ -96,6 +96,23 @@ def test_a_law_far_off_by_its_own_formula_is_found_behind_others() -> None:
     assert found[1].model.names == ("viscous_friction",)
 
 
+def test_no_effect_is_tried_twice_for_another_law(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fits are refitted when they are tried, and the list of those to try next is bounded."""
+    frame = measured({"quadratic_drag": {"c2": 0.05}}, drives())
+    behind = ("sensor_drift", "sensor_delay", "drive_lag", "friction_drift", "supply_sag")
+    search, level = fits_of(frame, "viscous_friction", *behind, "sensor_scale", "quadratic_drag")
+    tried = []
+
+    def score(_: Search, fit: Fit) -> tuple[tuple[bool, float] | None, list[str]]:
+        tried.append(fit.model.names)
+        return None, ["speed"]
+
+    monkeypatch.setattr(law_mismatch, "_score_with_other_law", score)
+    assert best_with_other_law(search, level) is None
+    assert len(tried) == len(set(tried))
+    assert ("quadratic_drag",) in tried
+
+
 def test_another_law_starts_from_where_a_formula_ends() -> None:
     """A search leaves fits that fall behind, far from their ends."""
     search, (end,) = fits_of(

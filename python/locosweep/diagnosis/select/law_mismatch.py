@@ -60,7 +60,7 @@ def best_with_other_law(search: Search, level: Sequence[Fit]) -> tuple[float, Fi
         others = [v for v in others if v in VARIABLES.values()]
         for variable in others[:_TRIED_NEXT]:
             through = (f for f in level if variable in own_variables(f.model.names))
-            new = (f for f in through if all(f is not g for g in tried))
+            new = (f for f in through if all(f.model.names != g.model.names for g in tried))
             tried += islice(new, int(len(tried) < _MOST_TRIED))
     if not found:
         return None
