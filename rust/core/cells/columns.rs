@@ -189,7 +189,9 @@ impl Cursor<'_> {
         }
         let len = self.layout.row.min(BLOCK) + OVERHANG;
         let inner = &self.layout.inner;
-        for column in (0..COLUMNS).filter(|c| is_wide(vary, *c) && inner[*c].is_empty()) {
+        // Called once per row: no other parameter is read cell by cell here.
+        let wide = MAIN_PARAMS.iter().flat_map(|id| [id.main(), id.derived()]);
+        for column in wide.filter(|c| is_wide(vary, *c) && inner[*c].is_empty()) {
             let value = self.constants[column][0];
             let written = &mut self.written[column];
             if written.first().map(|v| v.to_bits()) != Some(value.to_bits()) {
@@ -256,23 +258,23 @@ impl<'a> Columns<'a> {
         start: usize,
         len: usize,
     ) -> Reader<'a, P, VARY> {
-        let Found { columns, masks } = self.find(used, start);
+        let found = self.find(used, start);
         if VARY == Vary::ANY {
-            let constant = columns.map(
+            let constant = found.map(
                 #[inline(always)]
                 |_, _| P::broadcast(token, f64::NAN),
             );
-            return Reader { token, used, wide: columns, constant, masks };
+            return Reader { token, used, wide: found, constant };
         }
-        let wide = columns.map(
+        let wide = found.map(
             #[inline(always)]
-            |c, column| Reader::<P, VARY>::run(used, len, c, || column),
+            |c, (column, _)| (Reader::<P, VARY>::run(used, len, c, || column), 0),
         );
-        let constant = columns.map(
+        let constant = found.map(
             #[inline(always)]
-            |c, column| Reader::<P, VARY>::constant(token, used, c, || column),
+            |c, (column, _)| Reader::<P, VARY>::constant(token, used, c, || column),
         );
-        Reader { token, used, wide, constant, masks }
+        Reader { token, used, wide, constant }
     }
 
     /// The same, with the columns looked up in place: for a loop that carries a value on.
@@ -289,13 +291,14 @@ impl<'a> Columns<'a> {
         let wide = Point::gather(
             #[inline(always)]
             |c| {
-                Reader::<P, VARY>::run(
+                let column = Reader::<P, VARY>::run(
                     used,
                     len,
                     c,
                     #[inline(always)]
                     || self.column(c, start).0,
-                )
+                );
+                (column, 0)
             },
         );
         let constant = Point::gather(
@@ -310,23 +313,23 @@ impl<'a> Columns<'a> {
                 )
             },
         );
-        Reader { token, used, wide, constant, masks: [0; COLUMNS] }
+        Reader { token, used, wide, constant }
     }
 
-    /// Where the used columns lie, and which run with the cell. Looked up by a call:
-    /// written out, the look-ups would be half of many a kernel.
+    /// Where the used columns lie, and the bits of a cell's number that count in each. Looked up
+    /// by a call: written out, the look-ups would be half of many a kernel.
     #[inline(never)]
-    fn find(&self, used: u128, start: usize) -> Found<'a> {
-        let mut masks = [0; COLUMNS];
-        let columns = Point::gather(|c| {
-            if used >> (c / 2) & 1 == 0 {
-                return &[][..];
-            }
-            let (column, runs) = self.column(c, start);
-            masks[c] = if runs { usize::MAX } else { 0 };
-            column
-        });
-        Found { columns, masks }
+    fn find(&self, used: u128, start: usize) -> Point<(&'a [f64], usize)> {
+        Point::gather(
+            #[inline(always)]
+            |c| {
+                if used >> (c / 2) & 1 == 0 {
+                    return (&[][..], 0);
+                }
+                let (column, runs) = self.column(c, start);
+                (column, if runs { usize::MAX } else { 0 })
+            },
+        )
     }
 
     /// All columns of cell `i`.
@@ -338,19 +341,13 @@ impl<'a> Columns<'a> {
     }
 }
 
-/// The columns of a point, and the bits of a cell's number that count in each.
-struct Found<'a> {
-    columns: Point<&'a [f64]>,
-    masks: [usize; COLUMNS],
-}
-
 /// Points of consecutive cells, a pack at a time.
 pub struct Reader<'a, P: Pack, const VARY: u8> {
     token: P::Token,
     used: u128,
-    wide: Point<&'a [f64]>,
+    /// Each column, and the bits of a cell's number that count in it where any may vary.
+    wide: Point<(&'a [f64], usize)>,
     constant: Point<P>,
-    masks: [usize; COLUMNS],
 }
 
 impl<'a, P: Pack, const VARY: u8> Reader<'a, P, VARY> {
@@ -377,11 +374,11 @@ impl<'a, P: Pack, const VARY: u8> Reader<'a, P, VARY> {
         self.wide.zip(
             &self.constant,
             #[inline(always)]
-            |c, wide, constant| {
+            |c, (wide, bits), constant| {
                 if self.used >> (c / 2) & 1 == 0 || !is_wide(VARY, c) {
                     constant
                 } else if VARY == Vary::ANY {
-                    P::load(self.token, &wide[i & self.masks[c]..])
+                    P::load(self.token, &wide[i & bits..])
                 } else {
                     P::load(self.token, &wide[i..])
                 }
