@@ -211,6 +211,15 @@ class TestRobot:
         run = ls.simulate(law="coulomb", drive_force=2.0, robot=self.ROBOT)
         assert run.fixed["mu_coulomb"] == 0.3
 
+    def test_a_grid_takes_one(self):
+        """The values of the first would win over those of the second, unsaid."""
+        other = ls.Robot({**self.ROBOT.parameters, "mu_coulomb": 0.2})
+        grid = ls.Grid(robot=self.ROBOT)
+        with pytest.raises(ls.InputError, match="robot is given twice"):
+            ls.sweep("mean_velocity", grid, robot=other)
+        with pytest.raises(ls.InputError, match="robot is given twice"):
+            grid.with_fixed({"moving": 1}).with_fixed({"robot": other})
+
     def test_is_a_robot(self):
         with pytest.raises(ls.InputError, match=r"robot is 'r.toml': allowed is what .*load_robot"):
             ls.sweep("mean_velocity", robot="r.toml")

@@ -125,8 +125,8 @@ def sweep(
         Threads; default ``LOCOSWEEP_NUM_THREADS``, else what a batch system
         granted, else all processors. The result does not depend on it.
     chunk : int, optional
-        Cells per unit of work; with a folder, cells of a stored chunk. The result does
-        not depend on it.
+        Cells per unit of work; with a folder, cells of a stored chunk, where the folder is new:
+        a begun run keeps its chunks. The result does not depend on it.
     memory_limit : int, optional
         Bytes; what would need more is refused before it starts. Default 80 % of
         the free memory.

@@ -55,9 +55,10 @@ class Grid:
     (7,)
     """
 
-    __slots__ = ("axes", "fixed")
+    __slots__ = ("_robot_given", "axes", "fixed")
 
     def __init__(self, **parameters: Any) -> None:
+        self._robot_given = parameters.get(_ROBOT) is not None
         self.axes: dict[str, NDArray[np.float64]] = {}
         self.fixed: dict[str, float] = {}
         for name, value in _with_robot(parameters).items():
@@ -82,12 +83,13 @@ class Grid:
         """Return a grid with further parameters (fixed values or axes, at the end)."""
         if not parameters:
             return self
+        twice = self.axes.keys() | self.fixed.keys() | ({_ROBOT} if self._robot_given else set())
         for name in parameters:
-            if name == _ROBOT:
-                continue
-            if name in self.axes or name in self.fixed:
+            if name in twice:
                 raise InputError(f"{name} is given twice: in the grid and beside it")
-        return Grid(**self.axes, **self.fixed, **parameters)
+        grid = Grid(**self.axes, **self.fixed, **parameters)
+        grid._robot_given |= self._robot_given
+        return grid
 
     def __repr__(self) -> str:
         axes = [f"{name}[{len(values)}]" for name, values in self.axes.items()]
