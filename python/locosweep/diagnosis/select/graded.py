@@ -24,7 +24,7 @@ from locosweep.diagnosis.estimate.least_squares import (
     start_fits,
 )
 from locosweep.diagnosis.estimate.rest import Rest, RestForce
-from locosweep.diagnosis.estimate.unseen import groups_of, without_each
+from locosweep.diagnosis.estimate.unseen import groups_of
 from locosweep.diagnosis.estimate.window_plan import REACH
 from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.descent import apart
@@ -32,6 +32,7 @@ from locosweep.diagnosis.select.extension import extend
 from locosweep.diagnosis.select.law_mismatch import UNLISTED
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.search import Collection, Found
+from locosweep.diagnosis.select.unseen_errors import seen_error, unseen_squares
 from locosweep.diagnosis.select.whiteness import inflation
 from locosweep.simulation.replay import effect
 
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from locosweep.diagnosis.estimate.least_squares import Fit
-    from locosweep.diagnosis.estimate.problem import Point, Problem
+    from locosweep.diagnosis.estimate.problem import Problem
     from locosweep.diagnosis.select.search import Search
 
     Floats = NDArray[np.float64]
@@ -51,8 +52,6 @@ _STEPS, _TOLERANCE = 15, 1.0
 apart."""
 _ROUNDS = 3
 """Times that the rest is found beside the likeliest fit, at most: few need more than one."""
-_FAR = 2.0
-"""Error on the runs that a fit has seen, over the smallest one, from which it is no rival."""
 _KNOWN = 1e-9
 """Part of the largest precision from which a run knows a direction of parameters."""
 
@@ -259,7 +258,10 @@ def _compared(
         if (new.size, new.time) == (rest.size, rest.time):
             break
     found = []
-    plain_rows, rows = _unseen(search, search.problem, plain), _unseen(search, problem, now)
+    plain_rows, rows = (
+        unseen_squares(search, search.problem, plain),
+        unseen_squares(search, problem, now),
+    )
     for i, (one, cost) in enumerate(zip(rests, price.tolist(), strict=True)):
         plainly = float(plain_rows[i].mean()) < float(rows[i].mean())
         fit, squares = (plain[i], plain_rows[i]) if plainly else (now[i], rows[i])
@@ -276,79 +278,15 @@ def _plainly(problem: Problem, base: Fit, fits: Sequence[Fit], error: float | No
     runs by more. The share is one of `error`, or of what `base` leaves.
     """
     (own,) = fit_all(problem, [base.unfitted()], steps=_STEPS, tolerance=_TOLERANCE)
-    (before,) = _seen(problem, [own])
+    (before,) = seen_error(problem, [own])
     most = max(before - limits.LEAST_SHARE * (before if error is None else error), 0.0)
     # Where more than noise is left, chi2 goes about with the square of the error.
     limit = own.chi2 * (most / before) ** 2 if before > 0.0 else np.inf
     starts = [replace(fit.unfitted(), limit=limit) for fit in fits]
     fitted = fit_all(problem, starts, steps=_STEPS, tolerance=_TOLERANCE)
     able = [replace(fit, limit=np.inf) for fit in fitted if np.isfinite(fit.chi2)]
-    able = [fit for fit, left in zip(able, _seen(problem, able), strict=True) if left <= most]
+    able = [fit for fit, left in zip(able, seen_error(problem, able), strict=True) if left <= most]
     return [own, *apart(sorted(able, key=chi2_of))]
-
-
-def _seen(problem: Problem, fits: Sequence[Fit]) -> list[float]:
-    """Return the root mean square error of x on the fitted runs, of each of some fits."""
-    errors = problem.position_errors(_points(problem, fits), problem.fitted)
-    return list(np.sqrt(np.nanmean(errors**2, axis=1)).tolist())
-
-
-def _unseen(search: Search, problem: Problem, fits: Sequence[Fit]) -> Floats:
-    """Return mean squared errors of x in blocks of runs that a fit has not seen, a row a fit.
-
-    Of the fitted runs each is left out in turn; those kept from fits count where they may judge.
-    What lies far behind on the runs that it has seen is not tried on others.
-    """
-    fitted = groups_of(problem, problem.fitted)
-    kept = groups_of(problem, problem.held) if search.judges else []
-    if len(fitted) < 2:
-        return _later_or_kept(problem, fits, kept or fitted)
-    groups = [*fitted, *kept]
-    blocks = -(-limits.UNSEEN_BLOCKS // len(groups))
-    seen = _block_errors(problem, [_points(problem, fits)] * len(groups), groups, blocks)
-    sizes = np.sqrt(seen.mean(axis=1))
-    near = [i for i in range(len(fits)) if i == 0 or sizes[i] <= _FAR * sizes.min()]
-    thetas = [without_each(problem, fits[i], fitted) for i in near]
-    points = [
-        [point_of(problem, fits[i], theta[g] if g < len(fitted) else None)
-         for i, theta in zip(near, thetas, strict=True)]
-        for g in range(len(groups))
-    ]  # fmt: skip
-    seen[near] = _block_errors(problem, points, groups, blocks)
-    return seen
-
-
-def _points(problem: Problem, fits: Sequence[Fit]) -> list[Point]:
-    return [point_of(problem, fit) for fit in fits]
-
-
-def _later_or_kept(problem: Problem, fits: Sequence[Fit], groups: Sequence[list[int]]) -> Floats:
-    """Return errors where only one run is fitted: of its last part, or of what was kept from it."""
-    points = [_points(problem, fits)] * len(groups)
-    if problem.train_fraction == 1.0:
-        return _block_errors(problem, points, groups, limits.UNSEEN_BLOCKS)
-    later = problem.of_all_samples()
-    own = np.flatnonzero(~problem.seen)
-    errors = later.position_errors(points[0], range(len(problem.runs)))[:, own]
-    parts = np.array_split(np.arange(own.size), limits.UNSEEN_BLOCKS)
-    rows = [np.nanmean(errors[:, part] ** 2, axis=1) for part in parts
-            if np.isfinite(errors[0, part]).any()]  # fmt: skip
-    if not rows:
-        return _block_errors(problem, points, groups, limits.UNSEEN_BLOCKS)
-    return np.array(rows).T
-
-
-def _block_errors(
-    problem: Problem, points: Sequence[Sequence[Point]], groups: Sequence[list[int]], blocks: int
-) -> Floats:
-    """Return mean squared errors of x in blocks of groups of runs, of points for each group."""
-    rows = []
-    for own, group in zip(points, groups, strict=True):
-        errors = problem.position_errors(own, group)
-        parts = np.array_split(np.arange(errors.shape[1]), blocks)
-        rows += [np.nanmean(errors[:, part] ** 2, axis=1) for part in parts
-                 if np.isfinite(errors[0, part]).any()]  # fmt: skip
-    return np.array(rows).T
 
 
 def _cause(now: _Compared, base: Fit, none: Candidate) -> Cause | None:
