@@ -7,10 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import diagnosis_small as small
+from diagnosis_search import fit_of, search_of
 from locosweep.diagnosis.effects.catalogue import parameters_of
 from locosweep.diagnosis.effects.scale import scale_of
 from locosweep.diagnosis.estimate.least_squares import Model, Nuisances, evaluate, start_fits
 from locosweep.diagnosis.estimate.problem import Problem
+from locosweep.diagnosis.select import reading_steps
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.reading_steps import stepped_readings
 from locosweep.files.robot import Robot
@@ -48,6 +51,21 @@ def found(runs: list[Run]) -> tuple[list[np.ndarray], list[tuple[float, float, i
 
 def test_noise_has_none() -> None:
     flags, findings = found(measured())
+    assert findings == []
+    assert not np.any(flags)
+
+
+def test_no_line_is_bent_where_jumps_do_worse_than_a_cause(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A large gap has a level for every reading: lines with as many bends took most of a
+    diagnosis."""
+
+    def bent(*_: object) -> float:
+        raise AssertionError
+
+    search = search_of(small.measured({"viscous_friction": {"c": 0.15}}), "viscous_friction")
+    best = fit_of(search, "viscous_friction", values=(0.1,))
+    monkeypatch.setattr(reading_steps, "_bent_line", bent)
+    flags, findings = stepped_readings(search.problem, search.none, best)
     assert findings == []
     assert not np.any(flags)
 

@@ -77,17 +77,15 @@ def stepped_readings(
     left = before.residual.copy()
     first = problem.channels.index("x") * problem.count
     found: list[_Levels] = []
-    bent, resting = 0.0, 0
+    resting = 0
     for r in every:
         a, b = int(problem.starts_at[r]), int(problem.starts_at[r + 1])
         at = np.flatnonzero(problem.weights["x"][a:b] > 0.0)
         own = _levels(at, left[first + a + at])
-        bent += _bent_line(left[first + a + at], own.cuts)
         nominal = problem.measured["x"][a:b][at] * problem.weights["x"][a:b][at]
         resting += _at_rest(own, nominal - left[first + a + at])
         for low, high, mean in zip(own.cuts, own.cuts[1:], own.means, strict=False):
             left[first + a + at[low:high]] -= mean
-        bent -= float(np.sum(left[first + a + at] ** 2))
         found.append(own)
     jumps = sum(own.jumps for own in found)
     price = _PRICE * jumps - PENALTY * len(best.model.free)
@@ -97,8 +95,14 @@ def stepped_readings(
     better = float(after.residual @ after.residual) - float(left @ left) - price
     if resting < max(_RESTING * jumps, _FEWEST) or better < LEAST_GAIN:
         return flags, []
+    if whiteness_test(problem, left, every).rejected:
+        return flags, []
+    bent = 0.0
+    for r, own in zip(every, found, strict=True):
+        at = first + int(problem.starts_at[r]) + own.at
+        bent += _bent_line(before.residual[at], own.cuts) - float(np.sum(left[at] ** 2))
     # The place of a jump is free, which the bends are not.
-    if bent < PENALTY * jumps or whiteness_test(problem, left, every).rejected:
+    if bent < PENALTY * jumps:
         return flags, []
     findings: list[Finding] = []
     for r, own in enumerate(found):
