@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -174,10 +175,15 @@ def _rescanned(search: Search, fit: Fit, least: float) -> Fit:
                 trials.append(fit.unfitted(theta))
         # The farthest of those that are as good: within a step of a threshold nothing changes.
         seen = sorted(evaluate(search.problem, trials[::-1], residuals=False), key=chi2_of)
-        starts = [one.unfitted() for one in seen[:PARTNERS] if one.chi2 < most]
+        worth = fit.chi2 - max(fit.chi2 - least, 0.0) / PARTNERS
+        starts = [
+            replace(one.unfitted(), limit=worth) for one in seen[:PARTNERS] if one.chi2 < most
+        ]
         end = min(fit_all(search.problem, starts, steps=search.steps), key=chi2_of, default=fit)
-        gain, fit = fit.chi2 - end.chi2, min(fit, end, key=chi2_of)
-        if gain <= 0.0 or gain < (fit.chi2 - least) / PARTNERS:
+        if end.chi2 >= fit.chi2:
+            break
+        gain, fit = fit.chi2 - end.chi2, replace(end, limit=np.inf)
+        if gain < (fit.chi2 - least) / PARTNERS:
             break
     return fit
 
