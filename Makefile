@@ -41,7 +41,7 @@ test: $(VENV)/built lint
 	cargo test $(CARGO_FLAGS) --workspace
 
 # What is left out above for its time, too: whole diagnoses that take seconds each, batteries
-# of robots and of pairs of effects, and benches as short as shows that they run.
+# of points, runs, robots and pairs of effects, and benches as short as shows that they run.
 test-all: test docs
 	LOCOSWEEP_SITE=$(CURDIR)/$(OUT)/docs $(PYTEST) -m slow tests
 	cargo test $(CARGO_FLAGS) --workspace -- --ignored

@@ -124,15 +124,18 @@ def peers(result: dict[str, Any]) -> Lines:
         "locosweep": "ours",
         "limit: plain fill": "fill",
         "numba": "numba",
+        "numba, formula rearranged by hand": "numba.folded numba.monotone",
         "JAX": "jax",
-        "NumPy": "numpy",
+        "NumPy, whole arrays": "numpy",
+        "NumPy, blocks in place": "numpy.blocked",
     }
     lines = [["work", *(f"{title}, ns per point" for title in columns)]]
     for work, ways in result["groups"].items():
         times = {(way["key"], way["threads"]): way["ns_per_point"] for way in ways}
         cells = []
-        for key in columns.values():
-            known = [f"{times[key, n]:.3g}" for n in (1, 2) if (key, n) in times]
+        for keys in columns.values():
+            of = [(key, n) for key in keys.split() for n in (1, 2)]
+            known = [f"{times[one]:.3g}" for one in of if one in times]
             cells.append(" / ".join(known) or "-")
         lines.append([work, *cells])
     held = result["memory"]

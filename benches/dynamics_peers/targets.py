@@ -131,7 +131,7 @@ def rates(found: Iterable[Rate], machine: Machine) -> list[Verdict]:
         least = machine.seconds(REPLAY) if kind == battery.EXACT else None
         verdicts.append(
             Verdict(
-                f"{count} effects, {kind}",
+                f"{count} effect{'s' if count > 1 else ''}, {kind}",
                 f"{rate:.2e}/s",
                 "none",
                 "-",

@@ -128,3 +128,22 @@ def test_a_threshold_that_comes_no_nearer_is_given_up(
     monkeypatch.setattr(extension, "fit_all", a_bit_better)
     _rescanned(search, stuck, stuck.chi2 - behind)
     assert len(made) == rounds
+
+
+def test_a_threshold_is_followed_only_where_it_may_gain_another_round(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    search = search_for({"drive_deadzone": {"d": 0.1}}, "drive_deadzone")
+    stuck = fit_of(search, "drive_deadzone", values=[0.0]).unfitted(np.zeros(1))
+    (stuck,) = evaluate(search.problem, [stuck])
+    limits: list[float] = []
+
+    def left(_: object, starts: list[Fit], **__: object) -> list[Fit]:
+        limits.extend(start.limit for start in starts)
+        return [replace(start, chi2=np.inf) for start in starts]
+
+    monkeypatch.setattr(extension, "fit_all", left)
+    behind = 0.5 * stuck.chi2
+    assert _rescanned(search, stuck, stuck.chi2 - behind) is stuck
+    assert limits == pytest.approx([stuck.chi2 - behind / PARTNERS] * len(limits))
+    assert limits

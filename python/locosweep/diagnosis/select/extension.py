@@ -175,6 +175,7 @@ def _rescanned(search: Search, fit: Fit, least: float) -> Fit:
                 trials.append(fit.unfitted(theta))
         # The farthest of those that are as good: within a step of a threshold nothing changes.
         seen = sorted(evaluate(search.problem, trials[::-1], residuals=False), key=chi2_of)
+        # What cannot come as far as another round asks for is not followed to its end.
         worth = fit.chi2 - max(fit.chi2 - least, 0.0) / PARTNERS
         starts = [
             replace(one.unfitted(), limit=worth) for one in seen[:PARTNERS] if one.chi2 < most
