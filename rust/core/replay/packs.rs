@@ -39,7 +39,7 @@ pub fn replay_pack(level: Level, group: Group) {
     run(level, group);
 }
 
-/// Columns that one task takes: the widest pack.
+/// Columns that one task takes: two packs.
 pub const PACK: usize = 16;
 
 /// Columns that share run, window and effects, at most `PACK` of them.
@@ -124,8 +124,10 @@ impl Task for Group<'_, '_, '_> {
     // Sixteen lanes wait for one another at more events. With eight, processor time of the
     // diagnoses of `benches/diagnosis.py` without a gap, with a lag and with Stribeck friction
     // was 8 to 20 % less, that with bristles 7 to 13 % more (two rounds each at
-    // `LOCOSWEEP_SIMD=avx2` and without, before this line stood here).
-    const AVX2_AT_MOST: bool = true;
+    // `LOCOSWEEP_SIMD=avx2` and without, when AVX-512 still had sixteen). Eight in one vector of
+    // AVX-512 take 0.60 to 1.06 of the time of eight in two of AVX2 (`cargo bench --bench dynamics
+    // -- replay`), and the five slowest of 400 diagnoses 0.72 to 0.81.
+    const EIGHT_LANES: bool = true;
 
     #[inline(always)]
     fn run<P: Pack>(self, token: P::Token) {

@@ -69,6 +69,9 @@ pub trait Task {
     /// Packs per register file: 4 vectors in flight where the loop carries a
     /// dependence (a running best), 2 where points are independent.
     const CHAINED: bool = false;
+    /// Packs of eight lanes at every level that has vectors: more of them would wait for one
+    /// another at events for longer than they save.
+    const EIGHT_LANES: bool = false;
     /// AVX2 will do above it: a kernel this large costs more to build than it saves.
     const AVX2_AT_MOST: bool = false;
     fn run<P: Pack>(self, token: P::Token) -> Self::Output;
@@ -104,7 +107,9 @@ pub fn run<T: Task>(level: Level, task: T) -> T::Output {
                     return simd.vectorize(
                         #[inline(always)]
                         || {
-                            if T::CHAINED {
+                            if T::EIGHT_LANES {
+                                task.run::<Pack1<_>>(simd)
+                            } else if T::CHAINED {
                                 task.run::<Pack4<_>>(simd)
                             } else {
                                 task.run::<Pack2<_>>(simd)
@@ -131,7 +136,13 @@ pub fn run<T: Task>(level: Level, task: T) -> T::Output {
         match fearless_simd::Level::new() {
             fearless_simd::Level::Neon(simd) => simd.vectorize(
                 #[inline(always)]
-                || task.run::<Pack2<_>>(simd),
+                || {
+                    if T::EIGHT_LANES {
+                        task.run::<Pack1<_>>(simd)
+                    } else {
+                        task.run::<Pack2<_>>(simd)
+                    }
+                },
             ),
             _ => unreachable!("every arm64 processor has NEON"),
         }

@@ -35,7 +35,7 @@ impl Request {
     }
 }
 
-/// Columns that one task takes, if no request has more: two packs, so that few lanes stay
+/// Columns that one task takes, if no request has more: four packs, so that few lanes stay
 /// empty whatever a request takes, and readings stay in a core's cache.
 const TASK: usize = 2 * PACK;
 

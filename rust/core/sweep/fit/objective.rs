@@ -32,7 +32,7 @@ pub struct OverSpans<'a> {
     pub spans: &'a [usize],
 }
 
-/// Trajectories of a pack of replays, at every level that has vectors (`AVX2_AT_MOST` of
+/// Trajectories of a pack of replays, at every level that has vectors (`EIGHT_LANES` of
 /// `replay/packs.rs`): fewer take as long.
 const LANES: usize = 8;
 
