@@ -121,62 +121,90 @@ def _keeps(problem: Problem, number: NDArray[np.intp], v: Floats, x: Floats) -> 
     return keeps
 
 
-def _hats(values: Floats, where: NDArray[np.bool_], knots: int = _KNOTS) -> Floats:
-    """Piecewise linear functions on knots at quantiles of the values that count."""
-    if where.sum() < 3 * knots:
-        return np.zeros((0, values.size))
-    edges = np.unique(np.quantile(values[where], np.linspace(0.0, 1.0, knots)))
-    if edges.size < 3:
-        return np.zeros((0, values.size))
-    below = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
-    with np.errstate(over="ignore"):
-        # A speed that dies away may leave edges nearer to each other than a quotient can say.
-        share = np.clip((values - edges[below]) / np.diff(edges)[below], 0.0, 1.0)
-    found = np.zeros((edges.size, values.size))
-    sample = np.arange(values.size)
-    found[below, sample] = 1.0 - share
-    found[below + 1, sample] = share
-    return found
+@dataclass(frozen=True)
+class Regressor:
+    """A variable along a motion: a law of it gives a force that is its height times a factor."""
+
+    values: Floats
+    where: NDArray[np.bool_]
+    """Samples where it acts."""
+    factor: Floats | float
+    knots: int = _KNOTS
+
+    def hats(self, edges: Floats | None = None) -> Floats:
+        """Return piecewise linear functions on knots, at quantiles of the values that count.
+
+        Nothing where they are too few, or too few values.
+        """
+        if edges is None:
+            if self.where.sum() < 3 * self.knots:
+                return np.zeros((0, self.values.size))
+            shares = np.linspace(0.0, 1.0, self.knots)
+            edges = np.unique(np.quantile(self.values[self.where], shares))
+        if edges.size < 3:
+            return np.zeros((0, self.values.size))
+        below = np.clip(np.searchsorted(edges, self.values, side="right") - 1, 0, edges.size - 2)
+        with np.errstate(over="ignore"):
+            # A speed that dies away may leave edges nearer to each other than a quotient can say.
+            share = np.clip((self.values - edges[below]) / np.diff(edges)[below], 0.0, 1.0)
+        found = np.zeros((edges.size, self.values.size))
+        sample = np.arange(self.values.size)
+        found[below, sample] = 1.0 - share
+        found[below + 1, sample] = share
+        return np.asarray(found * self.factor)
 
 
-def terms_of(variable: str, m: Motion) -> tuple[list[Floats], bool]:
-    """Basis functions along a motion in groups of one smooth law, and whether they are forces."""
+def regressors(variable: str, m: Motion) -> list[Regressor]:
+    """Return a variable along a motion, one regressor for each smooth law that it has."""
     moving, every = m.v != 0.0, np.ones(m.v.size, dtype=bool)
     forward, backward = m.v > 0.0, m.v < 0.0
     sign = np.sign(m.v)
     match variable:
         case "speed":
-            return [_hats(m.v, forward) * forward, _hats(m.v, backward) * backward], True
+            return [Regressor(m.v, way, way.astype(float)) for way in (forward, backward)]
         case "place":
-            return [_hats(m.x, moving, _KNOTS_ALONG) * sign], True
+            return [Regressor(m.x, moving, sign, _KNOTS_ALONG)]
         case "terrain":
-            return [_hats(m.x, moving)], True
+            return [Regressor(m.x, moving, 1.0)]
         case "load":
-            return [_hats(np.abs(m.force), moving) * sign], True
+            return [Regressor(np.abs(m.force), moving, sign)]
         case "time":
-            return [_hats(m.t, moving) * sign], True
+            return [Regressor(m.t, moving, sign)]
         case "swept":
-            return [_hats(m.swept, forward) * forward], True
+            return [Regressor(m.swept, forward, forward.astype(float))]
         case "turned":
-            return [_hats(m.turned, forward) * forward, _hats(m.turned, backward) * backward], True
+            return [Regressor(m.turned, way, way.astype(float)) for way in (forward, backward)]
         case "drive":
-            return [_hats(m.drive, moving, _KNOTS_BENT)], True
-        case "change":
-            return _changes(m), True
+            return [Regressor(m.drive, moving, 1.0, _KNOTS_BENT)]
         case "sag":
-            return [_hats(m.t, moving) * m.drive], True
+            return [Regressor(m.t, moving, m.drive)]
         case "acceleration":
             rate = np.gradient(m.v, m.t + m.run * (m.t.max() + 1.0))
-            return [_hats(rate, moving), sign[None, :]], True
+            return [Regressor(rate, moving, 1.0)]
+        case "reading":
+            return [Regressor(way, moving, 1.0, _KNOTS_BENT) for way in _ways(m)]
+        case "clock":
+            return [Regressor(m.t, every, 1.0)]
+        case "late":
+            return [Regressor(m.v, every, 1.0)]
+    return []
+
+
+READINGS = ("reading", "clock", "late")
+"""Variables of errors of the reading, not of forces."""
+
+
+def terms_of(variable: str, m: Motion) -> tuple[list[Floats], bool]:
+    """Basis functions along a motion in groups of one smooth law, and whether they are forces."""
+    match variable:
+        case "change":
+            return _changes(m), True
         case "history":
             return _history(m), True
-        case "reading":
-            return _readings(m), False
-        case "clock":
-            return [_hats(m.t, every)], False
-        case "late":
-            return [_hats(m.v, every)], False
-    return [], True
+    groups = [one.hats() for one in regressors(variable, m)]
+    if variable == "acceleration":
+        groups.append(np.sign(m.v)[None, :])
+    return groups, variable not in READINGS
 
 
 def _history(m: Motion) -> list[Floats]:
@@ -213,15 +241,14 @@ def _changes(m: Motion) -> list[Floats]:
     return found
 
 
-def _readings(m: Motion) -> list[Floats]:
-    """Errors by the way since a run began, as of a scale, and by the place where they differ.
+def _ways(m: Motion) -> list[Floats]:
+    """Return the way since a run began, as a scale has it, and the place where they differ.
 
     Knots are where the head moves: at rest it may be in few places for most of the time.
     """
     first = np.flatnonzero(np.diff(m.run, prepend=-1))
     moved = m.x - np.repeat(m.x[first], np.diff(first, append=m.x.size))
-    ways = [moved] if np.ptp(m.x[first]) == 0.0 else [moved, m.x]
-    return [_hats(way, m.v != 0.0, _KNOTS_BENT) for way in ways]
+    return [moved] if np.ptp(m.x[first]) == 0.0 else [moved, m.x]
 
 
 def response(forces: Floats, m: Motion) -> tuple[Floats, Floats]:
