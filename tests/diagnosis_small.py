@@ -53,6 +53,24 @@ def measured(
     return found
 
 
+STIFFNESS = 0.002
+"""Of the spring in `tethered`, N/m."""
+
+
+def tethered(count: int = 4, stiffness: float = STIFFNESS) -> list[Run]:
+    """Return runs that a spring pulls back to their start, told without it."""
+    runs, real = driven(count), driven(count)
+    for _ in range(4):
+        # The force of the way that the head goes, found by a few rounds.
+        there = measured({}, real, noise=0.0)
+        real = [
+            replace(told, drive=told.drive - stiffness * run.channels["x"])
+            for told, run in zip(runs, there, strict=True)
+        ]
+    read = measured({}, real)
+    return [replace(run, drive=told.drive) for run, told in zip(read, runs, strict=True)]
+
+
 def problem(runs: Sequence[Run], robot: Robot = ROBOT, **changes: object) -> Problem:
     """Return the runs against the robot's model."""
     return Problem(robot, list(runs), 1, **changes)  # type: ignore[arg-type]

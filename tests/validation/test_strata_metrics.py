@@ -49,6 +49,24 @@ def test_a_gap_that_nobody_sees_is_no_success() -> None:
     assert found["no gap seen, and no fault of the readings"].value == 0.5
 
 
+def test_a_cause_outside_the_list_is_said_to_look_like_its_own_variable() -> None:
+    truth = {"case": "a", "kind": "outside", "plan": {"mode": "both"}, "channels": ["x"], "d": 30.0,
+             "effects": [], "accepted": [], "outside": {"name": "tether"}}  # fmt: skip
+
+    def looks(variable: str | None, status: str = "unexplained") -> bool | None:
+        verdict = {"status": status, "effects": [], "equivalent": [], "probability": 0.9,
+                   "unlisted": variable and {"variable": variable}}  # fmt: skip
+        report = {"verdict": verdict, "where": {"windows": []}, "gap": {"shrink_ci": None}}
+        return judge(truth, report).looks_right
+
+    assert looks("place") is True
+    assert looks("time") is False
+    assert looks(None) is False
+    assert looks("place", "none") is None
+    truth["outside"] = {"name": "reading_slips"}
+    assert looks("place") is None
+
+
 def test_a_fault_of_the_readings_that_is_found_is_no_gap() -> None:
     frozen = replace(OUTSIDE, status="none", family="reading_freezes", as_reading=True)
     missed = replace(frozen, as_reading=False, right=False)

@@ -19,7 +19,7 @@ from locosweep.diagnosis.data.readings.drive_spikes import check_drives
 from locosweep.diagnosis.data.readings.find import Checked, check_readings
 from locosweep.diagnosis.data.readings.finding import sentences
 from locosweep.diagnosis.design.next_experiment import both_ways, next_experiment, once_more
-from locosweep.diagnosis.effects.catalogue import candidates
+from locosweep.diagnosis.effects.catalogue import VARIABLES, candidates
 from locosweep.diagnosis.effects.scale import scale_of
 from locosweep.diagnosis.estimate.equation_error import EquationError, equation_error
 from locosweep.diagnosis.estimate.initial_state import initial_states
@@ -44,7 +44,7 @@ from locosweep.diagnosis.select.graded import (
     refitted,
 )
 from locosweep.diagnosis.select.isolated import isolated_readings
-from locosweep.diagnosis.select.law_mismatch import BY_PLACE, BY_TIME
+from locosweep.diagnosis.select.law_mismatch import ALONG, BY_PLACE, BY_TIME
 from locosweep.diagnosis.select.reading_steps import stepped_readings
 from locosweep.diagnosis.select.search import Search
 from locosweep.diagnosis.select.verdict import Choice, choose, kept_may_show_a_gap, partial_choice
@@ -157,7 +157,8 @@ def diagnose(
         checked, data, selected = _without_late_findings(
             checked, data, selected, lambda left: _if_enough(robot, left, held, workers), task
         )
-    next_run = _next_experiment(selected, data)
+    alike = _like_an_unlisted_force(selected, data)
+    next_run = _next_experiment(selected, data, alike)
     say("where the gap lies")
     judged = data.whole if data.plan else selected.search.problem
     found = Findings(
@@ -171,6 +172,7 @@ def diagnose(
         left_out=left_out,
         readings=checked.findings,
         unlisted=selected.unlisted,
+        alike=alike,
         warnings=(*notices, *data.warnings, *selected.warnings),
     )
     asked = {
@@ -422,11 +424,23 @@ def _search_of(
     return Search(problem, nuisances, scale, task.names, task.say, judges=judges, along=along)
 
 
-def _next_experiment(selected: _Selected, data: _Data) -> dict[str, Any]:
+def _like_an_unlisted_force(selected: _Selected, data: _Data) -> str:
+    """Return the variable of a force that no effect stands for and that does the same as a cause.
+
+    Where no place is passed in both directions, friction along the way and a force by place are
+    one, however likely either is.
+    """
+    named = selected.choice.classes
+    if not any(VARIABLES.get(name) == ALONG for alike in named for name in alike):
+        return ""
+    return BY_PLACE if both_ways(data.whole)["suggestion"] else ""
+
+
+def _next_experiment(selected: _Selected, data: _Data, alike: str) -> dict[str, Any]:
     """Say which further run would separate what ties."""
     search, choice = selected.search, selected.choice
     fits = choice.tied
-    if selected.unlisted == BY_PLACE:
+    if selected.unlisted == BY_PLACE or (alike == BY_PLACE and len(fits) < 2):
         return both_ways(data.whole)
     if selected.unlisted == BY_TIME:
         return once_more(data.whole)

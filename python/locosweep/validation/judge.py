@@ -13,6 +13,11 @@ NAMING = ("explained", "ambiguous", "partial")
 """Statuses of verdicts that name effects."""
 OF_READINGS = ("reading_freezes", "reading_slips")
 """Disturbances of the readings alone: found before any fit, they leave no gap to explain."""
+LOOKS = {
+    **dict.fromkeys(("tether", "magnet", "wall", "cable_reel", "sagging_rail"), "place"),
+    **dict.fromkeys(("periodic_push", "coloured_push", "gusts", "rocking", "mains_hum"), "time"),
+}
+"""Variables of the forces that some disturbances are."""
 SURE_TWIN = 2.0
 """Standard deviations below which a rival is certainly indistinguishable from the truth."""
 
@@ -53,6 +58,9 @@ class Judged:
         the verdict names no cause, or one that copies the disturbance.
     as_reading : bool
         A fault of the readings was found as such, and no cause is named.
+    looks_right : bool or None
+        A cause outside the list is said to look like a force by its own variable; None of causes
+        that are no force by one (`LOOKS`), and where a cause is named.
     exact : bool
         The verdict names the true effects, each alone in its class.
     named, single_name : bool
@@ -105,6 +113,7 @@ class Judged:
     next_possible: bool | None = None
     times: float = float("nan")
     as_reading: bool = False
+    looks_right: bool | None = None
 
     @property
     def detected(self) -> bool:
@@ -200,6 +209,14 @@ def window_share(truth: dict[str, Any], report: dict[str, Any]) -> float | None:
     return held / best if best > 0.0 else None
 
 
+def _looks_right(outside: str | None, verdict: dict[str, Any]) -> bool | None:
+    """Return whether a cause outside the list looks like what it is."""
+    if outside not in LOOKS or verdict["status"] != "unexplained":
+        return None
+    like = verdict.get("unlisted")
+    return bool(like and like["variable"] == LOOKS[outside])
+
+
 def judge(
     truth: dict[str, Any],
     report: dict[str, Any] | None,
@@ -247,6 +264,7 @@ def judge(
         probability=float(verdict["probability"] or 0.0),
         right=_right(truth, verdict) or as_reading,
         as_reading=as_reading,
+        looks_right=_looks_right(outside, verdict),
         one_right=named and _one_right(truth, verdict),
         exact=sorted(said) == sorted(names) and all(len(c) == 1 for c in verdict["equivalent"]),
         named=named,

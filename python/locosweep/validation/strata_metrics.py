@@ -86,6 +86,8 @@ def stratum_figures(name: str, judged: Sequence[Judged]) -> list[Figure]:
                   (case.named and not case.right for case in new)),
             share("no gap seen, and no fault of the readings",
                   (case.status == "none" and not case.as_reading for case in plain)),
+            share("told what it looks like: the right variable, of forces by place or time",
+                  (case.looks_right for case in plain if case.looks_right is not None)),
             share("frozen or slipped readings: found as such, no cause named",
                   (case.as_reading for case in plain if case.family in OF_READINGS)),
             *_common(judged),

@@ -9,7 +9,8 @@ from locosweep.diagnosis.report.sentences import advice, no_gap, shortfall, summ
 
 def report(status: str, *classes: list[str], **more: Any) -> dict[str, Any]:
     verdict = {"status": status, "probability": 0.93, "equivalent": list(classes),
-               "law_mismatch": False, "unlisted": None}  # fmt: skip
+               "law_mismatch": False, "unlisted": None,
+               "laws": []}  # fmt: skip
     gap = {"channel": "x", "unit": "m", "before": 2e-3, "after": 1.1e-5, "noise_floor": 1e-5,
            "shrink": 0.9945}  # fmt: skip
     gap |= more.pop("gap", {})
@@ -98,14 +99,27 @@ class TestUnexplained:
         assert "drive lag" in summary(report("unexplained", candidates=rows))
 
     def test_a_force_that_is_in_no_list(self) -> None:
-        unlisted = {"family": "force by place, both ways alike", "like": "a tether"}
+        unlisted = {"family": "force by place, both ways alike", "like": "a tether",
+                    "outdoes": True, "formula": "-3 N/m of x", "share": 0.83}  # fmt: skip
         rows = [{"effects": ["drive_lag"], "shrink": 0.4}]
         text = summary(report("unexplained", verdict={"unlisted": unlisted}, candidates=rows))
         assert "as well as a force by place, both ways alike, as of a tether, does" in text
+        assert "(-3 N/m of x; takes away 83% of the error)" in text
         # A single effect may come down to the noise as well.
         assert "nearest comes drive lag (" in text
         assert shortfall({"unlisted": unlisted}) == "does less than a force in no list"
-        assert shortfall({"unlisted": None}) == "leaves more than noise"
+        like = unlisted | {"outdoes": False}
+        text = summary(report("unexplained", verdict={"unlisted": like}))
+        assert (
+            "it looks most like a force by place, both ways alike, as of a tether (-3 N/m" in text
+        )
+        for other in (None, like):
+            assert shortfall({"unlisted": other}) == "leaves more than noise"
+
+    def test_a_law_as_it_was_found(self) -> None:
+        law = {"formula": "2 N beyond x = 3 mm", "share": None}
+        text = summary(report("explained", verdict={"law_mismatch": True, "laws": [law]}))
+        assert "by another law than the usual formula (2 N beyond x = 3 mm)" in text
 
 
 class TestPartial:

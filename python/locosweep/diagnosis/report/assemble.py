@@ -28,11 +28,12 @@ from locosweep.diagnosis.report.contributions import (
 from locosweep.diagnosis.report.free_runs import errors_by_length
 from locosweep.diagnosis.report.identifiability import not_visible
 from locosweep.diagnosis.report.improvement import gap_of, reduction
+from locosweep.diagnosis.report.laws_found import laws_of_causes, unlisted_entry
 from locosweep.diagnosis.report.model_file import calibrated
 from locosweep.diagnosis.report.result import Diagnosis, Trace
 from locosweep.diagnosis.report.units import rotary_unit
 from locosweep.diagnosis.report.windowed import report_windows
-from locosweep.diagnosis.select.shape import shape_of, shapes, unlisted_of
+from locosweep.diagnosis.select.shape import shape_of, shapes
 from locosweep.diagnosis.select.stepwise import without
 from locosweep.files.robot import Robot
 from locosweep.simulation.replay import effect
@@ -97,6 +98,8 @@ class Findings:
     """Faults of readings."""
     unlisted: str = ""
     """Variable of a force that no effect stands for and that does better than any, if any."""
+    alike: str = ""
+    """Variable of such a force that would do the same as a cause in these runs, if any."""
 
     @property
     def named(self) -> bool:
@@ -148,7 +151,8 @@ def assemble(found: Findings, source: Source) -> Diagnosis:
         "law_mismatch": choice.law_mismatch,
         "contributions": shares,
         "remaining": _remaining(found, gap),
-        "unlisted": unlisted_of(found.unlisted, None) if found.unlisted else None,
+        "unlisted": unlisted_entry(found),
+        "laws": laws_of_causes(found),
         "summary": "",
     }
     report: dict[str, Any] = {

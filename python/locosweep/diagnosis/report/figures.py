@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from locosweep.diagnosis.report.figures_cause import candidates, contributions, horizons, parameters
+from locosweep.diagnosis.report.figures_law import law
 from locosweep.diagnosis.report.figures_localization import force_view, shares, where_in_time
 from locosweep.diagnosis.report.figures_motion import runs_large, runs_small
 
@@ -22,6 +23,7 @@ FILES: dict[str, Callable[[Diagnosis], Figure | None]] = {
     "shares.png": shares,
     "force_view.png": force_view,
     "contributions.png": contributions,
+    "law.png": law,
     "candidates.png": candidates,
     "parameters.png": parameters,
     "horizons.png": horizons,

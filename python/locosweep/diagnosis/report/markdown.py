@@ -6,7 +6,7 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from locosweep.diagnosis.report.figures_style import unit_text, words
-from locosweep.diagnosis.report.sentences import advice, shortfall
+from locosweep.diagnosis.report.sentences import advice, family, found_law, shortfall
 from locosweep.diagnosis.report.units import WIDE, rounded
 from locosweep.diagnosis.report.written import (
     HEADLINES,
@@ -42,11 +42,16 @@ def markdown(diagnosis: Diagnosis) -> str:
         short = shortfall(d.report["verdict"])
         parts.append(f"No effect is named: what comes nearest {short}, and is no cause.")
     if d.unlisted:
-        parts.append(_text(f"A cause that is in no list does better than any known effect: a "
-                           f"{d.unlisted['family']}, as of {d.unlisted['like']}."))  # fmt: skip
+        said = "In these runs the same would come from" if d.effects else "The gap looks most like"
+        if d.unlisted["outdoes"]:
+            said = "A cause that is in no list does better than any known effect:"
+        force = f"{family(d.unlisted)}, as of {d.unlisted['like']}"
+        parts.append(_text(f"{said} {force}{found_law(d.unlisted)}."))
     if d.law_mismatch:
         parts.append("The cause acts through the variable of this effect, but by another law than "
                      "its formula: the values are those of the nearest formula.")  # fmt: skip
+        parts += [_text(f"The law of {words(law['effect'])} by {law['variable']}, as found"
+                        f"{text}.") for law in d.laws if (text := found_law(law))]  # fmt: skip
     if suggestion := d.next_experiment.get("suggestion"):
         parts += ["### Next experiment", _text(suggestion)]
     if d.warnings:

@@ -13,7 +13,7 @@ from locosweep.diagnosis.report.curves import curves
 from locosweep.diagnosis.report.figures_cause import leading
 from locosweep.diagnosis.report.figures_motion import runs_small
 from locosweep.diagnosis.report.figures_style import unit_text, words
-from locosweep.diagnosis.report.sentences import advice, shortfall
+from locosweep.diagnosis.report.sentences import advice, family, found_law, shortfall
 from locosweep.diagnosis.report.units import WIDE, rotary_unit, rounded
 from locosweep.diagnosis.report.written import HEADLINES, interval, number, percent, plain, sizes
 from locosweep.files.robot import is_rotary
@@ -93,7 +93,8 @@ def short(diagnosis: Diagnosis) -> str:
 def _environment() -> jinja2.Environment:
     made = templates("locosweep.diagnosis.report")
     made.filters |= {"number": number, "percent": percent, "words": words, "meaning": _meaning,
-                     "plain": plain, "names": _names, "sure": _sure}  # fmt: skip
+                     "plain": plain, "names": _names, "sure": _sure,
+                     "family": family, "found_law": found_law}  # fmt: skip
     # Text from a file may hold characters that are not seen but turn text round.
     made.finalize = lambda value: plain(value) if type(value) is str else value
     return made

@@ -131,6 +131,11 @@ class Diagnosis:
         return None if found is None else dict(found)
 
     @property
+    def laws(self) -> list[dict[str, Any]]:
+        """Causes by another law than their formula: `effect`, `variable`, `formula`, `curve`."""
+        return list(self.report["verdict"]["laws"])
+
+    @property
     def summary(self) -> str:
         """The verdict in a sentence."""
         return str(self.report["verdict"]["summary"])

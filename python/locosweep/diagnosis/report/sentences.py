@@ -76,21 +76,27 @@ def summary(report: dict[str, Any]) -> str:
         near = ""
         if best and best["shrink"] is not None:
             near = f"; nearest comes {' with '.join(map(_said, best['effects']))}"
+        like = ""
         if unlisted := verdict["unlisted"]:
-            force = f"a {unlisted['family']}, as of {unlisted['like']}"
-            return (
-                f"No known effect accounts for the gap as well as {force}, does: {size}{near} "
-                f"({sure} sure)."
-            )
+            force = f"{family(unlisted)}, as of {unlisted['like']}"
+            like = f"; it looks most like {force}{found_law(unlisted)}"
+            if unlisted["outdoes"]:
+                return (
+                    f"No known effect accounts for the gap as well as {force}, does"
+                    f"{found_law(unlisted)}: {size}{near} ({sure} sure)."
+                )
         near += f", which {shortfall(verdict)}" if near else ""
-        return f"A gap is there that no known effect accounts for: {size}{near} ({sure} sure)."
+        return (
+            f"A gap is there that no known effect accounts for: {size}{like}{near} ({sure} sure)."
+        )
     if verdict["status"] == "partial":
         return _partial(report, sure)
     causes = [" or ".join(_said(n) for n in names) for names in verdict["equivalent"]]
     cause = " and ".join(f"({c})" if " or " in c and len(causes) > 1 else c for c in causes)
     text = f"The gap comes from {cause}"
     if verdict["law_mismatch"]:
-        text = f"The gap may come from {cause}, by another law than the usual formula"
+        found = " and ".join(text for law in verdict["laws"] if (text := found_law(law)))
+        text = f"The gap may come from {cause}, by another law than the usual formula{found}"
     if gap["shrink"] is not None:
         them = "it" if len(causes) == 1 else "them"
         before, after, noise = (sized(gap[key], gap["unit"])
@@ -99,12 +105,42 @@ def summary(report: dict[str, Any]) -> str:
         text += f" (noise {noise})"
     if verdict["status"] == "ambiguous":
         text += "; these runs cannot tell which"
+    if unlisted := verdict["unlisted"]:
+        text += f"; {family(unlisted)}, as of {unlisted['like']}, would do the same in these runs"
     return f"{text} ({sure} sure)."
+
+
+def family(unlisted: dict[str, Any]) -> str:
+    """Return the family of a force in no list, with its article where it takes one."""
+    words = str(unlisted["family"])
+    return f"a {words}" if words.split()[0] in ("force", "drive", "reading") else words
+
+
+def found_law(law: dict[str, Any]) -> str:
+    """Return the formula of a law in brackets, and what it takes away on unseen runs, if known.
+
+    Examples
+    --------
+    >>> from locosweep.diagnosis.report.sentences import found_law
+    >>> found_law({"formula": "(3.1 ± 0.2) N/m beyond x = 0.21 m", "share": 0.83})
+    ' ((3.1 ± 0.2) N/m beyond x = 0.21 m; takes away 83% of the error)'
+    >>> found_law({"formula": None, "share": None})
+    ''
+    """
+    parts = [] if law["formula"] is None else [law["formula"]]
+    if law["share"] is not None and law["share"] > 0.0:
+        parts.append(f"takes away {law['share']:.0%} of the error")
+    return f" ({'; '.join(parts)})" if parts else ""
 
 
 def shortfall(verdict: dict[str, Any]) -> str:
     """Return why the set that comes nearest is no cause, where nothing explains the gap."""
-    return "does less than a force in no list" if verdict["unlisted"] else "leaves more than noise"
+    return "does less than a force in no list" if outdone(verdict) else "leaves more than noise"
+
+
+def outdone(verdict: dict[str, Any]) -> bool:
+    """Return whether a force in no list does better than any effect."""
+    return bool(verdict["unlisted"] and verdict["unlisted"]["outdoes"])
 
 
 def advice(report: dict[str, Any]) -> str:

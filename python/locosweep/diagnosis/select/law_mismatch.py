@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING
 
@@ -10,12 +9,12 @@ import numpy as np
 from scipy.special import ndtr
 
 from locosweep.diagnosis.effects.catalogue import FURTHER, VARIABLES, own_variables
-from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all, point_of
-from locosweep.diagnosis.estimate.problem import ReplayMeter
+from locosweep.diagnosis.estimate.least_squares import Fit, fit_all, point_of
 from locosweep.diagnosis.estimate.rest import RestForce
 from locosweep.diagnosis.estimate.validation import validation_residuals
 from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
+from locosweep.diagnosis.select.prediction import on_all_runs
 from locosweep.diagnosis.select.whiteness import noise_level, whiteness_test
 
 if TYPE_CHECKING:
@@ -34,10 +33,11 @@ _MOST_TRIED = 10
 """Such fits at most, with those by other variables."""
 _TRIED_NEXT = 3
 """Variables beside a fit whose effects are tried next."""
-BY_PLACE = "terrain"
+ALONG, BY_PLACE = "place", "terrain"
 UNLISTED = (BY_PLACE, "acceleration")
 """Variables of forces that no effect stands for: the position in either direction, as of a tether,
-a magnet or a wall, and the acceleration."""
+a magnet or a wall, and the acceleration. Friction `ALONG` the way is a force by place as well, but
+turns round with the motion."""
 BY_TIME = "push"
 """Variable of a force that no effect stands for, either: the time, other in each run."""
 
@@ -107,17 +107,7 @@ def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool
     single runs. And one law for all runs needs about as large a log Bayes factor as one of its
     own in each.
     """
-    whole = replace(problem, held=(), initial=problem.starts, meter=ReplayMeter())
-    # Runs kept from the fit may start in motion, too.
-    moving = fit.nuisances.moving
-    late = tuple(r for r in problem.starts.moving if r in problem.held and r not in moving)
-    at = len(fit.model.free) + len(fit.nuisances.uncertain) + len(moving)
-    same = Fit(
-        fit.model,
-        replace(fit.nuisances, moving=(*moving, *late)),
-        np.insert(fit.theta, [at] * len(late), 0.0),
-    )
-    (same,) = fit_all(whole, [same], steps=8) if late else evaluate(whole, [same])
+    whole, same = on_all_runs(problem, fit)
     terms = NonparametricCorrection(whole, same)
     if (
         terms.log_bayes_factor(own, noise)
@@ -190,8 +180,10 @@ def formula_share(search: Search, fit: Fit) -> float:
 
 def unlisted_rival(
     search: Search, known: Collection, found: Fit, score: float, *, mismatch: bool
-) -> str:
+) -> tuple[str, Fit]:
     """Return the variable of a force that no effect stands for and that refutes a set, if any.
+
+    And the model beside which it does that best.
 
     It has to do better than one of several effects beside the others; as well as all of them, or
     as another law of an effect, is enough, being one cause by a force as free. A single effect by
@@ -206,19 +198,23 @@ def unlisted_rival(
     variables = UNLISTED if single else (BY_PLACE,)
     sets = dict.fromkeys([frozenset[str](), *(names - {name} for name in names)])
     noise = noise_level(search.problem, found.residual)
-    ahead = {"": 0.0}
+    ahead, beside = {"": 0.0}, {"": search.none}
     for fit in (known.fits[key] for key in sets if key in known.fits):
         margin = 0.0 if fit.model.names else alone
         terms = NonparametricCorrection(search.problem, fit)
         for variable in variables:
             gain = terms.log_bayes_factor([variable], noise) * noise
             by = score + margin - (search.score(fit) - gain)
-            ahead[variable] = max(ahead.get(variable, by), by)
+            if by >= ahead.get(variable, by):
+                ahead[variable], beside[variable] = by, fit
     best = max(ahead, key=lambda variable: ahead[variable])
+    if best:
+        return best, beside[best]
     # What the rig does comes again in each run, so that one law is likelier than a force in each.
     pushed = RestForce(search.problem).log_bayes_factor(search.none.unfitted())
     ahead_by = pushed - (search.score(search.none) - score)
-    return best or (BY_TIME if ahead_by >= (limits.WIDER_LAW_GAIN if single else 0.0) else "")
+    likelier = ahead_by >= (limits.WIDER_LAW_GAIN if single else 0.0)
+    return BY_TIME if likelier else "", search.none
 
 
 def without_bending_effect(

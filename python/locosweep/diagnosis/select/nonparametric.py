@@ -164,7 +164,7 @@ class NonparametricCorrection:
             shared = along @ self.gram[np.ix_(beside, rows)]
             gram = gram - shared.T @ shared
             moments = moments - shared.T @ (along @ self.moments[beside])
-        return _likeliest(root.T @ gram @ root / noise, root.T @ moments / noise)
+        return likeliest(root.T @ gram @ root / noise, root.T @ moments / noise)
 
     def log_bayes_factor_by_run(self, variables: Sequence[str], noise: float) -> float:
         """Return the log Bayes factor of a correction of its own in every run, all as smooth.
@@ -184,7 +184,7 @@ class NonparametricCorrection:
         beside = np.vstack(shared)
         gram = block_diag(*grams) - beside @ beside.T
         moment = np.concatenate(moments) - beside @ (fitted.T @ self.residual)
-        return _likeliest(gram / noise, moment / noise)[1]
+        return likeliest(gram / noise, moment / noise)[1]
 
     def corrected_residual(self, variables: Sequence[str]) -> Floats:
         """Return the residual less the fitted correction in some variables."""
@@ -282,7 +282,7 @@ def _negative_log_density(
     return square + float(np.linalg.slogdet(both)[1] - np.linalg.slogdet(known)[1])
 
 
-def _likeliest(gram: Floats, moments: Floats) -> tuple[float, float]:
+def likeliest(gram: Floats, moments: Floats) -> tuple[float, float]:
     """Return the likeliest factor on terms' deviations and its log Bayes factor, as a chi2."""
     values, vectors = np.linalg.eigh(gram)
     keep = values > 1e-8 * max(values[-1], 1e-300)

@@ -59,6 +59,8 @@ class Choice:
     """Gain of the best further effect: not enough, or not where it is fitted."""
     unlisted: str = ""
     """Variable of a force that no effect stands for, and that refutes those that were found."""
+    beside: Fit | None = None
+    """The model beside which that force does so."""
     missed: bool = False
     """True if the fit leaves of the runs kept from it more than the others show."""
 
@@ -170,9 +172,9 @@ def choose(search: Search, most: int) -> Choice:
         choice = Choice("unexplained", found, known, whiteness, shape=rest)
         return _with_ranks(search, choice, tried)
     score = search.score(found) if score is None else score
-    unlisted = unlisted_rival(search, known, found, score, mismatch=mismatch)
+    unlisted, beside = unlisted_rival(search, known, found, score, mismatch=mismatch)
     if unlisted:
-        choice = Choice("unexplained", found, known, whiteness, unlisted=unlisted)
+        choice = Choice("unexplained", found, known, whiteness, unlisted=unlisted, beside=beside)
         return _with_ranks(search, choice, tried)
     if mismatch and not is_law_of(search, found):
         choice = Choice("unexplained", found, known, whiteness, shape=remaining(problem, found))

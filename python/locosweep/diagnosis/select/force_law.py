@@ -1,0 +1,164 @@
+"""The law of one variable that a model lacks: its curve, a formula, and what it takes away.
+
+A force (or a shift of the reading) that is any smooth function of a variable is found beside a
+fitted model, to first order along its motion: a Gaussian process on evenly spaced knots.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from locosweep.diagnosis.estimate.least_squares import evaluate, jacobian_of, point_of
+from locosweep.diagnosis.estimate.motion import READINGS, Regressor, motion_of, regressors, response
+from locosweep.diagnosis.select.law_forms import Found, shortest
+from locosweep.diagnosis.select.nonparametric import likeliest
+from locosweep.diagnosis.select.shape import KINDS
+from locosweep.diagnosis.select.whiteness import noise_level
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from locosweep.diagnosis.estimate.least_squares import Fit
+    from locosweep.diagnosis.estimate.motion import Motion
+    from locosweep.diagnosis.estimate.problem import Problem
+
+    Floats = NDArray[np.float64]
+
+_KNOTS = 41
+"""Knots of a law that is drawn: bends between two of them are not seen in a picture."""
+_SMOOTH = 1.0 / 8.0
+"""Length scale of the process in the variable's range: as wide as between two of nine knots."""
+_LEVEL = 3.0
+"""Deviation of the law's level, and of its rise over half of the range, in that of its bends: a law
+of friction is seldom 0 on average."""
+_ROUNDS = 12
+"""Replays of a force by place, at most: of those that settle, few take more than six."""
+_HOLDS = 0.9
+"""Share of the fall of chi2 under the free curve from which a formula says what the law is: a
+tenth of the squares is a third of the error."""
+
+
+@dataclass(frozen=True, eq=False)
+class ForceLaw:
+    """A law that a model lacks."""
+
+    variable: str
+    """Of `KINDS`."""
+    at: Floats
+    """Values of the variable."""
+    size: Floats
+    """The law there: a force along x, a resistance where it is odd, an error of the reading."""
+    deviation: Floats
+    found: Found | None
+    """The formula, where one holds."""
+    log_factor: float = 0.0
+    """Log Bayes factor of the law, on the scale of chi2."""
+    share: float | None = None
+    """Of the error on unseen runs that it takes away, where that is known."""
+
+
+def force_law(problem: Problem, fit: Fit, variable: str) -> ForceLaw | None:
+    """Return the law of a variable that a model lacks; None where the motion shows none."""
+    (fit,) = evaluate(problem, [fit.unfitted()])
+    one = _whole_law(variable, motion := motion_of(problem, fit))
+    if one is None:
+        return None
+    low, high = one.values[one.where].min(), one.values[one.where].max()
+    at = np.linspace(low, high, _KNOTS)
+    rows = _responses(
+        problem, one.hats(at), motion, fit.residual.size, reading=variable in READINGS
+    )
+    beside = jacobian_of(problem, fit)[fit.inside]
+    if len(beside):
+        rows = rows - (rows @ (fitted := np.linalg.qr(beside.T)[0])) @ fitted.T
+    noise = noise_level(problem, fit.residual)
+    log_factor, size, _ = _likeliest_curve(at, rows, fit.residual, noise)
+    left = fit.residual - size @ rows
+    # What even this law leaves, as first order is not all of a large gap, counts as error of it.
+    noise = max(noise_level(problem, left), float(left @ left) / max(problem.degrees(), 1))
+    _, size, covariance = _likeliest_curve(at, rows, fit.residual, noise)
+    gram, moments = rows @ rows.T / noise, rows @ fit.residual / noise
+    fall = 2.0 * float(moments @ size) - float(size @ gram @ size)
+    found = shortest(at, gram, moments)
+    if found is not None and found.gain < _HOLDS * fall:
+        found = None
+    if KINDS[variable].parity == "odd":
+        # What resists is a positive friction.
+        size = -size
+        found = None if found is None else replace(found, sizes=-found.sizes)
+    deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    return ForceLaw(variable, at, size, deviation, found, log_factor)
+
+
+def _likeliest_curve(
+    at: Floats, rows: Floats, residual: Floats, noise: float
+) -> tuple[float, Floats, Floats]:
+    """Return the log Bayes factor of a smooth law, as a chi2, its heights and their covariance."""
+    gram, moments = rows @ rows.T / noise, rows @ residual / noise
+    near = np.exp(-0.5 * np.square((at[:, None] - at) / (_SMOOTH * float(np.ptp(at)))))
+    # A level and a slope are as likely as bends of their size.
+    line = np.linspace(-1.0, 1.0, at.size)
+    near += _LEVEL**2 * (1.0 + np.outer(line, line))
+    root = np.linalg.cholesky(near + 1e-9 * np.eye(at.size))
+    factor, log_factor = likeliest(root.T @ gram @ root, root.T @ moments)
+    root = factor * root
+    covariance = root @ np.linalg.inv(np.eye(at.size) + root.T @ gram @ root) @ root.T
+    return log_factor, covariance @ moments, covariance
+
+
+def _whole_law(variable: str, motion: Motion) -> Regressor | None:
+    """Return a variable as one law: what has one for either way is that of its size."""
+    parts = [one for one in regressors(variable, motion) if one.where.any()]
+    if not parts:
+        return None
+    first = parts[0]
+    if KINDS[variable].parity == "odd" and len(parts) > 1:
+        factor = sum(one.factor * np.sign(one.values) for one in parts)
+        where = np.any([one.where for one in parts], axis=0)
+        first = Regressor(np.abs(first.values), where, factor)
+    return first if np.ptp(first.values[first.where]) > 0.0 else None
+
+
+def _responses(
+    problem: Problem, terms: Floats, motion: Motion, size: int, *, reading: bool
+) -> Floats:
+    dx, dv = (terms, np.zeros_like(terms)) if reading else response(terms, motion)
+    found = problem.whitened(dx, dv)
+    rows = np.zeros((len(terms), size))
+    rows[:, : found.shape[1]] = found
+    return rows
+
+
+def with_share(law: ForceLaw, problem: Problem, fit: Fit) -> ForceLaw:
+    """Return a force by place with the share of the error on unseen runs that it takes away.
+
+    It acts beside the drive, at the place where the head is then: replayed until that stays.
+    Unknown where no run was kept from the fit, where effects would change what is added to the
+    drive, and where the replays do not settle, as at a stiff wall.
+    """
+    if law.variable != "terrain" or fit.model.names or not problem.held:
+        return law
+    point, every = point_of(problem, fit), range(len(problem.runs))
+    gain, limit = problem.nominal["gain"], problem.nominal["limit"]
+    robot = problem.robot
+    free = replace(robot, parameters={**robot.parameters, "drive_limit": np.inf})
+    now = problem
+    x = problem.replay([point], every)["x"][0]
+    for _ in range(_ROUNDS):
+        force = np.split(np.interp(x, law.at, law.size), problem.starts_at[1:-1])
+        runs = [
+            replace(run, drive=(np.clip(gain * run.drive, -limit, limit) + own) / gain)
+            for run, own in zip(problem.runs, force, strict=True)
+        ]
+        now = replace(problem, robot=free, runs=runs, known=problem.noise)
+        before, x = x, now.replay([point], every)["x"][0]
+        if np.abs(x - before).max() < problem.noise["x"].sd:
+            break
+    else:
+        return law
+    kept = list(problem.held)
+    errors = [np.nanmean(one.position_errors([point], kept) ** 2) for one in (problem, now)]
+    return replace(law, share=1.0 - float(np.sqrt(errors[1] / errors[0])))

@@ -1,0 +1,53 @@
+"""The law that a model lacks: its curve, its formula and its share on unseen runs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from diagnosis_search import fit_of, search_of
+from diagnosis_small import STIFFNESS, driven, measured, tethered
+from locosweep.diagnosis.select.force_law import force_law, with_share
+
+
+def test_a_tether_pulls_back_in_proportion_to_the_way() -> None:
+    search = search_of(tethered(), "viscous_friction", held=(3,))
+    law = force_law(search.problem, search.none, "terrain")
+    assert law is not None
+    off = law.size + STIFFNESS * law.at
+    assert np.all(np.abs(off) < 6.0 * law.deviation)
+    assert law.found is not None
+    assert np.allclose(law.found.at(law.at), -STIFFNESS * law.at, atol=2e-5)
+    share = with_share(law, search.problem, search.none).share
+    assert share is not None
+    # Three deviations of the noise are left of five.
+    assert share > 0.6
+
+
+def test_a_share_needs_a_run_that_was_kept() -> None:
+    search = search_of(tethered(), "viscous_friction")
+    law = force_law(search.problem, search.none, "terrain")
+    assert law is not None
+    assert with_share(law, search.problem, search.none).share is None
+
+
+def test_friction_that_grows_with_the_speed_is_a_positive_resistance() -> None:
+    search = search_of(measured({"quadratic_drag": {"c2": 0.002}}, driven(4)), "quadratic_drag")
+    law = force_law(search.problem, search.none, "speed")
+    assert law is not None
+    assert law.at.min() >= 0.0
+    assert law.found is not None
+    fast = law.at > 0.5 * law.at.max()
+    assert np.allclose(law.found.at(law.at)[fast], 0.002 * law.at[fast] ** 2, rtol=0.1)
+
+
+def test_what_a_fit_explains_is_no_law() -> None:
+    search = search_of(measured({"viscous_friction": {"c": 0.05}}, driven(4)), "viscous_friction")
+    law = force_law(search.problem, fit_of(search, "viscous_friction"), "speed")
+    assert law is None or law.found is None
+
+
+@pytest.mark.parametrize("variable", ["change", "history"])
+def test_some_variables_have_no_curve(variable: str) -> None:
+    search = search_of(measured({}, driven(2)), "viscous_friction")
+    assert force_law(search.problem, search.none, variable) is None
