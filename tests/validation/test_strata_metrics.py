@@ -67,6 +67,24 @@ def test_a_cause_outside_the_list_is_said_to_look_like_its_own_variable() -> Non
     assert looks("place") is None
 
 
+def test_friction_along_a_way_that_is_gone_once_may_be_a_force_by_place() -> None:
+    truth = {"case": "a", "kind": "outside", "plan": {"mode": "forward"}, "channels": ["x"],
+             "d": 30.0, "effects": [], "accepted": [], "outside": {"name": "magnet"}}  # fmt: skip
+
+    def right(name: str, variable: str | None) -> bool:
+        verdict = {"status": "ambiguous", "effects": [name], "equivalent": [[name]],
+                   "probability": 0.9, "unlisted": variable and {"variable": variable}}  # fmt: skip
+        report = {"verdict": verdict, "where": {"windows": [], "site": "friction"},
+                  "candidates": [], "gap": {"shrink_ci": None, "shrink": None}}  # fmt: skip
+        return judge(truth, report).right
+
+    assert right("position_dependent_friction", "place")
+    assert not right("position_dependent_friction", None)
+    assert not right("viscous_friction", "place")
+    truth["outside"] = {"name": "gusts"}
+    assert not right("position_dependent_friction", "place")
+
+
 def test_a_fault_of_the_readings_that_is_found_is_no_gap() -> None:
     frozen = replace(OUTSIDE, status="none", family="reading_freezes", as_reading=True)
     missed = replace(frozen, as_reading=False, right=False)

@@ -158,6 +158,8 @@ def diagnose(
             checked, data, selected, lambda left: _if_enough(robot, left, held, workers), task
         )
     alike = _like_an_unlisted_force(selected, data)
+    if alike and selected.choice.status == "explained":
+        selected = replace(selected, choice=replace(selected.choice, status="ambiguous"))
     next_run = _next_experiment(selected, data, alike)
     say("where the gap lies")
     judged = data.whole if data.plan else selected.search.problem

@@ -141,10 +141,23 @@ def _right(truth: dict[str, Any], verdict: dict[str, Any]) -> bool:
         return bool(status == "none")
     if status not in NAMING:
         return bool(truth["kind"] == "outside" and status == "unexplained")
+    if truth["kind"] == "outside" and _one_of_a_class(truth["outside"]["name"], verdict):
+        return True
     accepted = [sorted(a) for a in truth["accepted"]]
     if sorted(said) in accepted:
         return True
     return bool(names) and _covers(classes, names)
+
+
+def _one_of_a_class(outside: str, verdict: dict[str, Any]) -> bool:
+    """Return whether a verdict says that it cannot tell friction along the way from this force.
+
+    Runs that never come back the same way show no difference between them.
+    """
+    variable = (verdict.get("unlisted") or {}).get("variable")
+    return variable == LOOKS.get(outside) == "place" and all(
+        record_of(name).variable == "place" for alike in verdict["equivalent"] for name in alike
+    )
 
 
 def _one_right(truth: dict[str, Any], verdict: dict[str, Any]) -> bool:

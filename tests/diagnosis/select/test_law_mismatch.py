@@ -22,6 +22,7 @@ from locosweep.diagnosis.select.law_mismatch import (
     best_with_other_law,
     formula_share,
     is_law_of,
+    passes_both_ways,
     score_with_other_law,
     unlisted_rival,
 )
@@ -150,6 +151,37 @@ def test_a_force_by_position_refutes_a_single_effect_that_it_outdoes() -> None:
         assert search.none.chi2 - found.chi2 > 100.0
         rival, _ = unlisted_rival(search, known, found, search.score(found), mismatch=False)
         assert rival == refuted
+
+
+def test_friction_along_a_way_that_is_gone_once_is_not_refuted_by_a_force_by_place(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    runs = [replace(run, drive=np.abs(run.drive)) for run in drives(count=5)]
+    nominal = measured({}, runs)
+    pulled = [
+        replace(
+            run,
+            drive=run.drive - 0.02 * nominal.filter(pl.col("run") == run.label)["x"].to_numpy(),
+        )
+        for run in runs
+    ]
+    spring = measured({}, pulled).with_columns(
+        drive=pl.Series(np.concatenate([r.drive for r in runs]))
+    )
+    search, (found,) = fits_of(spring, "position_dependent_friction")
+    assert not passes_both_ways(search.problem)
+    known = Collection({frozenset(): search.none})
+    score = search.score(found)
+    rival, _ = unlisted_rival(search, known, found, score, mismatch=False)
+    assert rival != "terrain"
+    monkeypatch.setattr(law_mismatch, "passes_both_ways", lambda _: True)
+    rival, _ = unlisted_rival(search, known, found, score, mismatch=False)
+    assert rival == "terrain"
+
+
+def test_runs_that_come_back_pass_both_ways() -> None:
+    search, _ = fits_of(measured({}, drives(count=3)), "viscous_friction")
+    assert passes_both_ways(search.problem)
 
 
 def test_a_push_of_each_runs_own_refutes_what_does_no_better() -> None:

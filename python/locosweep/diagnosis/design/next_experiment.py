@@ -24,6 +24,7 @@ from locosweep.diagnosis.estimate.least_squares import (
     start_fits,
 )
 from locosweep.diagnosis.estimate.problem import Problem
+from locosweep.diagnosis.select.law_mismatch import passes_both_ways
 from locosweep.files.runs import Run
 
 if TYPE_CHECKING:
@@ -50,9 +51,6 @@ _REPEATS = 4
 """Most repeats of a run that are proposed: the squares of what they tell add up."""
 _HOPE = 0.05
 """Chance of an answer that so many repeats have to add."""
-_PLACES = 20
-"""Parts of the travel, of which one has to be passed both ways: laws along it have about as many
-knots."""
 _FAR = 1e6
 """Distance beyond which farther is no better."""
 _LOST = 1e50
@@ -134,20 +132,12 @@ def next_experiment(
 
 
 def both_ways(problem: Problem) -> dict[str, Any]:
-    """Propose to go back the same way, if no part of it was travelled in both directions.
+    """Propose to go back the same way, if next to no part of it was travelled in both directions.
 
     Friction along the way does then as well as a force that depends on position: only friction
     reverses with the motion.
     """
-    motions = problem.motions
-    low, high = min(m.x.min() for m in motions), max(m.x.max() for m in motions)
-    forward: set[int] = set()
-    backward: set[int] = set()
-    for m in motions:
-        at = (_PLACES * (m.x - low) / max(high - low, 1e-300)).astype(int)
-        forward |= set(at[m.v > m.resting_speed].tolist())
-        backward |= set(at[m.v < -m.resting_speed].tolist())
-    if forward & backward:
+    if passes_both_ways(problem):
         return {"separates": [], "suggestion": None}
     said = (
         f"{BACK.what}: friction reverses with the motion, a force that depends on position does not"

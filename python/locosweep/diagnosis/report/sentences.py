@@ -103,10 +103,10 @@ def summary(report: dict[str, Any]) -> str:
                                 for key in ("before", "after", "noise_floor"))  # fmt: skip
         text += f": with {them} the error in {gap['channel']} falls from {before} to {after}"
         text += f" (noise {noise})"
+    if unlisted := verdict["unlisted"]:
+        text += f"; {family(unlisted)}, as of {unlisted['like']}, would do the same"
     if verdict["status"] == "ambiguous":
         text += "; these runs cannot tell which"
-    if unlisted := verdict["unlisted"]:
-        text += f"; {family(unlisted)}, as of {unlisted['like']}, would do the same in these runs"
     return f"{text} ({sure} sure)."
 
 

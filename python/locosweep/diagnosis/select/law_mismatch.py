@@ -41,6 +41,13 @@ turns round with the motion."""
 BY_TIME = "push"
 """Variable of a force that no effect stands for, either: the time, other in each run."""
 
+_PLACES = 20
+"""Parts of the travel that are passed both ways or not, about as many as laws along it have
+knots."""
+_PASSED_TWICE = 0.01
+"""Share of the moving samples that a head spends where it went the other way, too, above which it
+shows what reverses with the motion: less is a jerk back at a stop."""
+
 
 def best_with_other_law(search: Search, level: Sequence[Fit]) -> tuple[float, Fit] | None:
     """Find the fit that corrections in its own effects' variables bring down furthest, to noise.
@@ -195,7 +202,10 @@ def unlisted_rival(
     alone = -limits.WIDER_LAW_GAIN if single else limits.LEAST_GAIN
     # Terms by the acceleration hold friction of either direction: as well as another law of it is
     # what they always do.
-    variables = UNLISTED if single else (BY_PLACE,)
+    variables: tuple[str, ...] = UNLISTED if single else (BY_PLACE,)
+    if {VARIABLES.get(name) for name in names} == {ALONG} and not passes_both_ways(search.problem):
+        # Friction along a way that is gone once is a force by place, however likely either is.
+        variables = tuple(v for v in variables if v != BY_PLACE)
     sets = dict.fromkeys([frozenset[str](), *(names - {name} for name in names)])
     noise = noise_level(search.problem, found.residual)
     ahead, beside = {"": 0.0}, {"": search.none}
@@ -215,6 +225,24 @@ def unlisted_rival(
     ahead_by = pushed - (search.score(search.none) - score)
     likelier = ahead_by >= (limits.WIDER_LAW_GAIN if single else 0.0)
     return BY_TIME if likelier else "", search.none
+
+
+def passes_both_ways(problem: Problem) -> bool:
+    """Return whether heads have come back over a part of their way.
+
+    Only then does friction along it, which turns round with the motion, differ from a force by
+    place.
+    """
+    motions = problem.motions
+    low, high = min(m.x.min() for m in motions), max(m.x.max() for m in motions)
+    edges = np.linspace(low, max(high, low + 1e-300), _PLACES + 1)
+    ways = np.array(
+        [
+            sum(np.histogram(m.x[way * m.v > m.resting_speed], edges)[0] for m in motions)
+            for way in (1.0, -1.0)
+        ]
+    )
+    return bool(ways.min(axis=0).sum() > _PASSED_TWICE * ways.sum())
 
 
 def without_bending_effect(
