@@ -104,14 +104,14 @@ class TestUnexplained:
         rows = [{"effects": ["drive_lag"], "shrink": 0.4}]
         text = summary(report("unexplained", verdict={"unlisted": unlisted}, candidates=rows))
         assert "as well as a force by place, both ways alike, as of a tether, does" in text
-        assert "(-3 N/m of x; takes away 83% of the error)" in text
+        assert "[-3 N/m of x; takes away 83% of the error]" in text
         # A single effect may come down to the noise as well.
         assert "nearest comes drive lag (" in text
         assert shortfall({"unlisted": unlisted}) == "does less than a force in no list"
         like = unlisted | {"outdoes": False}
         text = summary(report("unexplained", verdict={"unlisted": like}))
         assert (
-            "it looks most like a force by place, both ways alike, as of a tether (-3 N/m" in text
+            "it looks most like a force by place, both ways alike, as of a tether [-3 N/m" in text
         )
         for other in (None, like):
             assert shortfall({"unlisted": other}) == "leaves more than noise"
@@ -119,7 +119,7 @@ class TestUnexplained:
     def test_a_law_as_it_was_found(self) -> None:
         law = {"formula": "2 N beyond x = 3 mm", "share": None}
         text = summary(report("explained", verdict={"law_mismatch": True, "laws": [law]}))
-        assert "by another law than the usual formula (2 N beyond x = 3 mm)" in text
+        assert "by another law than the usual formula [2 N beyond x = 3 mm]" in text
 
 
 class TestPartial:

@@ -117,20 +117,20 @@ def family(unlisted: dict[str, Any]) -> str:
 
 
 def found_law(law: dict[str, Any]) -> str:
-    """Return the formula of a law in brackets, and what it takes away on unseen runs, if known.
+    """Return the formula of a law in square brackets, and what it takes away on unseen runs, if known.
 
     Examples
     --------
     >>> from locosweep.diagnosis.report.sentences import found_law
     >>> found_law({"formula": "(3.1 ± 0.2) N/m beyond x = 0.21 m", "share": 0.83})
-    ' ((3.1 ± 0.2) N/m beyond x = 0.21 m; takes away 83% of the error)'
+    ' [(3.1 ± 0.2) N/m beyond x = 0.21 m; takes away 83% of the error]'
     >>> found_law({"formula": None, "share": None})
     ''
     """
     parts = [] if law["formula"] is None else [law["formula"]]
     if law["share"] is not None and law["share"] > 0.0:
         parts.append(f"takes away {law['share']:.0%} of the error")
-    return f" ({'; '.join(parts)})" if parts else ""
+    return f" [{'; '.join(parts)}]" if parts else ""
 
 
 def shortfall(verdict: dict[str, Any]) -> str:
