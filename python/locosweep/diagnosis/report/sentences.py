@@ -117,7 +117,7 @@ def family(unlisted: dict[str, Any]) -> str:
 
 
 def found_law(law: dict[str, Any]) -> str:
-    """Return the formula of a law in square brackets, and what it takes away on unseen runs, if known.
+    """Return the formula of a law in square brackets, and its share on unseen runs, if known.
 
     Examples
     --------
