@@ -56,6 +56,8 @@ class ForceLaw:
     """The formula, where one holds."""
     log_factor: float = 0.0
     """Log Bayes factor of the law, on the scale of chi2."""
+    fall: float = 0.0
+    """Of chi2 under the law, in that of noise."""
     share: float | None = None
     """Of the error on unseen runs that it takes away, where that is known."""
 
@@ -77,6 +79,7 @@ def force_law(problem: Problem, fit: Fit, variable: str) -> ForceLaw | None:
     noise = noise_level(problem, fit.residual)
     log_factor, size, _ = _likeliest_curve(at, rows, fit.residual, noise)
     left = fit.residual - size @ rows
+    carried = float(fit.residual @ fit.residual - left @ left) / noise
     # What even this law leaves, as first order is not all of a large gap, counts as error of it.
     noise = max(noise_level(problem, left), float(left @ left) / max(problem.degrees(), 1))
     _, size, covariance = _likeliest_curve(at, rows, fit.residual, noise)
@@ -90,7 +93,7 @@ def force_law(problem: Problem, fit: Fit, variable: str) -> ForceLaw | None:
         size = -size
         found = None if found is None else replace(found, sizes=-found.sizes)
     deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    return ForceLaw(variable, at, size, deviation, found, log_factor)
+    return ForceLaw(variable, at, size, deviation, found, log_factor, carried)
 
 
 def _likeliest_curve(
