@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from diagnosis_search import fit_of, search_of
 from diagnosis_small import driven, measured, tethered
+from locosweep.diagnosis.report import laws_found
 from locosweep.diagnosis.report.assemble import Findings
 from locosweep.diagnosis.report.laws_found import laws_of_causes, unlisted_entry
 from locosweep.diagnosis.select.search import Collection
@@ -17,6 +19,8 @@ from locosweep.diagnosis.select.whiteness import whiteness_test
 
 if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.least_squares import Fit
+    from locosweep.diagnosis.estimate.problem import Problem
+    from locosweep.diagnosis.select.force_law import ForceLaw
     from locosweep.diagnosis.select.search import Search
 
 
@@ -55,6 +59,26 @@ def test_a_gap_that_nothing_accounts_for_is_said_to_look_like_something(spring: 
     assert not row["outdoes"]
     assert row["variable"] == "place"
     assert unlisted_entry(findings(spring, "none", spring.none)) is None
+
+
+def test_along_a_way_that_is_gone_once_a_gap_looks_like_a_force_by_place(
+    spring: Search, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chosen = laws_found.force_law(spring.problem, spring.none, "terrain")
+    assert chosen is not None
+    along = replace(chosen, variable="place", log_factor=chosen.log_factor + 1.0)
+    # As if friction along the way were the likeliest law.
+    law = laws_found.force_law
+
+    def likeliest(problem: Problem, fit: Fit, variable: str) -> ForceLaw | None:
+        return law(problem, fit, variable) if variable == "terrain" else along
+
+    monkeypatch.setattr(laws_found, "force_law", likeliest)
+    for both, variable in ((True, "odd"), (False, "even")):
+        monkeypatch.setattr(laws_found, "passes_both_ways", lambda _, both=both: both)
+        row = unlisted_entry(findings(spring, "unexplained", spring.none))
+        assert row is not None
+        assert row["parity"] == variable
 
 
 def test_noise_looks_like_nothing() -> None:

@@ -11,7 +11,7 @@ from locosweep.diagnosis.estimate.least_squares import evaluate
 from locosweep.diagnosis.estimate.rest import RestForce
 from locosweep.diagnosis.report.law_text import row_of
 from locosweep.diagnosis.select.force_law import force_law, with_share
-from locosweep.diagnosis.select.law_mismatch import BY_TIME
+from locosweep.diagnosis.select.law_mismatch import ALONG, BY_PLACE, BY_TIME, passes_both_ways
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.shape import KINDS, unlisted_of
 from locosweep.diagnosis.select.stepwise import without
@@ -74,11 +74,16 @@ def _looks_like(problem: Problem, base: Fit) -> str:
     # Knots of variables differ in number: in their laws the likeliest of them have as many.
     laws = [law for variable in likely[:_DRAWN] if (law := force_law(problem, base, variable))]
     best = max(laws, key=lambda law: law.log_factor, default=None)
-    if best and gap - best.fall <= max(_LEFT * gap, _NOISE * np.sqrt(2.0 * problem.degrees())):
-        return best.variable
+    variable = best.variable if best else ""
+    if variable == ALONG and not passes_both_ways(problem):
+        # Friction along a way that is gone once would be a force by place as well.
+        variable = BY_PLACE
+    noise_left = _NOISE * np.sqrt(2.0 * problem.degrees())
+    if best and gap - best.fall <= max(_LEFT * gap, noise_left):
+        return variable
     if RestForce(problem).log_bayes_factor(base) > _CARRIES * gap > 0.0:
         return BY_TIME
-    return best.variable if best else ""
+    return variable
 
 
 def laws_of_causes(found: Findings) -> list[dict[str, Any]]:
