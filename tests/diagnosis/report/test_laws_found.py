@@ -61,7 +61,7 @@ def test_a_gap_that_nothing_accounts_for_is_said_to_look_like_something(spring: 
     assert unlisted_entry(findings(spring, "none", spring.none)) is None
 
 
-def test_along_a_way_that_is_gone_once_a_gap_looks_like_a_force_by_place(
+def test_along_a_way_passed_in_one_direction_a_gap_looks_like_a_force_by_place(
     spring: Search, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     chosen = laws_found.force_law(spring.problem, spring.none, "terrain")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
-from locosweep.diagnosis.report.sentences import advice, no_gap, shortfall, summary
+from locosweep.diagnosis.report.sentences import advice, found_law, no_gap, shortfall, summary
 
 
 def report(status: str, *classes: list[str], **more: Any) -> dict[str, Any]:
@@ -115,6 +115,13 @@ class TestUnexplained:
         )
         for other in (None, like):
             assert shortfall({"unlisted": other}) == "leaves more than noise"
+
+    def test_a_law_that_replays_refute_is_told_as_such(self) -> None:
+        law = {"formula": "2 N beyond x = 3 mm", "share": -0.4}
+        assert found_law(law).endswith(
+            "; only to first order: replayed, it makes the error larger]"
+        )
+        assert found_law(law | {"share": 0.01}) == " [2 N beyond x = 3 mm]"
 
     def test_a_law_as_it_was_found(self) -> None:
         law = {"formula": "2 N beyond x = 3 mm", "share": None}

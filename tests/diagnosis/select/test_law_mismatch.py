@@ -29,7 +29,7 @@ from locosweep.diagnosis.select.law_mismatch import (
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.search import Collection, Search
 from locosweep.diagnosis.select.thresholds import OTHER_LAW_SHARE
-from locosweep.files.runs import runs_from_frame
+from locosweep.files.runs import Run, runs_from_frame
 from test_diagnosis import ROBOT, drives, measured
 
 
@@ -45,6 +45,21 @@ def fits_of(frame: pl.DataFrame, *names: str, held: tuple[int, ...] = ()) -> tup
         model = search.model((name,))
         starts += start_fits(nuisances, model, np.zeros((1, len(model.free))))
     return search, fit_all(problem, starts, steps=20)
+
+
+def sprung(runs: list[Run], stiffness: float) -> pl.DataFrame:
+    """Runs that a weak spring pulls back to the start, told without it."""
+    nominal = measured({}, runs)
+    pulled = [
+        replace(
+            run,
+            drive=run.drive
+            - stiffness * nominal.filter(pl.col("run") == run.label)["x"].to_numpy(),
+        )
+        for run in runs
+    ]
+    told = pl.Series(np.concatenate([run.drive for run in runs]))
+    return measured({}, pulled).with_columns(drive=told)
 
 
 def test_another_law_has_to_hold_in_the_runs_kept_from_the_fit() -> None:
@@ -130,17 +145,7 @@ def test_a_force_by_position_refutes_a_single_effect_that_it_outdoes() -> None:
     """A spring to the start is no friction that drifts; but a slope stays a slope."""
     runs = drives(count=5)
     names = ("friction_drift", "slope_error")
-    nominal = measured({}, runs)
-    pulled = [
-        replace(
-            run,
-            drive=run.drive - 0.005 * nominal.filter(pl.col("run") == run.label)["x"].to_numpy(),
-        )
-        for run in runs
-    ]
-    spring = measured({}, pulled).with_columns(
-        drive=pl.Series(np.concatenate([r.drive for r in runs]))
-    )
+    spring = sprung(runs, 0.005)
     for frame, refuted in (
         (spring, "terrain"),
         (measured({"slope_error": {"d_alpha_deg": 0.05}}, runs), ""),
@@ -153,21 +158,11 @@ def test_a_force_by_position_refutes_a_single_effect_that_it_outdoes() -> None:
         assert rival == refuted
 
 
-def test_friction_along_a_way_that_is_gone_once_is_not_refuted_by_a_force_by_place(
+def test_friction_along_a_way_passed_in_one_direction_is_not_refuted_by_a_force_by_place(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     runs = [replace(run, drive=np.abs(run.drive)) for run in drives(count=5)]
-    nominal = measured({}, runs)
-    pulled = [
-        replace(
-            run,
-            drive=run.drive - 0.02 * nominal.filter(pl.col("run") == run.label)["x"].to_numpy(),
-        )
-        for run in runs
-    ]
-    spring = measured({}, pulled).with_columns(
-        drive=pl.Series(np.concatenate([r.drive for r in runs]))
-    )
+    spring = sprung(runs, 0.02)
     search, (found,) = fits_of(spring, "position_dependent_friction")
     assert not passes_both_ways(search.problem)
     known = Collection({frozenset(): search.none})

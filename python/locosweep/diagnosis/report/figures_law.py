@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +16,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from locosweep.diagnosis.report.result import Diagnosis
+
+_LONGEST = 80
+"""Letters of a line of a title: as wide as the axes are."""
+_NAMES = {
+    "N": "force",
+    "N m": "torque",
+    "m": "error of the reading",
+    "rad": "error of the reading",
+    "1": "change of the drive, as a share",
+}
+"""What a law is, by its unit, where it does not turn round with the motion."""
 
 
 def law(diagnosis: Diagnosis) -> Figure | None:
@@ -44,15 +56,13 @@ def _draw(ax: Axes, title: str, row: dict[str, Any]) -> None:
         by = factor * np.array(curve["by_formula"])
         ax.plot(along * at, by, label="formula", **style.NOMINAL)
     ax.axhline(0.0, color="black", linewidth=0.8)
-    what = {"N": "force", "m": "error of the reading", "1": "change of the drive"}
-    odd = row["parity"] == "odd"
-    name = "resistance" if odd else what.get(curve["unit"].replace("N m", "N"), "law")
+    name = "resistance" if row["parity"] == "odd" else _NAMES[curve["unit"]]
     ax.set(
         xlabel=f"{row['variable']} [{style.unit_text(at_unit)}]",
         ylabel=f"{name} [{style.unit_text(unit)}]",
     )
     if row["formula"]:
-        title += f"\n{row['formula']}"
+        title += "\n" + fill(row["formula"], _LONGEST)
     ax.set_title(title, fontsize=9, loc="left")
     ax.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
     style.finish(ax)

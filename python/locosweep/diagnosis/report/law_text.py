@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from locosweep.diagnosis.report.units import WIDE, rotary_unit, rounded, scale, sized
-from locosweep.diagnosis.select.shape import KINDS
+from locosweep.diagnosis.select.shape import KINDS, Axis
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,8 +26,7 @@ def row_of(law: ForceLaw, *, rotary: bool) -> dict[str, Any]:
     Of a law that is odd (friction) the values are what resists the motion; of others the force
     along x, or the error of the reading.
     """
-    kind = KINDS[law.variable]
-    along, unit = (rotary_unit(u) if rotary else u for u in (kind.unit, kind.of))
+    along, unit, _ = _units(law, rotary=rotary)
     return {
         "formula": formula_of(law, rotary=rotary),
         "share": law.share,
@@ -46,21 +45,34 @@ def formula_of(law: ForceLaw, *, rotary: bool) -> str | None:
     """Return the formula of a law as text, sizes with their 95 % interval; None without one."""
     if law.found is None:
         return None
-    kind = KINDS[law.variable]
-    along, unit, per = (rotary_unit(u) if rotary else u for u in (kind.unit, kind.of, kind.per))
+    along, unit, per = _units(law, rotary=rotary)
 
     first, spread = _leading(law.found)
     words = law.found.form.words.format(
         *(_Number(value, lambda at: sized(at, along)) for value in _ordered(law.found)),
         a=_spread(first, spread, unit),
         b=_spread(first, spread, per),
-        symbol=kind.symbol,
+        symbol=_axis(law).symbol,
         end=sized(float(np.abs(law.at).max()), along),
     )
     if law.found.constant:
         beside = float(law.found.sizes[-1]), float(law.found.deviations[-1])
         words += f", beside {_spread(*beside, unit)}"
     return words
+
+
+def _axis(law: ForceLaw) -> Axis:
+    axis = KINDS[law.variable].axis
+    if axis is None:
+        raise ValueError(f"no law of {law.variable} is drawn")
+    return axis
+
+
+def _units(law: ForceLaw, *, rotary: bool) -> tuple[str, str, str]:
+    """Return the units of the variable, of the law, and of the law over the variable."""
+    axis = _axis(law)
+    along, unit, per = (rotary_unit(u) if rotary else u for u in (axis.unit, axis.of, axis.per))
+    return along, unit, per
 
 
 def _spread(value: float, deviation: float, unit: str) -> str:

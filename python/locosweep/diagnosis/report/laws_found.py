@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.report.assemble import Findings
 
 _CARRIES = 0.5
-"""Share of a gap, in chi2 beyond noise, that a variable has to carry where a gap looks like it."""
+"""Share of a gap, in chi2 beyond noise, that a variable has to carry to be what the gap looks like.
+Not derived."""
 
 _LEFT, _NOISE = 0.02, 2.0
 """Share of a gap that a law may leave which belongs to the rig, the same in each run; or what noise
@@ -76,7 +77,7 @@ def _looks_like(problem: Problem, base: Fit) -> str:
     best = max(laws, key=lambda law: law.log_factor, default=None)
     variable = best.variable if best else ""
     if variable == ALONG and not passes_both_ways(problem):
-        # Friction along a way that is gone once would be a force by place as well.
+        # Passed in one direction only, friction along the way would be a force by place, too.
         variable = BY_PLACE
     noise_left = _NOISE * np.sqrt(2.0 * problem.degrees())
     if best and gap - best.fall <= max(_LEFT * gap, noise_left):
@@ -97,7 +98,7 @@ def laws_of_causes(found: Findings) -> list[dict[str, Any]]:
     rotary, rows = "gravity_torque" in search.problem.nominal, []
     for name in choice.fit.model.names:
         variable = VARIABLES.get(name)
-        if variable is None or not KINDS[variable].per:
+        if variable is None or KINDS[variable].axis is None:
             continue
         several = len(choice.fit.model.names) > 1
         base = without(search, choice.fit, name) if several else search.none

@@ -8,6 +8,7 @@ import numpy as np
 
 from locosweep.diagnosis.report.localization import by_run, windows
 from locosweep.diagnosis.report.units import WIDE, rounded, sized
+from locosweep.diagnosis.select.thresholds import LEAST_SHARE
 from locosweep.simulation.replay import effect
 
 if TYPE_CHECKING:
@@ -128,8 +129,11 @@ def found_law(law: dict[str, Any]) -> str:
     ''
     """
     parts = [] if law["formula"] is None else [law["formula"]]
-    if law["share"] is not None and law["share"] > 0.0:
-        parts.append(f"takes away {law['share']:.0%} of the error")
+    share = law["share"] or 0.0
+    if share >= LEAST_SHARE:
+        parts.append(f"takes away {share:.0%} of the error")
+    elif share <= -LEAST_SHARE:
+        parts.append("only to first order: replayed, it makes the error larger")
     return f" [{'; '.join(parts)}]" if parts else ""
 
 

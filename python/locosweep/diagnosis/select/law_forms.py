@@ -28,7 +28,7 @@ _PLACES, _WIDTHS, _LENGTHS, _ENDS = 39, 9, 25, 13
 """Values of a place, a width, a wave's length and one of two ends that are tried: neighbours are
 no farther apart than the halvings that follow can close."""
 _HALVINGS = 6
-"""Times that the grid around the best shape is halved: a hundredth of a step is left."""
+"""Times that the grid around the best shape is halved: a sixtieth of a step is left."""
 _POWERS = (0.5, 1.5, 2.0, 3.0)
 
 
@@ -44,6 +44,10 @@ class Form:
     the variable's symbol and its largest value (`end`)."""
     constant: bool = True
     """Whether a constant beside it makes sense."""
+
+
+def _constant(u: Floats, s: Floats) -> Floats:
+    return np.ones((len(s), u.size, 1))
 
 
 def _line(u: Floats, s: Floats) -> Floats:
@@ -92,7 +96,7 @@ def _power(u: Floats, s: Floats) -> Floats:
     return np.asarray((np.sign(share)[None] * np.abs(share)[None] ** s[:, :1])[..., None])
 
 
-_CONSTANT = Form(lambda u, s: np.ones((len(s), u.size, 1)), (), "{a}, the same everywhere", False)
+_CONSTANT = Form(_constant, (), "{a}, the same everywhere", constant=False)
 _FORMS = (
     _CONSTANT,
     Form(_line, (), "{b} of {symbol}"),

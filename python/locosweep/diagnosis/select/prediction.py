@@ -2,19 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.diagnosis.estimate.least_squares import (
-    Fit,
-    evaluate,
-    fit_all,
-    jacobian_of,
-    point_of,
-)
-from locosweep.diagnosis.estimate.problem import ReplayMeter
+from locosweep.diagnosis.estimate.least_squares import jacobian_of, point_of
 from locosweep.diagnosis.estimate.validation import validation_residuals
 from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.whiteness import whiteness_test
@@ -22,7 +14,7 @@ from locosweep.diagnosis.select.whiteness import whiteness_test
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from locosweep.diagnosis.estimate.problem import Problem
+    from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.select.search import Search
 
     Floats = NDArray[np.float64]
@@ -57,21 +49,3 @@ def over_deviations(e: Floats, unsure: Floats) -> Floats:
     _, size, along = np.linalg.svd(unsure, full_matrices=False)
     found: Floats = e - ((1.0 - 1.0 / np.hypot(1.0, size)) * (along @ e)) @ along
     return found
-
-
-def on_all_runs(problem: Problem, fit: Fit) -> tuple[Problem, Fit]:
-    """Return a problem with no run kept from fits, and a fit as it is there.
-
-    Runs that were kept may start in motion, too: their speeds are fitted.
-    """
-    whole = replace(problem, held=(), initial=problem.starts, meter=ReplayMeter())
-    moving = fit.nuisances.moving
-    late = tuple(r for r in problem.starts.moving if r in problem.held and r not in moving)
-    at = len(fit.model.free) + len(fit.nuisances.uncertain) + len(moving)
-    same = Fit(
-        fit.model,
-        replace(fit.nuisances, moving=(*moving, *late)),
-        np.insert(fit.theta, [at] * len(late), 0.0),
-    )
-    (same,) = fit_all(whole, [same], steps=8) if late else evaluate(whole, [same])
-    return whole, same

@@ -22,6 +22,20 @@ _MOST = 5
 
 
 @dataclass(frozen=True)
+class Axis:
+    """Units of a law and of its variable."""
+
+    unit: str
+    """Of the variable."""
+    per: str
+    """Of the law over that of the variable."""
+    symbol: str
+    """Of the variable, in a formula."""
+    of: str = "N"
+    """Of the law."""
+
+
+@dataclass(frozen=True)
 class Kind:
     """How a correction in a variable is spoken of."""
 
@@ -32,121 +46,56 @@ class Kind:
     family: str
     like: str
     """What such a force may be."""
-    of: str = "N"
-    """Unit of the law."""
-    unit: str = "s"
-    """Unit of the variable."""
-    per: str = ""
-    """Unit of the law over that of the variable."""
-    symbol: str = "t"
-    """Of the variable, in a formula."""
+    axis: Axis | None = None
+    """What a law of it is drawn on; None where there is no curve."""
 
+
+_SPEED = Axis("m/s", "N s/m", "|v|")
+_PLACE = Axis("m", "N/m", "x")
+_WAY = Axis("m", "N/m", "s")
+_TIME = Axis("s", "N/s", "t")
 
 KINDS = {
-    "speed": Kind(
-        "speed",
-        "odd",
-        "friction that depends on the speed",
-        "a lubricant",
-        "N",
-        "m/s",
-        "N s/m",
-        "|v|",
-    ),
+    "speed": Kind("speed", "odd", "friction that depends on the speed", "a lubricant", _SPEED),
     "place": Kind(
-        "place",
-        "odd",
-        "friction that depends on the place",
-        "a rough or dirty stretch",
-        "N",
-        "m",
-        "N/m",
-        "x",
+        "place", "odd", "friction that depends on the place", "a rough or dirty stretch", _PLACE
     ),
     "terrain": Kind(
-        "place",
-        "even",
-        "force by place, both ways alike",
-        "a tether, wall or sag",
-        "N",
-        "m",
-        "N/m",
-        "x",
+        "place", "even", "force by place, both ways alike", "a tether, wall or sag", _PLACE
     ),
     "push": Kind(
-        "time",
-        "none",
-        "force by time, other in each run",
-        "a push, gusts or swaying ground",
-        "N",
-        "s",
-        "N/s",
-        "t",
+        "time", "none", "force by time, other in each run", "a push, gusts or swaying ground"
     ),
     "load": Kind(
-        "load",
-        "odd",
-        "friction that depends on the load",
-        "a gear or a guide",
-        "N",
-        "N",
-        "1",
-        "|F|",
+        "load", "odd", "friction that depends on the load", "a gear or a guide",
+        Axis("N", "1", "|F|"),
     ),
-    "time": Kind(
-        "time",
-        "odd",
-        "friction that depends on the time",
-        "warming up or wear",
-        "N",
-        "s",
-        "N/s",
-        "t",
-    ),
-    "swept": Kind(
-        "distance swept",
-        "odd",
-        "resistance that grows with the way",
-        "a heap",
-        "N",
-        "m",
-        "N/m",
-        "s",
-    ),
-    "turned": Kind(
-        "distance since a turn",
-        "odd",
-        "force after a turn",
-        "a bristle or play",
-        "N",
-        "m",
-        "N/m",
-        "s",
-    ),
+    "time": Kind("time", "odd", "friction that depends on the time", "warming up or wear", _TIME),
+    "swept": Kind("distance swept", "odd", "resistance that grows with the way", "a heap", _WAY),
+    "turned": Kind("distance since a turn", "odd", "force after a turn", "a bristle or play", _WAY),
     "drive": Kind(
-        "drive", "none", "drive force by another curve", "an amplifier's curve", "N", "N", "1", "F"
+        "drive", "none", "drive force by another curve", "an amplifier's curve", Axis("N", "1", "F")
     ),
     "sag": Kind(
-        "time", "none", "drive that changes over time", "a supply that sags", "1", "s", "1/s", "t"
+        "time", "none", "drive that changes over time", "a supply that sags",
+        Axis("s", "1/s", "t", of="1"),
     ),
     "acceleration": Kind(
-        "acceleration",
-        "even",
-        "force by acceleration",
-        "a mass that moves too",
-        "N",
-        "m/s^2",
-        "kg",
-        "a",
+        "acceleration", "even", "force by acceleration", "a mass that moves too",
+        Axis("m/s^2", "kg", "a"),
     ),
     "history": Kind("earlier drive", "none", "drive that acts late", "a filter or a spring"),
     "change": Kind("command", "none", "commands late by turns", "a drive read now and then"),
     "reading": Kind(
-        "reading", "none", "reading that is scaled", "a sensor's scale", "m", "m", "1", "x"
+        "reading", "none", "reading that is scaled", "a sensor's scale", Axis("m", "1", "x", of="m")
     ),
-    "clock": Kind("time", "none", "reading that drifts", "a sensor's drift", "m", "s", "m/s", "t"),
-    "late": Kind("speed", "none", "reading that is late", "a sensor's delay", "m", "m/s", "s", "v"),
-}
+    "clock": Kind(
+        "time", "none", "reading that drifts", "a sensor's drift", Axis("s", "m/s", "t", of="m")
+    ),
+    "late": Kind(
+        "speed", "none", "reading that is late", "a sensor's delay", Axis("m/s", "s", "v", of="m")
+    ),
+}  # fmt: skip
 """Kinds of corrections, by the variable of `NonparametricCorrection`."""
 
 
