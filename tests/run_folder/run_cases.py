@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -53,6 +54,15 @@ TABLE: dict[str, Any] = {
     "table": ([0.0, 0.1, 1.0], [2.0, 1.5, -1.0]),
 }
 ALL = {"closed": CLOSED, "simulated": SIMULATED, "gait": GAIT, "reduced": REDUCED, "table": TABLE}
+
+
+def forget_last_chunk(folder: Path) -> None:
+    """Take the last chunk of the plan out of a run's log, wherever in the log it finished."""
+    (log,) = (folder / "log").iterdir()
+    lines = log.read_bytes().splitlines(keepends=True)
+    chunks = [json.loads(line.rpartition(b"\t")[0]).get("chunk", -1) for line in lines]
+    del lines[chunks.index(max(chunks))]
+    log.write_bytes(b"".join(lines))
 
 
 def data_files(folder: Path) -> dict[str, str]:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from run_cases import ALL, CLOSED
+from run_cases import ALL, CLOSED, forget_last_chunk
 
 import locosweep as ls
 from locosweep.cli import main
@@ -126,8 +126,7 @@ def test_what_is_no_picture_is_refused_before_cells_are_read(
 def test_a_run_that_is_not_whole_says_so(whole: Path, tmp_path: Path) -> None:
     folder = tmp_path / "holed"
     shutil.copytree(whole, folder)
-    (log,) = (folder / "log").iterdir()
-    log.write_bytes(b"".join(log.read_bytes().splitlines(keepends=True)[:-1]))
+    forget_last_chunk(folder)
     with pytest.raises(ls.InputError, match="chunks are not computed"):
         ls.open_run(folder).plot.heatmap("segments", "mu_static", slope_deg=0.0)
     run = ls.open_run(folder, allow_missing=True)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import polars as pl
 import pytest
-from run_cases import ALL, CLOSED, SIMULATED, data_files, same
+from run_cases import ALL, CLOSED, SIMULATED, data_files, forget_last_chunk, same
 
 import locosweep as ls
 from locosweep import _core
@@ -37,8 +37,7 @@ def holed(whole: Path, tmp_path: Path) -> Path:
     """A run whose last chunk was never finished."""
     folder = tmp_path / "holed"
     shutil.copytree(whole, folder)
-    (log,) = (folder / "log").iterdir()
-    log.write_bytes(b"".join(log.read_bytes().splitlines(keepends=True)[:-1]))
+    forget_last_chunk(folder)
     return folder
 
 
