@@ -24,6 +24,7 @@ from locosweep.diagnosis.select.law_mismatch import (
     is_law_of,
     passes_both_ways,
     score_with_other_law,
+    several_do_better,
     unlisted_rival,
 )
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
@@ -141,6 +142,22 @@ def test_another_law_starts_from_where_a_formula_ends() -> None:
     assert found[1].chi2 == pytest.approx(end.chi2, rel=1e-3)
 
 
+@pytest.mark.parametrize("held", [(), (3,)])
+def test_several_causes_do_better_than_a_law_where_they_are_the_truth(
+    held: tuple[int, ...],
+) -> None:
+    """Drag that grows with the square of the speed, and drag beside a drift."""
+    pair = ("viscous_friction", "sensor_drift")
+    both = {"viscous_friction": {"c": 0.1}, "sensor_drift": {"b": 4e-4}}
+    found = []
+    for effects in (both, {"quadratic_drag": {"c2": 0.05}}):
+        search, (alone,) = fits_of(measured(effects, drives(count=5)), pair[0], held=held)
+        model = search.model(pair)
+        start = start_fits(search.nuisances, model, np.zeros((1, len(model.free))))
+        found.append(several_do_better(search, alone, fit_all(search.problem, start, steps=20)))
+    assert found == [True, False]
+
+
 def test_a_force_by_position_refutes_a_single_effect_that_it_outdoes() -> None:
     """A spring to the start is no friction that drifts; but a slope stays a slope."""
     runs = drives(count=5)
@@ -172,6 +189,28 @@ def test_friction_along_a_way_passed_in_one_direction_is_not_refuted_by_a_force_
     monkeypatch.setattr(law_mismatch, "passes_both_ways", lambda _: True)
     rival, _ = unlisted_rival(search, known, found, score, mismatch=False)
     assert rival == "terrain"
+
+
+def test_beside_another_cause_such_friction_is_not_refuted_either(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    runs = [replace(run, drive=np.abs(run.drive)) for run in drives(count=5)]
+    rough = {"position_dependent_friction": {"a": 0.02, "L": 0.05, "p": 0.3}}
+    frame = measured({**rough, "sensor_drift": {"b": 2e-3}}, runs)
+    search, fits = fits_of(frame, *rough, "sensor_drift")
+    names = ("position_dependent_friction", "sensor_drift")
+    model = search.model(names)
+    truth = np.array([[0.02, 0.05, 0.3, 2e-3]])
+    (found,) = fit_all(search.problem, start_fits(search.nuisances, model, truth), steps=20)
+    known = Collection({frozenset({"sensor_drift"}): fits[1]})
+    # As if the two did no better than the drift alone.
+    monkeypatch.setattr(law_mismatch.RestForce, "log_bayes_factor", lambda *_: -1e9)
+    score = search.score(fits[1])
+    rivals = []
+    for both in (False, True):
+        monkeypatch.setattr(law_mismatch, "passes_both_ways", lambda _, both=both: both)
+        rivals.append(unlisted_rival(search, known, found, score, mismatch=False)[0])
+    assert rivals == ["", "terrain"]
 
 
 def test_runs_that_come_back_pass_both_ways() -> None:

@@ -15,6 +15,7 @@ from locosweep.diagnosis.select.screen import (
     cancelling_pairs,
     informative_runs,
     pairs_along,
+    pairs_beside,
     scaled,
     scan_beside,
     seen_along,
@@ -103,6 +104,20 @@ def test_pairs_of_the_equation_error_are_the_true_one_first() -> None:
     best = pairs_along(search, 3)[0]
     assert set(best.model.names) == set(both)
     assert best.named()["drive_lag"]["T"] == pytest.approx(0.03, rel=0.05)
+
+
+def test_pairs_of_replays_are_the_true_one_first_at_its_strengths() -> None:
+    """The gap is small, so that the equation error is noise."""
+    true = {"viscous_friction": 0.004, "sensor_drift": -1e-4}
+    effects = {"viscous_friction": {"c": 0.004}, "sensor_drift": {"b": -1e-4}}
+    search = search_for(effects, *true, "drive_gain_error", "slope_error", "quadratic_drag")
+    alone = [fit_of(search, name) for name in search.names]
+    first, *others = pairs_beside(search, alone, [0, 1, 2])
+    assert set(first.model.names) == set(true)
+    for name, value in zip(first.model.names, first.parameters, strict=True):
+        assert value == pytest.approx(true[name], rel=0.1)
+    assert [fit.chi2 for fit in others] == sorted(fit.chi2 for fit in others)
+    assert first.chi2 < others[0].chi2
 
 
 def test_a_valley_is_walked_where_a_parameter_is_hardly_known() -> None:

@@ -9,7 +9,13 @@ import numpy as np
 from diagnosis_search import fit_of, ranked, search_for
 from locosweep.diagnosis.select.extension import singles
 from locosweep.diagnosis.select.search import Collection
-from locosweep.diagnosis.select.stepwise import backward, forward, is_stalled, without
+from locosweep.diagnosis.select.stepwise import (
+    backward,
+    exchanged,
+    forward,
+    is_stalled,
+    without,
+)
 
 NAMES = ("viscous_friction", "drive_gain_error", "sensor_drift")
 BOTH = {"viscous_friction": {"c": 0.06}, "sensor_drift": {"b": 2e-3}}
@@ -20,10 +26,24 @@ def test_a_forward_step_finds_the_second_cause() -> None:
     known = singles(search)
     level = ranked({key: fit for key, fit in known.fits.items() if key})
     found = forward(search, known, level, level[0], rest=True)
-    best = ranked(found)[0]
+    best = ranked(found.fits)[0]
     assert set(best.model.names) == set(BOTH)
-    assert all(len(key) == 2 for key in found)
+    assert set(found.fits) > set(known.fits)
     assert all(len(key) < 2 for key in known.fits)
+
+
+def test_a_wrong_pair_is_exchanged_for_the_true_one_and_its_rivals_are_known() -> None:
+    search = search_for(BOTH, *NAMES, "back_emf")
+    known = singles(search)
+    wrong = fit_of(search, "drive_gain_error", "sensor_drift")
+    best, known = exchanged(search, known, wrong)
+    assert set(best.model.names) in ({*BOTH}, {"back_emf", "sensor_drift"})
+    assert known.exchanged >= {frozenset(best.model.names), frozenset(wrong.model.names)}
+    assert {frozenset(BOTH), frozenset({"back_emf", "sensor_drift"})} <= set(known.fits)
+    # Nothing is fitted twice.
+    again, after = exchanged(search, known, best)
+    assert again is best
+    assert after.fits == known.fits
 
 
 def test_a_backward_step_leaves_out_what_is_not_needed() -> None:

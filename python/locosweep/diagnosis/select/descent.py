@@ -10,7 +10,7 @@ import numpy as np
 from locosweep.diagnosis.estimate.least_squares import chi2_of, evaluate, fit_all
 from locosweep.diagnosis.select.effort import FEW, PARTNERS, SHARE, SLACK
 from locosweep.diagnosis.select.score import total
-from locosweep.diagnosis.select.thresholds import LEAST_GAIN_FITTED, PENALTY
+from locosweep.diagnosis.select.thresholds import LEAST_GAIN_FITTED, PENALTY, TIE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -144,7 +144,8 @@ def _with_limits(
     best = min([*known.fits.values(), *others], key=search.score)
     most = np.inf
     if search.is_noise(best):
-        most = search.score(best) + (0.0 if at_noise else SLACK)
+        tie = TIE if rival is not None else SLACK
+        most = search.score(best) + (0.0 if at_noise else tie)
     if rival is None:
         count = min((len(fit.model.names) for fit in fits), default=0)
         fewer = [fit for names, fit in known.fits.items() if 0 < len(names) < count]

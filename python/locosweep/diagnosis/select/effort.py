@@ -21,8 +21,9 @@ the equation error says little."""
 INFORMATIVE_RUNS = 2
 """Runs that starts are replayed on: those that hold most of what a fit leaves."""
 PARTNERS = 8
-"""Further effects that are fitted beside those found, pairs that are fitted at first, values that
-thresholds are fitted again from, and rounds in which a fit is tried again from around its end."""
+"""Further effects that are fitted beside those found; pairs that are fitted at first, of those that
+the equation error and of those that replays propose; values that thresholds are fitted again from;
+rounds in which a fit is tried again from around its end."""
 SHARE = 0.5
 """Share of the best one's gain in chi2 that others have to promise, and after a few steps to
 show, to be followed."""

@@ -26,6 +26,7 @@ from locosweep.diagnosis.select.screen import (
     informative_runs,
     mean_square,
     pairs_along,
+    pairs_beside,
     rows_beside,
     scaled,
     scan_beside,
@@ -49,7 +50,7 @@ a sample resolves of a motion to all of its range, each a third larger than the 
 def singles(search: Search) -> Collection:
     """Fit every effect alone, from several starts; the best ones again from around their ends."""
     known = Collection({frozenset(): search.none})
-    found = extend(search, known, None, search.names, keep=len(search.names))
+    found = extend(search, known, None, search.names)
     best = sorted(found.values(), key=chi2_of)[:FEW]
     near = [fit for fit in best if fit.chi2 < best[0].chi2 + SLACK]
     found |= {frozenset(fit.model.names): beyond_ridges(search, fit) for fit in near}
@@ -61,12 +62,11 @@ def extend(
     known: Collection,
     base: Fit | None,
     partners: Sequence[str],
-    keep: int = PARTNERS,
     *,
     beat: bool = False,
     rival: Fit | None = None,
 ) -> Found:
-    """Fit `base` with each of `partners` beside it; only the `keep` best after a scan.
+    """Fit `base` with each of `partners` beside it; only those that promise most after a scan.
 
     Without a base, effects are fitted alone. With `beat`, only those are fitted that promise to
     come near the best set of as many effects; with a `rival`, those that promise half of what it
@@ -75,6 +75,8 @@ def extend(
     problem = search.problem
     held = base.model.names if base else ()
     partners = [p for p in partners if p not in held]
+    if not partners:
+        return {}
     beside = base or search.none
     if not beside.residual.size:
         (beside,) = evaluate(problem, [beside])
@@ -101,7 +103,7 @@ def extend(
         limit = min(limit, worth)
     best = [min(group, key=lambda s: s.promised) for group in groups if group]
     followed: list[Fit] = []
-    for start in sorted(best, key=lambda s: s.promised)[:keep]:
+    for start in sorted(best, key=lambda s: s.promised)[: PARTNERS if held else None]:
         if start.promised > limit:
             break
         if start.promised > worth:
@@ -268,7 +270,9 @@ def extend_each(search: Search, known: Collection, bases: Sequence[Fit]) -> Foun
 
 
 def pairs(search: Search, known: Collection) -> Found:
-    """Fit the pairs that leave the least equation error: neither need stand out alone."""
-    starts = [fit.unfitted() for fit in pairs_along(search, PARTNERS)]
+    """Fit the pairs that leave least: neither effect need stand out alone."""
     none = search.none
-    return descend(search, known, starts, informative_runs(search.problem, none), none)
+    runs = informative_runs(search.problem, none)
+    found = pairs_along(search, PARTNERS)
+    found += pairs_beside(search, known.of_size(1), runs)[:PARTNERS]
+    return descend(search, known, [fit.unfitted() for fit in found], runs, none)

@@ -110,6 +110,43 @@ def _score_with_other_law(search: Search, fit: Fit) -> tuple[tuple[bool, float] 
     return (behind, search.score(fit) - log_factor * noise), most
 
 
+def several_do_better(search: Search, law: Fit, sets: Sequence[Fit]) -> bool:
+    """Return whether some set of effects explains all runs better than another law of one cause.
+
+    Both are fitted to all runs, those kept from fits among them where these judge: a law that
+    bends to a second cause in few runs does not do so in all.
+    """
+    problem, kept = search.problem, search.judges and bool(search.problem.held)
+    own = own_variables(law.model.names)
+    noise = noise_level(problem, NonparametricCorrection(problem, law).corrected_residual(own))
+    if kept:
+        law, *sets = (fitted_to_all(search, one) for one in (law, *sets))
+        problem = _of_all_runs(problem)
+    factor = NonparametricCorrection(problem, law).log_bayes_factor(own, noise)
+    least = min(search.score(fit) for fit in sets)
+    return least < search.score(law) - factor * noise - limits.SEVERAL_CAUSES_GAIN
+
+
+def fitted_to_all(search: Search, fit: Fit) -> Fit:
+    """Return a model fitted to all runs, from its values for some of them."""
+    whole = _of_all_runs(search.problem)
+    (fit,) = fit_all(whole, [_with_starts(search.problem, fit)], steps=search.steps)
+    return fit
+
+
+def _of_all_runs(problem: Problem) -> Problem:
+    return replace(problem, held=(), initial=problem.starts, meter=ReplayMeter())
+
+
+def _with_starts(problem: Problem, fit: Fit) -> Fit:
+    """Return an unfitted model with the start speeds of runs kept from fits as well."""
+    moving = fit.nuisances.moving
+    late = tuple(r for r in problem.starts.moving if r in problem.held and r not in moving)
+    at = len(fit.model.free) + len(fit.nuisances.uncertain) + len(moving)
+    nuisances = replace(fit.nuisances, moving=(*moving, *late))
+    return Fit(fit.model, nuisances, np.insert(fit.theta, [at] * len(late), 0.0))
+
+
 def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool:
     """Return whether another law, predicted from the other runs, leaves but noise in each.
 
@@ -117,16 +154,8 @@ def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool
     single runs. And one law for all runs needs about as large a log Bayes factor as one of its
     own in each.
     """
-    whole = replace(problem, held=(), initial=problem.starts, meter=ReplayMeter())
-    # Runs kept from the fit may start in motion, too.
-    moving = fit.nuisances.moving
-    late = tuple(r for r in problem.starts.moving if r in problem.held and r not in moving)
-    at = len(fit.model.free) + len(fit.nuisances.uncertain) + len(moving)
-    same = Fit(
-        fit.model,
-        replace(fit.nuisances, moving=(*moving, *late)),
-        np.insert(fit.theta, [at] * len(late), 0.0),
-    )
+    whole, same = _of_all_runs(problem), _with_starts(problem, fit)
+    late = same.theta.size > fit.theta.size
     (same,) = fit_all(whole, [same], steps=8) if late else evaluate(whole, [same])
     terms = NonparametricCorrection(whole, same)
     if (
@@ -215,17 +244,20 @@ def unlisted_rival(
     alone = -limits.WIDER_LAW_GAIN if single else limits.LEAST_GAIN
     # Terms by the acceleration hold friction of either direction: as well as another law of it is
     # what they always do.
-    variables: tuple[str, ...] = UNLISTED if single else (BY_PLACE,)
-    if {VARIABLES.get(name) for name in names} == {ALONG} and not passes_both_ways(search.problem):
-        # Passed in one direction only, friction along the way is a force by place, too.
-        variables = tuple(v for v in variables if v != BY_PLACE)
+    variables = UNLISTED if single else (BY_PLACE,)
+    both_ways = passes_both_ways(search.problem)
     sets = dict.fromkeys([frozenset[str](), *(names - {name} for name in names)])
     noise = noise_level(search.problem, found.residual)
     ahead, beside = {"": 0.0}, {"": search.none}
-    for fit in (known.fits[key] for key in sets if key in known.fits):
+    for key in (key for key in sets if key in known.fits):
+        fit = known.fits[key]
         margin = 0.0 if fit.model.names else alone
         terms = NonparametricCorrection(search.problem, fit)
+        # Passed in one direction only, friction along the way is a force by place, too.
+        one_force = not both_ways and {VARIABLES.get(name) for name in names - key} == {ALONG}
         for variable in variables:
+            if one_force and variable == BY_PLACE:
+                continue
             gain = terms.log_bayes_factor([variable], noise) * noise
             by = score + margin - (search.score(fit) - gain)
             if by >= ahead.get(variable, by):

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 _AT_ONCE = 200
 """Starts that are evaluated side by side; their residuals are kept meanwhile."""
+_WEAK = 1.0 / STRONGEST_SCALING
+"""Factor on a start below which it is evaluated again as weak as that."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,12 +108,44 @@ def pairs_along(search: Search, count: int, beside: Fit | None = None) -> list[F
     none = beside or search.none
     alone = [fit for name in search.names for fit in rows_beside(search, name, none)]
     residual, changes = _changes_along(along, none, alone)
+    starts = _starts_of_pairs(search, alone, -residual, changes, none)
+    return sorted(refined(along, starts), key=lambda fit: fit.chi2)[:count]
+
+
+def pairs_beside(search: Search, known: Iterable[Fit], runs: Sequence[int]) -> list[Fit]:
+    """Return starts of the pairs of effects whose replayed changes cancel most of the gap.
+
+    Changes of a small gap add up: they tell pairs apart that the equation error, mostly noise
+    then, does not. They are those of all starts of each effect, and of the fits `known` of effects
+    alone, on some runs. Best first, as replays of these runs say.
+    """
+    problem, none = search.problem, search.none
+    alone = [fit for name in search.names for fit in rows_beside(search, name, none)]
+    alone += [fit.unfitted() for fit in known]
+    here, free = _free_changes(problem, none, runs)
+    changes = np.array([change for _, change in _changed(problem, alone, runs, here, free)])
+    changes[~np.isfinite(changes).all(axis=1)] = 0.0
+    _, factors, _ = _scalings(changes, -here.residual)
+    # What is far too strong says little of a weaker one.
+    weak = np.flatnonzero(np.abs(factors) < _WEAK)
+    weaker = [scaled(alone[i], float(factors[i])) for i in weak]
+    for i, (fit, change) in zip(weak, _changed(problem, weaker, runs, here, free), strict=True):
+        alone[i], changes[i] = fit, change if np.isfinite(change).all() else 0.0
+    starts = _starts_of_pairs(search, alone, here.residual, changes, none)
+    return sorted(evaluate(problem, starts, runs), key=lambda fit: fit.chi2)
+
+
+def _starts_of_pairs(
+    search: Search, alone: Sequence[Fit], residual: Floats, changes: Floats, beside: Fit
+) -> list[Fit]:
+    """Return starts of the pairs of effects whose changes cancel most of a residual."""
     starts = []
-    for i, j, sizes in cancelling_pairs(alone, changes, -residual, 3 * PARTNERS):
+    for i, j, sizes in cancelling_pairs(alone, changes, residual, 3 * PARTNERS):
         model = search.model((alone[i].model.names[0], alone[j].model.names[0]))
         parts = [scaled(alone[k], by).parameters for k, by in zip((i, j), sizes, strict=True)]
-        starts += start_fits(search.nuisances, model, np.concatenate(parts)[None], none.nuisance)
-    return sorted(refined(along, starts), key=lambda fit: fit.chi2)[:count]
+        row = np.concatenate(parts)[None]
+        starts += start_fits(search.nuisances, model, row, beside.nuisance)
+    return starts
 
 
 def _changes_along(
@@ -156,30 +190,36 @@ def scan_beside(
     Returns those of `fits` in their order and then the weaker ones, and chi2 of `beside` on these
     runs.
     """
-    (known,) = evaluate(problem, [beside.unfitted()], runs)
-    free = np.nan_to_num(jacobian_of(problem, known, runs))
-    basis = np.linalg.qr(free.T)[0]
+    known, free = _free_changes(problem, beside, runs)
 
     def screened(fits: Iterable[Fit]) -> Iterator[Screened]:
-        for fit in _evaluated(problem, fits, runs):
-            change = fit.residual - known.residual
-            change -= basis @ (basis.T @ change)
+        for fit, change in _changed(problem, fits, runs, known, free):
             size, factor, fall = (float(v[0]) for v in _scalings(change[None], -known.residual))
             sure = bool(np.isfinite(fall)) and size > 0.0
             promised = min(fit.chi2, known.chi2 - fall) if sure else fit.chi2
             yield Screened(fit.without_residual(), promised, factor if sure else 1.0)
 
     found = list(screened(fits))
-    weak = 1.0 / STRONGEST_SCALING
-    pairs = [(s.fit, scaled(s.fit, s.factor)) for s in found if abs(s.factor) < weak]
+    pairs = [(s.fit, scaled(s.fit, s.factor)) for s in found if abs(s.factor) < _WEAK]
     weaker = [now for before, now in pairs if (now.theta != before.theta).any()]
     return [*found, *screened(weaker)], known.chi2
 
 
-def _evaluated(problem: Problem, fits: Iterable[Fit], runs: Sequence[int]) -> Iterable[Fit]:
+def _free_changes(problem: Problem, beside: Fit, runs: Sequence[int]) -> tuple[Fit, Floats]:
+    """Return a fit on some runs, and a basis of the changes that its own entries can make."""
+    (known,) = evaluate(problem, [beside.unfitted()], runs)
+    return known, np.linalg.qr(np.nan_to_num(jacobian_of(problem, known, runs)).T)[0]
+
+
+def _changed(
+    problem: Problem, fits: Iterable[Fit], runs: Sequence[int], known: Fit, free: Floats
+) -> Iterator[tuple[Fit, Floats]]:
+    """Evaluate starts on some runs, a few at a time, and what each changes beyond what is free."""
     fits = list(fits)
     for i in range(0, len(fits), _AT_ONCE):
-        yield from evaluate(problem, fits[i : i + _AT_ONCE], runs)
+        for fit in evaluate(problem, fits[i : i + _AT_ONCE], runs):
+            change = fit.residual - known.residual
+            yield fit, change - free @ (free.T @ change)
 
 
 def scaled(fit: Fit, scale: float) -> Fit:

@@ -95,6 +95,16 @@ class Collection:
     """The best fit of each set of effects that a search has come to."""
 
     fits: Mapping[frozenset[str], Fit]
+    exchanged: frozenset[frozenset[str]] = frozenset()
+    """Sets of which each effect was exchanged for every other one."""
+
+    def having_exchanged(self, fit: Fit) -> Collection:
+        """Return a collection that knows the rivals of a set."""
+        return replace(self, exchanged=self.exchanged | {frozenset(fit.model.names)})
+
+    def of_size(self, count: int) -> list[Fit]:
+        """Return the fits of all sets of so many effects."""
+        return [fit for names, fit in self.fits.items() if len(names) == count]
 
     def adding(self, found: Mapping[frozenset[str], Fit]) -> Collection:
         """Return a collection in which the fits of a step replace those known before."""

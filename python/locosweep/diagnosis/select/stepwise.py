@@ -26,8 +26,10 @@ def is_stalled(problem: Problem, before: Fit, after: Fit) -> bool:
 
 def forward(
     search: Search, known: Collection, level: Sequence[Fit], found: Fit, *, rest: bool
-) -> Found:
+) -> Collection:
     """Fit one effect more beside the best few if there is a rest, else beside the best.
+
+    Returns what is known then.
 
     Parameters
     ----------
@@ -40,15 +42,16 @@ def forward(
         more there are too many.
     """
     if not rest:
-        return extend_each(search, known, [found])
-    first = len(found.model.names) == 1
-    larger = pairs(search, known) if first else {}
+        return known.adding(extend_each(search, known, [found]))
+    pair = len(found.model.names) == 1
+    larger = pairs(search, known) if pair else {}
     if larger and not remaining(search.problem, _best(search, larger)):
-        # Beside the best of them, what may do as well.
+        # Beside the best of them, what may do as well; its effects are exchanged with its rivals.
         seeds = [fit for fit in level if fit.model.names[0] in _best(search, larger).model.names]
-        return larger | extend_each(search, known.adding(larger), seeds)
+        return known.adding(larger | extend_each(search, known.adding(larger), seeds))
     larger |= extend_each(search, known.adding(larger), _seeds(level))
-    return larger | _exchanged(search, known, larger) if first and larger else larger
+    known = known.adding(larger)
+    return exchanged(search, known, _best(search, larger))[1] if pair and larger else known
 
 
 def _seeds(level: Sequence[Fit]) -> list[Fit]:
@@ -65,23 +68,37 @@ def _best(search: Search, found: Mapping[frozenset[str], Fit]) -> Fit:
     return min(found.values(), key=lambda fit: total(search, fit))
 
 
-def _exchanged(search: Search, known: Collection, level: Found) -> Found:
-    """Exchange each effect of the best set for every other one, while that helps much."""
-    level = dict(level)
+def exchanged(search: Search, known: Collection, best: Fit) -> tuple[Fit, Collection]:
+    """Exchange each effect of a set for every other one, while that helps.
+
+    Returns the best set, and what is known then: rivals of that set among it, which differ from
+    it by one effect.
+    """
     end = search.problem.meter.work + LEVEL_WORK * search.problem.count
-    while True:
-        best = _best(search, level)
-        if not remaining(search.problem, best):
-            break
+    known = known.adding({frozenset(best.model.names): best})
+    while frozenset(best.model.names) not in known.exchanged:
+        swaps: Found = {}
         for name in best.model.names:
             if search.problem.meter.work > end:
                 break
             base = without(search, best, name)
             others = [n for n in search.names if n != name]
-            level |= extend(search, known.adding(level), base, others, beat=True, rival=best)
-        if _best(search, level).chi2 > 0.5 * best.chi2:
-            break
-    return level
+            swaps |= extend(search, known.adding(swaps), base, others, rival=best)
+        else:
+            known = known.having_exchanged(best)
+        known = known.adding(swaps)
+        old, best = best, _best(search, {frozenset(best.model.names): best, **swaps})
+        if not _worth_a_round(search, old, best):
+            # Its rivals are those of the set that it comes from.
+            return best, known.having_exchanged(best)
+    return best, known
+
+
+def _worth_a_round(search: Search, old: Fit, new: Fit) -> bool:
+    """Return whether an exchange of effects has come so much further that others may again."""
+    if remaining(search.problem, old):
+        return new.chi2 < 0.5 * old.chi2
+    return total(search, new) < total(search, old) - TIE
 
 
 def backward(search: Search, known: Collection, found: Fit) -> tuple[Fit, Collection]:

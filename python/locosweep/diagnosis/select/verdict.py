@@ -7,22 +7,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.diagnosis.effects.catalogue import VARIABLES, own_variables
+from locosweep.diagnosis.effects.catalogue import VARIABLES
 from locosweep.diagnosis.estimate.least_squares import Fit, point_of
 from locosweep.diagnosis.estimate.validation import validation_residuals
 from locosweep.diagnosis.select import thresholds as limits
-from locosweep.diagnosis.select.extension import extend, singles
+from locosweep.diagnosis.select.equivalence import classes_of, is_limit, with_rivals
+from locosweep.diagnosis.select.extension import singles
 from locosweep.diagnosis.select.law_mismatch import (
     best_with_other_law,
     is_law_of,
-    score_with_other_law,
+    several_do_better,
     unlisted_rival,
     without_bending_effect,
 )
-from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.prediction import misses
 from locosweep.diagnosis.select.score import gains, remaining, total
-from locosweep.diagnosis.select.stepwise import backward, forward, is_stalled, without
+from locosweep.diagnosis.select.stepwise import backward, exchanged, forward, is_stalled
 from locosweep.diagnosis.select.whiteness import whiteness_test
 
 if TYPE_CHECKING:
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.select.search import Collection, Found, Search
     from locosweep.diagnosis.select.whiteness import WhitenessTest
 
+_COMPARED = 3
+"""Sets of several effects that are compared with another law of one."""
 _LARGEST_EXPONENT = 50.0
 """Exponent beyond which a probability is 0 to all digits that matter; exp stays finite."""
 
@@ -171,6 +173,9 @@ def choose(search: Search, most: int) -> Choice:
     if rest:
         choice = Choice("unexplained", found, known, whiteness, shape=rest)
         return _with_ranks(search, choice, tried)
+    search.progress("rivals")
+    found, rivals, known = with_rivals(search, known, found)
+    whiteness = whiteness_test(problem, found.residual)
     score = search.score(found) if score is None else score
     unlisted, beside = unlisted_rival(search, known, found, score, mismatch=mismatch)
     if unlisted:
@@ -179,15 +184,13 @@ def choose(search: Search, most: int) -> Choice:
     if mismatch and not is_law_of(search, found):
         choice = Choice("unexplained", found, known, whiteness, shape=remaining(problem, found))
         return _with_ranks(search, choice, tried)
-    search.progress("rivals")
-    rivals, known = _rivals(search, known, found)
-    classes, sets = _classes(search, known, found, rivals, mismatch)
+    classes, sets = classes_of(search, known, found, rivals, mismatch)
     near, simpler = grown.near, without_bending_effect(search, known, found, classes)
     if simpler:
         found, mismatch, near = simpler, True, 0.0
         whiteness = whiteness_test(problem, found.residual)
-        rivals, known = _rivals(search, known, found)
-        classes, sets = _classes(search, known, found, rivals, mismatch)
+        found, rivals, known = with_rivals(search, known, found)
+        classes, sets = classes_of(search, known, found, rivals, mismatch)
     tried += rivals
     if mismatch and any(len({VARIABLES.get(n, n) for n in c}) > limits.MOST_ALIKE for c in classes):
         choice = Choice("unexplained", found, known, whiteness, shape=remaining(problem, found))
@@ -212,14 +215,17 @@ def _grown(search: Search, known: Collection, level: list[Fit], most: int) -> _G
         larger: list[Fit] = []
         if count <= most and not (count > 2 and is_stalled(problem, before, found)):
             search.progress(f"{count} effects at once")
-            added = forward(search, known, level, found, rest=bool(rest))
-            known = known.adding(added)
-            ordered = sorted(added.values(), key=lambda fit: total(search, fit))
+            known = forward(search, known, level, found, rest=bool(rest))
+            ordered = sorted(known.of_size(count), key=lambda fit: total(search, fit))
+            if mismatched and ordered and not remaining(problem, ordered[0]):
+                # The best of them competes with a law that bends to anything.
+                _, known = exchanged(search, known, ordered[0])
+                ordered = sorted(known.of_size(count), key=lambda fit: total(search, fit))
             near = total(search, found) - total(search, ordered[0]) if ordered else 0.0
             larger = [fit for fit in ordered if gains(search, found, fit)]
         if mismatched:
             score, fit = mismatched
-            if not larger or search.score(larger[0]) >= score - limits.SEVERAL_CAUSES_GAIN:
+            if not larger or not several_do_better(search, fit, larger[:_COMPARED]):
                 # The gain of further effects is the misfit of the law.
                 return _Grown(known, level, fit, mismatch_score=score)
         if not larger:
@@ -243,96 +249,6 @@ def kept_may_show_a_gap(search: Search, choice: Choice) -> bool:
     e = validation_residuals(problem, [point_of(problem, search.none)])[0]
     beyond = whiteness_test(problem, e, problem.held).deviations
     return choice.near > 0.0 or beyond > limits.PREDICTION_LIMIT
-
-
-def _rivals(search: Search, known: Collection, found: Fit) -> tuple[list[Fit], Collection]:
-    """Refit with every other effect for each one of the set; return these, and what is known."""
-    rivals: Found = {}
-    for name in found.model.names:
-        if len(found.model.names) > 1:
-            base = without(search, found, name)
-            others = [n for n in search.names if n != name]
-            swaps = extend(search, known, base, others, rival=found)
-            known = known.adding(swaps)
-            rivals |= swaps
-        else:
-            rivals |= {frozenset({n}): known.fits[frozenset({n})] for n in search.names}
-    # Fits that were made during the search count as well.
-    names = frozenset(found.model.names)
-    for key, fit in known.fits.items():
-        if len(key) == len(names) and len(key & names) == len(names) - 1:
-            rivals[key] = fit
-    rivals.pop(names, None)
-    return sorted(rivals.values(), key=lambda fit: total(search, fit)), known
-
-
-def is_limit(fit: Fit, name: str) -> bool:
-    """Return whether an effect's shape is at an end of its range: then it is another one's limit.
-
-    An effect of one parameter has no shape.
-    """
-    if sum(f.effect == name for f in fit.model.free) < 2:
-        return False
-    for i, f in enumerate(fit.model.free):
-        if f.effect != name or not f.log:
-            continue
-        low, high = np.log(f.low), np.log(f.high)
-        edge = limits.AT_AN_END * (high - low)
-        if fit.theta[i] < low + edge or fit.theta[i] > high - edge:
-            return True
-    return False
-
-
-def _classes(
-    search: Search, known: Collection, found: Fit, rivals: Sequence[Fit], mismatch: bool
-) -> tuple[list[list[str]], list[list[str]]]:
-    names = found.model.names
-    reference = total(search, found)
-    tie = limits.TIE
-    if mismatch:
-        own = own_variables(names)
-        left = NonparametricCorrection(search.problem, found).corrected_residual(own)
-        tie += limits.MISFIT_TIE * (found.chi2 - float(left @ left))
-    classes = [[name] for name in names]
-    sets: list[list[str]] = []
-    for rival in rivals:
-        if total(search, rival) - reference > tie:
-            continue
-        new = [n for n in rival.model.names if n not in names]
-        gone = [n for n in names if n not in rival.model.names]
-        if len(new) != 1 or len(gone) != 1 or is_limit(rival, new[0]):
-            continue
-        rank = names.index(gone[0])
-        mine = sum(f.effect == gone[0] for f in found.model.free)
-        theirs = sum(f.effect == new[0] for f in rival.model.free)
-        narrower = theirs > mine and found.chi2 - rival.chi2 < limits.WIDER_LAW_GAIN * (
-            theirs - mine
-        )
-        if narrower and _contains(rival, new[0], mine):
-            continue
-        other = VARIABLES.get(new[0]) not in {VARIABLES.get(n) for n in names}
-        if mismatch and other and score_with_other_law(search, rival) is None:
-            continue
-        if new[0] not in classes[rank]:
-            classes[rank].append(new[0])
-    for key, fit in known.fits.items():
-        if len(key) != len(names) or key == frozenset(names):
-            continue
-        if len(key & set(names)) >= len(names) - 1 and len(names) > 1:
-            continue
-        if len(names) > 1 and total(search, fit) - reference <= tie:
-            sets.append(sorted(key))
-    return classes, sets
-
-
-def _contains(rival: Fit, name: str, few: int) -> bool:
-    """Return whether the rival contains the effect as a limit: its parameters are identifiable."""
-    rows = [i for i, f in enumerate(rival.model.free) if f.effect == name]
-    spread = np.sqrt(np.diag(rival.covariance)) if rival.covariance.size else np.zeros(0)
-    if not spread.size:
-        return True
-    seen = sum(spread[i] < rival.model.free[i].size for i in rows)
-    return bool(seen > few)
 
 
 def _with_ranks(search: Search, choice: Choice, fits: Sequence[Fit]) -> Choice:
