@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,14 @@ import pytest
 from diagnosis_search import search_for, search_of
 from locosweep.diagnosis.effects.catalogue import FURTHER
 from locosweep.diagnosis.estimate.least_squares import Fit, Model, Nuisances
-from locosweep.diagnosis.estimate.motion import ALL, Motion, motion_of, response, terms_of
+from locosweep.diagnosis.estimate.motion import (
+    ALL,
+    Motion,
+    _keeps,
+    motion_of,
+    response,
+    terms_of,
+)
 from locosweep.diagnosis.estimate.problem import Problem
 from locosweep.files.robot import Robot
 from locosweep.files.runs import Run
@@ -165,3 +173,10 @@ def test_an_error_by_the_way_since_the_start_is_in_the_terms_of_a_reading() -> N
     terms = np.vstack(groups).T
     left = error - terms @ np.linalg.lstsq(terms, error, rcond=None)[0]
     assert np.sqrt(np.mean(left**2)) < 1e-2 * np.sqrt(np.mean(error**2))
+
+
+def test_a_turn_from_next_to_no_speed_keeps_all_without_a_warning() -> None:
+    runs = SimpleNamespace(runs=[SimpleNamespace(since_start=np.array([0.0, 0.01]))], fitted=[0])
+    v, x, number = np.array([1e-318, -1.0]), np.array([0.0, -0.005]), np.zeros(2, dtype=np.intp)
+    with np.errstate(over="raise"):
+        assert _keeps(runs, number, v, x).tolist() == [1.0, 1.0]

@@ -120,7 +120,9 @@ def _keeps(problem: Problem, number: NDArray[np.intp], v: Floats, x: Floats) -> 
     before, after, step = v[turns], v[turns + 1], np.diff(t)[turns]
     until = (2.0 * np.diff(x)[turns] - after * step) / (before - after)
     until = np.clip(until, 1e-6 * step, (1.0 - 1e-6) * step)
-    keeps[turns] = np.clip(-after / (step - until) / (before / until), 0.0, 1.0)
+    # From next to no speed, the ratio is beyond all numbers.
+    with np.errstate(over="ignore"):
+        keeps[turns] = np.clip(-after / (step - until) / (before / until), 0.0, 1.0)
     return keeps
 
 
