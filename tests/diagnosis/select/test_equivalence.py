@@ -7,10 +7,11 @@ import numpy as np
 from diagnosis_search import fit_of, search_for, search_of
 from diagnosis_small import measured
 from locosweep.diagnosis.estimate.least_squares import evaluate, start_fits
-from locosweep.diagnosis.select.equivalence import classes_of, is_limit, with_rivals
+from locosweep.diagnosis.select.equivalence import classes_of, is_limit, rivals_of
 from locosweep.diagnosis.select.extension import singles
 from locosweep.diagnosis.select.score import total
 from locosweep.diagnosis.select.search import Collection
+from locosweep.diagnosis.select.stepwise import exchanged
 from locosweep.diagnosis.select.thresholds import TIE
 
 NAMES = ("viscous_friction", "back_emf", "sensor_drift", "drive_gain_error")
@@ -20,7 +21,8 @@ BOTH = {"viscous_friction": {"c": 0.06}, "sensor_drift": {"b": 2e-3}}
 def test_rivals_differ_by_one_effect_best_first() -> None:
     search = search_for(BOTH, *NAMES)
     known = singles(search)
-    found, rivals, known = with_rivals(search, known, fit_of(search, *BOTH))
+    found, known = exchanged(search, known, fit_of(search, *BOTH))
+    rivals = rivals_of(search, known, found)
     # Viscous friction and back-EMF are one force: either may come first.
     two = [set(found.model.names), set(rivals[0].model.names)]
     assert sorted(map(sorted, two)) == [["back_emf", "sensor_drift"], sorted(BOTH)]

@@ -10,12 +10,14 @@ from diagnosis_search import fit_of, ranked, search_for
 from locosweep.diagnosis.select.extension import singles
 from locosweep.diagnosis.select.search import Collection
 from locosweep.diagnosis.select.stepwise import (
+    _takes_the_place,
     backward,
     exchanged,
     forward,
     is_stalled,
     without,
 )
+from locosweep.diagnosis.select.thresholds import TIE
 
 NAMES = ("viscous_friction", "drive_gain_error", "sensor_drift")
 BOTH = {"viscous_friction": {"c": 0.06}, "sensor_drift": {"b": 2e-3}}
@@ -38,12 +40,29 @@ def test_a_wrong_pair_is_exchanged_for_the_true_one_and_its_rivals_are_known() -
     wrong = fit_of(search, "drive_gain_error", "sensor_drift")
     best, known = exchanged(search, known, wrong)
     assert set(best.model.names) in ({*BOTH}, {"back_emf", "sensor_drift"})
-    assert known.exchanged >= {frozenset(best.model.names), frozenset(wrong.model.names)}
+    names = frozenset(best.model.names)
+    assert known.extended >= {names - {name} for name in names}
     assert {frozenset(BOTH), frozenset({"back_emf", "sensor_drift"})} <= set(known.fits)
     # Nothing is fitted twice.
     again, after = exchanged(search, known, best)
     assert again is best
     assert after.fits == known.fits
+
+
+def test_a_set_gives_way_to_a_smaller_one_at_once_and_to_others_by_more_than_a_tie() -> None:
+    true = {"viscous_friction": {"c": 0.01}, "sensor_drift": {"b": 1e-4}}
+    search = replace(search_for(true, *NAMES), judges=False)
+    both = fit_of(search, *BOTH)
+    # A third effect that gains less than its price.
+    wide = replace(fit_of(search, *NAMES, values=(0.01, 0.0, 1e-4)), chi2=both.chi2 - 1.0)
+    alike = replace(both, chi2=both.chi2 + 0.5 * TIE)
+    assert _takes_the_place(search, wide, both)
+    assert not _takes_the_place(search, alike, both)
+    assert _takes_the_place(search, replace(both, chi2=both.chi2 + 1.5 * TIE), both)
+    # Where a rest is left, only what halves it leads further.
+    rest = fit_of(search, "sensor_drift", "drive_gain_error")
+    assert not _takes_the_place(search, rest, replace(rest, chi2=0.6 * rest.chi2))
+    assert _takes_the_place(search, rest, both)
 
 
 def test_a_backward_step_leaves_out_what_is_not_needed() -> None:

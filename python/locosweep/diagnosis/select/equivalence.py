@@ -8,10 +8,10 @@ import numpy as np
 
 from locosweep.diagnosis.effects.catalogue import VARIABLES, own_variables
 from locosweep.diagnosis.select import thresholds as limits
-from locosweep.diagnosis.select.law_mismatch import fitted_to_all, score_with_other_law
+from locosweep.diagnosis.select.all_runs import fitted_to_all
+from locosweep.diagnosis.select.law_mismatch import score_with_other_law
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.score import total
-from locosweep.diagnosis.select.stepwise import exchanged
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,20 +20,11 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.select.search import Collection, Search
 
 
-def with_rivals(search: Search, known: Collection, found: Fit) -> tuple[Fit, list[Fit], Collection]:
-    """Refit with every other effect for each one of the set.
-
-    Returns the best set, its rivals, and what is known then.
-    """
-    if len(found.model.names) > 1:
-        found, known = exchanged(search, known, found)
+def rivals_of(search: Search, known: Collection, found: Fit) -> list[Fit]:
+    """Return the sets that are known and differ from another one by one effect, best first."""
     names = frozenset(found.model.names)
-    rivals = [
-        fit
-        for key, fit in known.fits.items()
-        if len(key) == len(names) and len(key & names) == len(names) - 1
-    ]
-    return found, sorted(rivals, key=lambda fit: total(search, fit)), known
+    rivals = [fit for fit in known.of_size(len(names)) if len(names - {*fit.model.names}) == 1]
+    return sorted(rivals, key=lambda fit: total(search, fit))
 
 
 def is_limit(fit: Fit, name: str) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING
 
@@ -11,10 +10,10 @@ from scipy.special import ndtr
 
 from locosweep.diagnosis.effects.catalogue import FURTHER, VARIABLES, own_variables
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all, point_of
-from locosweep.diagnosis.estimate.problem import ReplayMeter
 from locosweep.diagnosis.estimate.rest import RestForce
 from locosweep.diagnosis.estimate.validation import validation_residuals
 from locosweep.diagnosis.select import thresholds as limits
+from locosweep.diagnosis.select.all_runs import fitted_to_all, of_all_runs, with_all_starts
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.whiteness import noise_level, whiteness_test
 
@@ -121,30 +120,10 @@ def several_do_better(search: Search, law: Fit, sets: Sequence[Fit]) -> bool:
     noise = noise_level(problem, NonparametricCorrection(problem, law).corrected_residual(own))
     if kept:
         law, *sets = (fitted_to_all(search, one) for one in (law, *sets))
-        problem = _of_all_runs(problem)
+        problem = of_all_runs(problem)
     factor = NonparametricCorrection(problem, law).log_bayes_factor(own, noise)
     least = min(search.score(fit) for fit in sets)
     return least < search.score(law) - factor * noise - limits.SEVERAL_CAUSES_GAIN
-
-
-def fitted_to_all(search: Search, fit: Fit) -> Fit:
-    """Return a model fitted to all runs, from its values for some of them."""
-    whole = _of_all_runs(search.problem)
-    (fit,) = fit_all(whole, [_with_starts(search.problem, fit)], steps=search.steps)
-    return fit
-
-
-def _of_all_runs(problem: Problem) -> Problem:
-    return replace(problem, held=(), initial=problem.starts, meter=ReplayMeter())
-
-
-def _with_starts(problem: Problem, fit: Fit) -> Fit:
-    """Return an unfitted model with the start speeds of runs kept from fits as well."""
-    moving = fit.nuisances.moving
-    late = tuple(r for r in problem.starts.moving if r in problem.held and r not in moving)
-    at = len(fit.model.free) + len(fit.nuisances.uncertain) + len(moving)
-    nuisances = replace(fit.nuisances, moving=(*moving, *late))
-    return Fit(fit.model, nuisances, np.insert(fit.theta, [at] * len(late), 0.0))
 
 
 def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool:
@@ -154,7 +133,7 @@ def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool
     single runs. And one law for all runs needs about as large a log Bayes factor as one of its
     own in each.
     """
-    whole, same = _of_all_runs(problem), _with_starts(problem, fit)
+    whole, same = of_all_runs(problem), with_all_starts(problem, fit)
     late = same.theta.size > fit.theta.size
     (same,) = fit_all(whole, [same], steps=8) if late else evaluate(whole, [same])
     terms = NonparametricCorrection(whole, same)

@@ -95,12 +95,12 @@ class Collection:
     """The best fit of each set of effects that a search has come to."""
 
     fits: Mapping[frozenset[str], Fit]
-    exchanged: frozenset[frozenset[str]] = frozenset()
-    """Sets of which each effect was exchanged for every other one."""
+    extended: frozenset[frozenset[str]] = frozenset()
+    """Sets that every effect was tried beside."""
 
-    def having_exchanged(self, fit: Fit) -> Collection:
-        """Return a collection that knows the rivals of a set."""
-        return replace(self, exchanged=self.exchanged | {frozenset(fit.model.names)})
+    def having_extended(self, names: frozenset[str]) -> Collection:
+        """Return a collection that knows of a set what does best beside it."""
+        return replace(self, extended=self.extended | {names})
 
     def of_size(self, count: int) -> list[Fit]:
         """Return the fits of all sets of so many effects."""

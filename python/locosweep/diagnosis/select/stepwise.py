@@ -76,29 +76,32 @@ def exchanged(search: Search, known: Collection, best: Fit) -> tuple[Fit, Collec
     """
     end = search.problem.meter.work + LEVEL_WORK * search.problem.count
     known = known.adding({frozenset(best.model.names): best})
-    while frozenset(best.model.names) not in known.exchanged:
+    while True:
         swaps: Found = {}
+        names = frozenset(best.model.names)
         for name in best.model.names:
-            if search.problem.meter.work > end:
-                break
+            if names - {name} in known.extended or search.problem.meter.work > end:
+                continue
             base = without(search, best, name)
             others = [n for n in search.names if n != name]
             swaps |= extend(search, known.adding(swaps), base, others, rival=best)
-        else:
-            known = known.having_exchanged(best)
+            known = known.having_extended(names - {name})
         known = known.adding(swaps)
-        old, best = best, _best(search, {frozenset(best.model.names): best, **swaps})
-        if not _worth_a_round(search, old, best):
-            # Its rivals are those of the set that it comes from.
-            return best, known.having_exchanged(best)
-    return best, known
+        new = _best(search, {names: best, **swaps})
+        if not _takes_the_place(search, best, new):
+            return best, known
+        best = new
 
 
-def _worth_a_round(search: Search, old: Fit, new: Fit) -> bool:
-    """Return whether an exchange of effects has come so much further that others may again."""
+def _takes_the_place(search: Search, old: Fit, new: Fit) -> bool:
+    """Return whether a set does so much better than another one that rivals are those of it.
+
+    One with fewer parameters does if it scores better at all.
+    """
     if remaining(search.problem, old):
         return new.chi2 < 0.5 * old.chi2
-    return total(search, new) < total(search, old) - TIE
+    margin = 0.0 if len(new.model.free) < len(old.model.free) else TIE
+    return total(search, new) < total(search, old) - margin
 
 
 def backward(search: Search, known: Collection, found: Fit) -> tuple[Fit, Collection]:

@@ -11,7 +11,7 @@ from locosweep.diagnosis.effects.catalogue import VARIABLES
 from locosweep.diagnosis.estimate.least_squares import Fit, point_of
 from locosweep.diagnosis.estimate.validation import validation_residuals
 from locosweep.diagnosis.select import thresholds as limits
-from locosweep.diagnosis.select.equivalence import classes_of, is_limit, with_rivals
+from locosweep.diagnosis.select.equivalence import classes_of, is_limit, rivals_of
 from locosweep.diagnosis.select.extension import singles
 from locosweep.diagnosis.select.law_mismatch import (
     best_with_other_law,
@@ -33,7 +33,8 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.select.whiteness import WhitenessTest
 
 _COMPARED = 3
-"""Sets of several effects that are compared with another law of one."""
+"""Sets of several effects that are compared with another law of one: fitted to all runs, those that
+nearly tie may change places. Not derived."""
 _LARGEST_EXPONENT = 50.0
 """Exponent beyond which a probability is 0 to all digits that matter; exp stays finite."""
 
@@ -174,7 +175,8 @@ def choose(search: Search, most: int) -> Choice:
         choice = Choice("unexplained", found, known, whiteness, shape=rest)
         return _with_ranks(search, choice, tried)
     search.progress("rivals")
-    found, rivals, known = with_rivals(search, known, found)
+    if len(found.model.names) > 1:
+        found, known = exchanged(search, known, found)
     whiteness = whiteness_test(problem, found.residual)
     score = search.score(found) if score is None else score
     unlisted, beside = unlisted_rival(search, known, found, score, mismatch=mismatch)
@@ -184,12 +186,16 @@ def choose(search: Search, most: int) -> Choice:
     if mismatch and not is_law_of(search, found):
         choice = Choice("unexplained", found, known, whiteness, shape=remaining(problem, found))
         return _with_ranks(search, choice, tried)
+    rivals = rivals_of(search, known, found)
     classes, sets = classes_of(search, known, found, rivals, mismatch)
     near, simpler = grown.near, without_bending_effect(search, known, found, classes)
     if simpler:
         found, mismatch, near = simpler, True, 0.0
         whiteness = whiteness_test(problem, found.residual)
-        found, rivals, known = with_rivals(search, known, found)
+        if len(found.model.names) > 1:
+            # Whatever scores better by its formulas: this set has other laws than these.
+            _, known = exchanged(search, known, found)
+        rivals = rivals_of(search, known, found)
         classes, sets = classes_of(search, known, found, rivals, mismatch)
     tried += rivals
     if mismatch and any(len({VARIABLES.get(n, n) for n in c}) > limits.MOST_ALIKE for c in classes):
