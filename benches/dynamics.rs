@@ -8,7 +8,7 @@ use common::*;
 use criterion::{Criterion, criterion_group, criterion_main};
 use locosweep::lane::Level;
 use locosweep::physics::effects::{Active, EFFECT_PARAMS, Effect, Nominal};
-use locosweep::sweep::replay::{Column, Run, replay};
+use locosweep::sweep::replay::{Column, DIRECTIONS, Run, replay, replay_with_sensitivities};
 use locosweep::sweep::{Choice, Control, Entry, Grid, Job, Request};
 use std::hint::black_box;
 
@@ -240,6 +240,82 @@ fn replays(c: &mut Criterion) {
     }
 }
 
+/// One model over six runs, and its derivatives in eight directions: exact ones, carried along
+/// with one trajectory, and differences, nine trajectories side by side.
+fn derivatives(c: &mut Criterion) {
+    let runs = runs();
+    let level = (best_level(), 1);
+    let (first, second) = (Effect::ViscousFriction, Effect::DriveGainError);
+    let whole = columns(Some(first), &runs);
+    let mut alone: Vec<Column> = whole.iter().step_by(CANDIDATES).cloned().collect();
+    for column in &mut alone {
+        column.active = column.active.with(second);
+        column.values[second.first()] = sizes(second)[0];
+    }
+    let own = [first.first(), second.first()];
+    let directions: Vec<usize> = own.into_iter().chain(EFFECT_PARAMS..DIRECTIONS).collect();
+    let samples: usize = alone.iter().map(|column| column.window.1).sum();
+    let mut group = group(c, "replay derivatives", samples);
+    group.bench_function("value alone", |b| {
+        b.iter(|| {
+            for one in &alone {
+                let one = std::slice::from_ref(black_box(one));
+                replay(&NOMINAL, &runs, one, level, &Control::default()).expect("the replay runs");
+            }
+        });
+    });
+    for count in [2, directions.len()] {
+        let by: Vec<(Column, Vec<usize>)> =
+            alone.iter().map(|one| (one.clone(), directions[..count].to_vec())).collect();
+        let mut to = vec![vec![0.0; samples]; 4];
+        let mut slopes = vec![vec![0.0; samples * count]; 4];
+        group.bench_function(format!("value and {count}, exact"), |b| {
+            b.iter(|| {
+                replay_with_sensitivities(
+                    &NOMINAL,
+                    &runs,
+                    black_box(&by),
+                    level,
+                    &Control::default(),
+                    (rows(&mut to), rows(&mut slopes)),
+                )
+                .expect("the replay runs")
+            });
+        });
+        let moved: Vec<Column> = alone
+            .iter()
+            .flat_map(|one| {
+                (0..=count).map(|i| moved(one, i.checked_sub(1).map(|i| directions[i])))
+            })
+            .collect();
+        group.bench_function(format!("value and {count}, differences"), |b| {
+            b.iter(|| {
+                replay(&NOMINAL, &runs, black_box(&moved), level, &Control::default())
+                    .expect("the replay runs")
+            });
+        });
+    }
+    group.finish();
+}
+
+fn rows(of: &mut [Vec<f64>]) -> [&mut [f64]; 4] {
+    let mut rows = of.iter_mut();
+    std::array::from_fn(|_| rows.next().map(Vec::as_mut_slice).unwrap_or_default())
+}
+
+/// A column with what a direction stands for a little larger.
+fn moved(column: &Column, direction: Option<usize>) -> Column {
+    let mut column = column.clone();
+    match direction {
+        None => {}
+        Some(i) if i < EFFECT_PARAMS => column.values[i] *= 1.0 + 1e-5,
+        Some(i) if i < EFFECT_PARAMS + 4 => column.shares[i - EFFECT_PARAMS] += 1e-5,
+        Some(i) if i == EFFECT_PARAMS + 4 => column.start.0 += 1e-5,
+        Some(_) => column.start.1 += 1e-5,
+    }
+    column
+}
+
 criterion_group!(trajectories, steps, bristles, pulses);
-criterion_group!(others, robots, replays);
+criterion_group!(others, robots, replays, derivatives);
 criterion_main!(trajectories, others);

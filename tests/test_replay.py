@@ -157,6 +157,34 @@ class TestReplay:
         assert frame["force"].to_list() == [0.0] + [1.0] * 59
         assert frame["x_rear"].to_list() == [0.0] * 60
 
+    @pytest.mark.parametrize("by", [(), ("mass_share", "x_start")])
+    @pytest.mark.parametrize("asked", [["x"], ["force", "v"], ["x_rear", "x"]])
+    def test_channels_that_are_asked_for_have_the_bits_of_all(self, by, asked):
+        slips = {"mu_static": 0.1, "mu_coulomb": 0.08}
+        effects = {"anchor_slip": slips, "viscous_friction": {"c": -300.0}}
+        t = 0.005 * np.arange(500)
+        runs = [
+            Run(label, t, np.where(t < 0.1, 0.0, force), {"x": np.zeros(500)})
+            for label, force in (("rests", 0.1), ("leaves all bounds", 2.0), ("back", -2.0))
+        ]
+        robot = Robot({"segments": 4.0, "mass": 0.271, "mu_coulomb": 0.15}, effects=effects)
+        whole = replay_runs(robot, runs, sensitivities=by)
+        assert whole["x"].is_nan().any()
+        found = replay_runs(robot, runs, channels=asked, sensitivities=by)
+        assert found.columns == ["run", "t", *asked, *(f"{c}_by_{n}" for n in by for c in asked)]
+        assert found.equals(whole.select(found.columns))
+
+    def test_channels_are_those_of_a_replay(self, folder):
+        robot, run = Robot({"mass": 1.0, "mu_coulomb": 0.1}), load_runs(self.rows(folder))[0]
+        with pytest.raises(InputError, match=r"channel 'y'.*x, v, x_rear, force"):
+            replay_runs(robot, run, channels=["x", "y"])
+        with pytest.raises(InputError, match=r"channels is empty: allowed are one or more of x, v"):
+            replay_runs(robot, run, channels=[])
+
+    def rows(self, folder):
+        (folder / "r.csv").write_text(table(rows=60))
+        return "r.csv"
+
     def test_command(self, folder):
         (folder / "r.csv").write_text(table(tau=["0"] + ["500"] * 39))
         arguments = ["simulate", "--model", "model.toml", "--runs", "r.csv", "--column",

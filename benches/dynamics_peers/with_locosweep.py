@@ -151,7 +151,8 @@ def replay(points: Replays | Bristles) -> Callable[[int, str | None], Array]:
     shares, starts = np.tile([1.0, 1.0, 1.0, 0.0], (points.size, 1)), np.zeros((points.size, 2))
 
     def run(threads: int, _level: str | None) -> Array:
-        x: Array = job.run(columns, values, shares, starts, threads)[0]
+        # Positions alone, as the peers.
+        x: Array = job.run(columns, values, shares, starts, threads, channels=[0])
         return x.reshape(points.size, SAMPLES)
 
     return run

@@ -299,10 +299,11 @@ class Experiment:
         speed and acceleration that were seen there, seconds since the start of its run,
         and the position there. `motor` is resistance and force constant.
         """
-    def read(self, /, points: SupportsGetItem[int, Incomplete], spans: SupportsGetItem[int, SupportsIndex], threads: SupportsIndex, moved: Incomplete | None = None) -> Incomplete:
+    def read(self, /, points: SupportsGetItem[int, Incomplete], spans: SupportsGetItem[int, SupportsIndex], threads: SupportsIndex, moved: Incomplete | None = None, channels: SupportsGetItem[int, SupportsIndex] | None = None) -> Incomplete:
         """
-        What the sensors would read: rows of x, v, x_rear and force, point after point, span
-        after span. `moved` shifts position and speed at the start of each span.
+        What the sensors would read: rows of x, v, x_rear and force, or of those of them that
+        `channels` numbers, point after point, span after span. `moved` shifts position and speed
+        at the start of each span.
         """
 
 @final
@@ -656,21 +657,22 @@ class Replay:
         """
         Samples of each run.
         """
-    def run(self, /, columns: SupportsGetItem[int, tuple[SupportsIndex, SupportsIndex, SupportsIndex, SupportsGetItem[int, str]]], values: Incomplete, shares: Incomplete, starts: Incomplete, threads: SupportsIndex, progress: Any | None = None, token: CancelToken | None = None) -> Incomplete:
+    def run(self, /, columns: SupportsGetItem[int, tuple[SupportsIndex, SupportsIndex, SupportsIndex, SupportsGetItem[int, str]]], values: Incomplete, shares: Incomplete, starts: Incomplete, threads: SupportsIndex, progress: Any | None = None, token: CancelToken | None = None, channels: SupportsGetItem[int, SupportsIndex] | None = None) -> Incomplete:
         """
         Replay columns, each (run, first sample, one beyond the last, effects).
 
         `values` holds the parameters of all effects, a row a column; `shares`
         factors on nominal mass, Coulomb level and gain, and the clock offset in
-        s; `starts` position and speed at the window's start. Returns rows of x, v,
-        x_rear and force, all columns one after another.
+        s; `starts` position and speed at the window's start. `channels` are the rows that
+        are returned, by number, of x, v, x_rear and force, which come without it; all columns
+        one after another.
         """
-    def run_with_sensitivities(self, /, columns: SupportsGetItem[int, tuple[SupportsIndex, SupportsIndex, SupportsIndex, SupportsGetItem[int, str]]], values: Incomplete, shares: Incomplete, starts: Incomplete, directions: SupportsGetItem[int, SupportsGetItem[int, SupportsIndex]], threads: SupportsIndex, progress: Any | None = None, token: CancelToken | None = None) -> tuple[Incomplete, Incomplete]:
+    def run_with_sensitivities(self, /, columns: SupportsGetItem[int, tuple[SupportsIndex, SupportsIndex, SupportsIndex, SupportsGetItem[int, str]]], values: Incomplete, shares: Incomplete, starts: Incomplete, directions: SupportsGetItem[int, SupportsGetItem[int, SupportsIndex]], threads: SupportsIndex, progress: Any | None = None, token: CancelToken | None = None, channels: SupportsGetItem[int, SupportsIndex] | None = None) -> tuple[Incomplete, Incomplete]:
         """
         The same with derivatives: `directions` lists for every column what they are taken
-        by, as `sensitivity_directions` numbers them. Returns the rows of `run`, and rows
-        of x, v, x_rear and force in which a column has as many of its lengths as it has
-        directions, one direction after another.
+        by, as `sensitivity_directions` numbers them. Returns the rows of `run`, and as many
+        in which a column has as many of its lengths as it has directions, one direction
+        after another.
         """
 
 @final

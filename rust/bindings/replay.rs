@@ -7,12 +7,16 @@ use locosweep::lane::Level;
 use locosweep::physics::effects::{Active, EFFECT_PARAMS, Effect, Nominal};
 use locosweep::physics::robot::Motor;
 use locosweep::sweep::replay::{
-    Column, DIRECTIONS, OTHER_DIRECTIONS, Run, replay_into, replay_with_sensitivities, samples,
+    Column, DIRECTIONS, OTHER_DIRECTIONS, Part, Run, replay_into, replay_with_sensitivities,
+    samples,
 };
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use numpy::{PyArrayMethods, PyReadwriteArray2};
 use pyo3::prelude::*;
 use std::collections::HashMap;
+
+/// Readings of a replay: x, v, x_rear and force.
+const READ: usize = 4;
 
 /// Runs of a drive, and the model that they are replayed through.
 #[pyclass(frozen, module = "locosweep._core")]
@@ -82,9 +86,10 @@ impl Replay {
     ///
     /// `values` holds the parameters of all effects, a row a column; `shares`
     /// factors on nominal mass, Coulomb level and gain, and the clock offset in
-    /// s; `starts` position and speed at the window's start. Returns rows of x, v,
-    /// x_rear and force, all columns one after another.
-    #[pyo3(signature = (columns, values, shares, starts, threads, progress=None, token=None))]
+    /// s; `starts` position and speed at the window's start. `channels` are the rows that
+    /// are returned, by number, of x, v, x_rear and force, which come without it; all columns
+    /// one after another.
+    #[pyo3(signature = (columns, values, shares, starts, threads, progress=None, token=None, channels=None))]
     #[allow(clippy::too_many_arguments, clippy::type_complexity)]
     fn run<'py>(
         &self,
@@ -96,15 +101,17 @@ impl Replay {
         threads: usize,
         progress: Option<Py<PyAny>>,
         token: Option<&CancelToken>,
+        channels: Option<Vec<usize>>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let channels = asked(py, channels)?;
         let made = self.columns(py, columns, values, shares, starts)?;
         let level = Level::current().map_err(|error| raise(py, error))?;
         let control = token.map_or_else(Default::default, CancelToken::control);
         let total = samples(&made);
         // NumPy asks for huge pages where there is much of it.
-        let read = PyArray2::<f64>::zeros(py, [4, total], false);
+        let read = PyArray2::<f64>::zeros(py, [channels.len(), total], false);
         let mut writable: PyReadwriteArray2<f64> = read.readwrite();
-        let to = quarters(writable.as_slice_mut(), total).map_err(|e| input_error(py, e))?;
+        let to = rows(writable.as_slice_mut(), &channels).map_err(|e| input_error(py, e))?;
         let how = (level, threads);
         let work = || replay_into(&self.nominal, &self.runs, &made, how, &control, to);
         enter(py, &control, made.len() as u64, progress.as_ref(), work)?;
@@ -113,10 +120,10 @@ impl Replay {
     }
 
     /// The same with derivatives: `directions` lists for every column what they are taken
-    /// by, as `sensitivity_directions` numbers them. Returns the rows of `run`, and rows
-    /// of x, v, x_rear and force in which a column has as many of its lengths as it has
-    /// directions, one direction after another.
-    #[pyo3(signature = (columns, values, shares, starts, directions, threads, progress=None, token=None))]
+    /// by, as `sensitivity_directions` numbers them. Returns the rows of `run`, and as many
+    /// in which a column has as many of its lengths as it has directions, one direction
+    /// after another.
+    #[pyo3(signature = (columns, values, shares, starts, directions, threads, progress=None, token=None, channels=None))]
     #[allow(clippy::too_many_arguments, clippy::type_complexity)]
     fn run_with_sensitivities<'py>(
         &self,
@@ -129,7 +136,9 @@ impl Replay {
         threads: usize,
         progress: Option<Py<PyAny>>,
         token: Option<&CancelToken>,
+        channels: Option<Vec<usize>>,
     ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
+        let channels = asked(py, channels)?;
         let made = self.columns(py, columns, values, shares, starts)?;
         if directions.len() != made.len() || directions.iter().flatten().any(|d| *d >= DIRECTIONS) {
             let message = format!(
@@ -144,11 +153,11 @@ impl Replay {
         let made: Vec<(Column, Vec<usize>)> = made.into_iter().zip(directions).collect();
         let length = |column: &Column| column.window.1 - column.window.0;
         let all: usize = made.iter().map(|(column, by)| length(column) * by.len()).sum();
-        let read = PyArray2::<f64>::zeros(py, [4, total], false);
-        let slopes = PyArray2::<f64>::zeros(py, [4, all], false);
+        let read = PyArray2::<f64>::zeros(py, [channels.len(), total], false);
+        let slopes = PyArray2::<f64>::zeros(py, [channels.len(), all], false);
         let (mut to, mut by) = (read.readwrite(), slopes.readwrite());
-        let to = quarters(to.as_slice_mut(), total).map_err(|e| input_error(py, e))?;
-        let by = quarters(by.as_slice_mut(), all).map_err(|e| input_error(py, e))?;
+        let to = rows(to.as_slice_mut(), &channels).map_err(|e| input_error(py, e))?;
+        let by = rows(by.as_slice_mut(), &channels).map_err(|e| input_error(py, e))?;
         let how = (level, threads);
         let work =
             || replay_with_sensitivities(&self.nominal, &self.runs, &made, how, &control, (to, by));
@@ -202,16 +211,31 @@ impl Replay {
     }
 }
 
-/// Rows of x, v, x_rear and force.
-pub fn quarters<E: std::fmt::Display>(
-    whole: Result<&mut [f64], E>,
-    length: usize,
-) -> Result<[&mut [f64]; 4], String> {
+/// Numbers of the rows that are asked for, all without any.
+pub fn asked(py: Python<'_>, channels: Option<Vec<usize>>) -> PyResult<Vec<usize>> {
+    let Some(channels) = channels else { return Ok((0..READ).collect()) };
+    let twice = |i: usize| channels[..i].contains(&channels[i]);
+    if channels.is_empty() || (0..channels.len()).any(|i| channels[i] >= READ || twice(i)) {
+        let message = format!(
+            "channels are {channels:?}: allowed are different numbers below {READ}, at least one"
+        );
+        return Err(input_error(py, message));
+    }
+    Ok(channels)
+}
+
+/// The rows of a table that hold x, v, x_rear and force, of which `channels` are there.
+pub fn rows<'a, E: std::fmt::Display>(
+    whole: Result<&'a mut [f64], E>,
+    channels: &[usize],
+) -> Result<Part<'a>, String> {
     let whole = whole.map_err(|error| error.to_string())?;
-    let (front, back) = whole.split_at_mut(2 * length);
-    let (x, v) = front.split_at_mut(length);
-    let (x_rear, force) = back.split_at_mut(length);
-    Ok([x, v, x_rear, force])
+    let length = whole.len() / channels.len();
+    let mut to = Part::default();
+    for (channel, row) in channels.iter().zip(whole.chunks_exact_mut(length.max(1))) {
+        to[*channel] = row;
+    }
+    Ok(to)
 }
 
 /// Names of what derivatives may be taken by beside the parameters of effects, which

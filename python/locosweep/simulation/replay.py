@@ -126,6 +126,7 @@ def replay_runs(
     robot: Robot,
     runs: Sequence[Run],
     *,
+    channels: Sequence[str] = REPLAYED,
     sensitivities: Sequence[str] = (),
     threads: int | None = None,
     progress: bool | Progress | None = None,
@@ -138,6 +139,8 @@ def replay_runs(
         The model (`load_robot`), with its effects if it has any.
     runs : sequence of Run
         Drives and where the head starts (`locosweep.files.runs.load_runs`).
+    channels : sequence of str, optional
+        What is returned of x, v, x_rear and force; fewer take less memory and time.
     sensitivities : sequence of str, optional
         What derivatives are taken by: parameters of the model's effects, such as
         ``drive_lag.T``; ``mass_share``, ``coulomb_share`` and ``gain_share``, factors
@@ -151,10 +154,16 @@ def replay_runs(
     Returns
     -------
     polars.DataFrame
-        Columns run, t, x, v, x_rear and force, one row a sample; for every sensitivity
+        Columns run, t and the channels, one row a sample; for every sensitivity
         ``x_by_NAME``, ``v_by_NAME``, ``x_rear_by_NAME`` and ``force_by_NAME``, the
-        derivatives of these columns. NaN from where a run has left all bounds or cannot
+        derivatives of these channels. NaN from where a run has left all bounds or cannot
         be resolved.
+
+    Raises
+    ------
+    InputError
+        If there are no runs, a channel or sensitivity is unknown, or an effect leaves the head
+        no mass.
 
     Notes
     -----
@@ -196,6 +205,13 @@ def replay_runs(
                     f"{name}.{parameter.name} is {added} kg: allowed is more than "
                     f"{-nominal['mass']} kg, as the head must have a mass"
                 )
+    asked = list(dict.fromkeys(channels))
+    for name in asked:
+        if name not in REPLAYED:
+            raise unknown("channel", name, REPLAYED)
+    if not asked:
+        raise InputError(f"channels is empty: allowed are one or more of {', '.join(REPLAYED)}")
+    rows = [REPLAYED.index(name) for name in asked]
     names = list(robot.effects)
     columns = [(i, 0, run.t.size, names) for i, run in enumerate(runs)]
     count = len(runs)
@@ -213,12 +229,12 @@ def replay_runs(
                 raise unknown("sensitivity", name, known)
         by = [[known[name] for name in sensitivities]] * count
         read, slopes = job.run_with_sensitivities(
-            columns, values, shares, starts, by, workers, meter
+            columns, values, shares, starts, by, workers, meter, channels=rows
         )
-        found = dict(zip(REPLAYED, read, strict=True)) | _by_name(slopes, sensitivities, runs)
+        found = dict(zip(asked, read, strict=True)) | _by_name(slopes, asked, sensitivities, runs)
     else:
-        read = job.run(columns, values, shares, starts, workers, meter)
-        found = dict(zip(REPLAYED, read, strict=True))
+        read = job.run(columns, values, shares, starts, workers, meter, channels=rows)
+        found = dict(zip(asked, read, strict=True))
     return pl.DataFrame(
         {
             "run": np.repeat([run.label for run in runs], [run.t.size for run in runs]),
@@ -229,14 +245,14 @@ def replay_runs(
 
 
 def _by_name(
-    slopes: np.ndarray, names: Sequence[str], runs: Sequence[Run]
+    slopes: np.ndarray, channels: Sequence[str], names: Sequence[str], runs: Sequence[Run]
 ) -> dict[str, np.ndarray]:
     """Return columns of derivatives from rows in which those of a run follow each other."""
     parts = np.split(slopes, len(names) * np.cumsum([run.t.size for run in runs])[:-1], axis=1)
-    shaped = [part.reshape(len(REPLAYED), len(names), -1) for part in parts]
+    shaped = [part.reshape(len(channels), len(names), -1) for part in parts]
     whole = np.concatenate(shaped, axis=2)
     return {
         f"{channel}_by_{name}": whole[c, d]
         for d, name in enumerate(names)
-        for c, channel in enumerate(REPLAYED)
+        for c, channel in enumerate(channels)
     }

@@ -4,6 +4,7 @@
 use crate::integrate::replay::{Samples, head, sensed};
 use crate::lane::{Level, Pack, Task, run};
 use crate::physics::effects::{Active, EFFECT_PARAMS, Nominal, Plant};
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A measured run: drive samples, and the slope where it differs.
@@ -30,7 +31,7 @@ pub struct Column {
     pub start: (f64, f64),
 }
 
-/// Readings of one column: x, v, x_rear, force.
+/// Readings of one column: x, v, x_rear, force; empty where nobody asks for them.
 pub type Part<'a> = [&'a mut [f64]; 4];
 
 /// Replays a group at a level.
@@ -61,9 +62,10 @@ pub struct Scratch {
     seen: Vec<f64>,
 }
 
-/// Every `stride`th of `from`.
+/// Every `stride`th of `from` to samples of what was asked for.
 #[inline(always)]
-fn spread(from: &[f64], stride: usize, to: &mut [f64]) {
+fn spread(from: &[f64], stride: usize, to: &mut [f64], samples: Range<usize>) {
+    let Some(to) = to.get_mut(samples) else { return };
     for (to, from) in to.iter_mut().zip(from.iter().step_by(stride)) {
         *to = *from;
     }
@@ -81,18 +83,23 @@ pub(super) fn bounded(dt: f64, start: f64, x: f64, v: f64, others: [f64; 2]) -> 
 }
 
 /// The sample from which on the positions that were read have no meaning, if there is one.
-/// Only the last sample says whether there is one: what has diverged does not come back.
-pub(super) fn divergence(read: &[f64], fine: impl Fn(usize) -> bool) -> Option<usize> {
-    if read.is_empty() || fine(read.len() - 1) {
+/// Of `count`, only the last sample says whether there is one: what has diverged does not come back.
+pub(super) fn divergence(
+    count: usize,
+    read: impl Fn(usize) -> f64,
+    fine: impl Fn(usize) -> bool,
+) -> Option<usize> {
+    if count == 0 || fine(count - 1) {
         return None;
     }
     // A sensor with a negative delay reads ahead.
-    (0..read.len()).find(|i| !fine(*i) || !read[*i].is_finite())
+    (0..count).find(|i| !fine(*i) || !read(*i).is_finite())
 }
 
-/// The head's own motion in one lane of a pack, a row a sample.
+/// The head's own motion in one lane of a pack, a row a sample, and what the position sensor read.
 struct Motion<'a> {
     rows: &'a [f64],
+    seen: &'a [f64],
     stride: usize,
     own: usize,
     slides: bool,
@@ -108,9 +115,9 @@ impl Motion<'_> {
     /// Readings from the divergence on are no numbers.
     fn end_where_diverged(&self, start: f64, times: &[f64], readings: &mut Part) {
         let fine = |i: usize| self.is_bounded(i, start, times[i] - times[0]);
-        if let Some(first) = divergence(readings[0], fine) {
-            for reading in readings {
-                reading[first..].fill(f64::NAN);
+        if let Some(first) = divergence(times.len(), |i| self.seen[i * self.own], fine) {
+            for reading in readings.iter_mut().filter_map(|reading| reading.get_mut(first..)) {
+                reading.fill(f64::NAN);
             }
         }
     }
@@ -201,16 +208,17 @@ impl Task for Group<'_, '_, '_> {
                 let last = (first + TILE).min(count);
                 for (lane, (_, [x, v, x_rear, force])) in part.iter_mut().enumerate() {
                     let moved = &motion[first * all + lane..last * all];
-                    spread(&seen[first * own + lane..last * own], own, &mut x[first..last]);
-                    spread(&moved[own..], all, &mut v[first..last]);
-                    spread(&moved[2 * own..], all, &mut force[first..last]);
+                    spread(&seen[first * own + lane..last * own], own, x, first..last);
+                    spread(&moved[own..], all, v, first..last);
+                    spread(&moved[2 * own..], all, force, first..last);
                     if slides {
-                        spread(&moved[3 * own..], all, &mut x_rear[first..last]);
+                        spread(&moved[3 * own..], all, x_rear, first..last);
                     }
                 }
             }
             for (lane, (column, readings)) in part.iter_mut().enumerate() {
-                let motion = Motion { rows: &motion[lane..], stride: all, own, slides };
+                let (rows, seen) = (&motion[lane..], &seen[lane..]);
+                let motion = Motion { rows, seen, stride: all, own, slides };
                 motion.end_where_diverged(column.start.0, &run.times[from..to], readings);
             }
         }

@@ -1,7 +1,7 @@
 //! Replays with their forward sensitivities: derivatives of what the sensors would read
 //! by parameters, nuisances and start state, exact through stops and break-aways.
 
-use super::packs::{Column, Run, bounded, divergence};
+use super::packs::{Column, Part, Run, bounded, divergence};
 use crate::integrate::replay::{Samples, head, sensed};
 use crate::lane::{Dual, Lane, Level, Pack, Task, run};
 use crate::physics::effects::{EFFECT_PARAMS, Nominal, Plant};
@@ -16,11 +16,10 @@ pub const DIRECTIONS: usize = EFFECT_PARAMS + OTHER_DIRECTIONS.len();
 pub const OTHER_DIRECTIONS: &[&str] =
     &["mass_share", "coulomb_share", "gain_share", "clock_offset", "x_start", "v_start"];
 
-/// Readings and derivatives of one column: x, v, x_rear and force of all samples, and of
-/// each direction the same.
+/// Readings and derivatives of one column: those of all samples, and of each direction the same.
 pub struct Derived<'a> {
-    pub readings: [&'a mut [f64]; 4],
-    pub slopes: [&'a mut [f64]; 4],
+    pub readings: Part<'a>,
+    pub slopes: Part<'a>,
 }
 
 /// Replays a column with its derivatives at a level.
@@ -52,8 +51,9 @@ impl Task for Sensitivity<'_, '_> {
         let count = last - from;
         let samples =
             Samples { times: &run.times, drive: &run.drive, window: (from, last), interval };
-        let Derived { readings, slopes } = to;
+        let Derived { mut readings, mut slopes } = to;
         let mut motion: Vec<[Dual<P>; 4]> = Vec::with_capacity(count);
+        let mut seen = vec![0.0; count];
         let mut unit = vec![0.0; P::LANES];
         // Without directions there still are readings.
         let alone = directions.is_empty().then_some(directions);
@@ -98,8 +98,10 @@ impl Task for Sensitivity<'_, '_> {
                     #[inline(always)]
                     |i: usize| (motion[i][0], motion[i][1]),
                 );
+                seen[i] = x.value();
                 for (k, reading) in [x, v, x_rear, force].into_iter().enumerate() {
-                    readings[k][i] = reading.value();
+                    let Some(read) = readings[k].get_mut(i) else { continue };
+                    *read = reading.value();
                     reading.slopes().store(&mut part);
                     for (d, slope) in part.iter().enumerate().take(group.len()) {
                         slopes[k][(turn * P::LANES + d) * count + i] = *slope;
@@ -111,12 +113,13 @@ impl Task for Sensitivity<'_, '_> {
                 let dt = run.times[from + i] - run.times[from];
                 bounded(dt, column.start.0, x, v, [x_rear, force])
             };
-            if let Some(first) = divergence(&readings[0][..motion.len()], fine) {
-                for k in 0..readings.len() {
-                    readings[k][first..].fill(f64::NAN);
+            if let Some(first) = divergence(motion.len(), |i| seen[i], fine) {
+                let all = readings.iter_mut().zip(&mut slopes);
+                for (read, slopes) in all.filter(|(read, _)| !read.is_empty()) {
+                    read[first..].fill(f64::NAN);
                     for d in 0..group.len() {
                         let end = (turn * P::LANES + d + 1) * count;
-                        slopes[k][end - count + first..end].fill(f64::NAN);
+                        slopes[end - count + first..end].fill(f64::NAN);
                     }
                 }
             }

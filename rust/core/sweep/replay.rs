@@ -6,8 +6,8 @@ use super::pool::pool;
 use crate::error::{Error, Result};
 use crate::lane::Level;
 use crate::physics::effects::{Nominal, shortness};
-pub use crate::replays::packs::{Column, Run};
-use crate::replays::packs::{Group, PACK, Part, Scratch, replay_pack};
+pub use crate::replays::packs::{Column, Part, Run};
+use crate::replays::packs::{Group, PACK, Scratch, replay_pack};
 pub use crate::replays::sensitivity::{DIRECTIONS, OTHER_DIRECTIONS};
 use crate::replays::sensitivity::{Derived, Sensitivity, replay_derived};
 use std::sync::atomic::Ordering;
@@ -23,12 +23,13 @@ pub struct Readings {
 }
 
 /// The part of every column, one after another.
-fn parts<'a>(to: [&'a mut [f64]; 4], lengths: impl Iterator<Item = usize>) -> Vec<Part<'a>> {
-    let mut rest: Part<'a> = to;
+fn parts<'a>(to: Part<'a>, lengths: impl Iterator<Item = usize>) -> Vec<Part<'a>> {
+    let mut rest = to;
     lengths
         .map(|length| {
             let mut part: Part<'a> = Default::default();
             for (rest, part) in rest.iter_mut().zip(&mut part) {
+                let length = length.min(rest.len());
                 let (own, others) = std::mem::take(rest).split_at_mut(length);
                 (*part, *rest) = (own, others);
             }
@@ -58,15 +59,15 @@ pub fn samples(columns: &[Column]) -> usize {
     columns.iter().map(|column| column.window.1 - column.window.0).sum()
 }
 
-/// The same into x, v, x_rear and force of as many samples, all of them 0: memory that
-/// was never touched stays so where nothing is read.
+/// The same into x, v, x_rear and force of as many samples, all of them 0, or none where that
+/// is not asked for: memory that was never touched stays so where nothing is read.
 pub fn replay_into(
     nominal: &Nominal,
     runs: &[Run],
     columns: &[Column],
     (level, threads): (Level, usize),
     control: &Control,
-    to: [&mut [f64]; 4],
+    to: Part,
 ) -> Result<()> {
     let length = |column: &Column| column.window.1 - column.window.0;
     // Columns that share run, window and effects go side by side. The order
@@ -94,14 +95,15 @@ pub fn replay_into(
 
 /// Replays every column with its derivatives: `directions` of each column are numbers
 /// below `DIRECTIONS`. Readings go to `to` as from `replay_into`; derivatives of a column
-/// to as many of its lengths as it has directions, one direction after another.
+/// to as many of its lengths as it has directions, one direction after another. What is not
+/// asked for is empty in both.
 pub fn replay_with_sensitivities(
     nominal: &Nominal,
     runs: &[Run],
     columns: &[(Column, Vec<usize>)],
     (level, threads): (Level, usize),
     control: &Control,
-    (to, slopes): ([&mut [f64]; 4], [&mut [f64]; 4]),
+    (to, slopes): (Part, Part),
 ) -> Result<()> {
     let length = |(column, _): &(Column, Vec<usize>)| column.window.1 - column.window.0;
     let readings = parts(to, columns.iter().map(length));

@@ -74,7 +74,7 @@ class PlannedRuns:
         self.samples = int(self.lengths.sum())
         nothing = [((), np.zeros(_core.effect_parameter_count()))]
         self._origin = np.zeros((1, self.samples * len(self.noise)))
-        self.readings = self._read(nothing, self.starts)
+        self.readings = self._read(nothing, self.starts, REPLAYED)
         self._origin = self._whitened(self.readings)
         self.scale = self._scale()
         self.directions = self._starting()
@@ -93,7 +93,7 @@ class PlannedRuns:
         rows = [((name,), effect_values({name: dict(values)})) for name, values in models]
         parts = []
         for i in range(0, len(rows), limit):
-            found = self._whitened(self._read(rows[i : i + limit], self.starts)) - self._origin
+            found = self._changes(rows[i : i + limit], self.starts)
             wrong = ~np.isfinite(found).all(axis=1)
             found[wrong] = 0.0
             found = project(found, self.directions)
@@ -102,18 +102,25 @@ class PlannedRuns:
         return np.concatenate(parts)
 
     def _read(
-        self, models: Sequence[tuple[Sequence[str], Floats]], starts: Floats
+        self,
+        models: Sequence[tuple[Sequence[str], Floats]],
+        starts: Floats,
+        channels: Sequence[str],
     ) -> dict[str, Floats]:
         count = len(self.runs)
         columns = [(r, 0, int(self.lengths[r]), list(n)) for n, _ in models for r in range(count)]
         values = np.repeat(np.array([row for _, row in models]), count, axis=0)
         factors = np.tile([1.0, 1.0, 1.0, 0.0], (len(columns), 1))
         begin = np.tile(starts, (len(models), 1))
-        found = self._replay.run(columns, values, factors, begin, self.threads)
+        rows = [REPLAYED.index(name) for name in channels]
+        found = self._replay.run(columns, values, factors, begin, self.threads, channels=rows)
         return {
             name: field.reshape(len(models), -1)
-            for name, field in zip(REPLAYED, found, strict=True)
+            for name, field in zip(channels, found, strict=True)
         }
+
+    def _changes(self, models: Sequence[tuple[Sequence[str], Floats]], starts: Floats) -> Floats:
+        return self._whitened(self._read(models, starts, list(self.noise))) - self._origin
 
     def _whitened(self, readings: Mapping[str, Floats]) -> Floats:
         return np.concatenate([readings[c] / sd for c, sd in self.noise.items()], axis=1)
@@ -160,7 +167,7 @@ class PlannedRuns:
         for r, (a, b) in enumerate(pairwise(edges)):
             nudged = self.starts.copy()
             nudged[r, 1] += _NUDGE * self.scale.speed
-            moved = self._whitened(self._read([((), nothing)], nudged)) - self._origin
+            moved = self._changes([((), nothing)], nudged)
             # Other runs start as before.
             own = np.zeros(self.samples, dtype=bool)
             own[a:b] = True

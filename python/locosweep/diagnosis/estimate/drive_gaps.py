@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep import _core
+from locosweep.files.channels import REPLAYED
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -153,7 +154,8 @@ def _of_nominal(problem: Problem, r: int) -> tuple[Floats, Floats]:
     )
     whole: list[tuple[int, int, int, list[str]]]
     whole = [(i, 0, run.t.size, []) for i in range(len(ways))]
-    read = job.run(whole, values, factors, starts, problem.threads)
+    channels = [REPLAYED.index(name) for name in ("x", "v")]
+    read = job.run(whole, values, factors, starts, problem.threads, channels=channels)
     sizes = np.array(_DEVIATIONS)
     powers = np.linalg.inv(sizes[:, None] ** np.arange(1, sizes.size + 1))
 

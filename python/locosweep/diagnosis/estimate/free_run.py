@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from locosweep.files.channels import REPLAYED
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -38,6 +40,7 @@ def free_errors(
         np.tile(point.factors, (len(cuts), 1)),
         np.array(starts),
         problem.threads,
+        channels=[REPLAYED.index("x")],
     )[0]
     edges = np.cumsum([b - a for _, a, b in cuts])[:-1]
     return [

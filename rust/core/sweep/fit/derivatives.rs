@@ -59,7 +59,7 @@ impl Moved<'_> {
         work: impl Fn(&[f64], &[f64]) -> T + Sync,
     ) -> Result<Vec<T>> {
         replayed(
-            &self.misfit.experiment,
+            self.misfit,
             &self.requests,
             |i, to| self.spots(i, to),
             how,

@@ -1,5 +1,6 @@
 //! Models at given values: how far they are from what was measured.
 
+use super::super::replay::{Part, replay_into};
 use super::coordinates::Fit;
 use super::experiment::{Experiment, Point, Spot};
 use super::job::{How, Request, replayed};
@@ -36,7 +37,7 @@ pub fn evaluate(
     let spot = |i: usize, span: usize| models[i].0.spot(experiment, &models[i].1, span);
     let requests = each(spans, models.len(), spot);
     let parts = replayed(
-        experiment,
+        misfit,
         &requests,
         |i, to| to.push(spot(i / spans.len(), requests[i].span)),
         how,
@@ -74,12 +75,11 @@ pub fn residuals(
     how: &How,
     to: &mut [f64],
 ) -> Result<()> {
-    let experiment = &*misfit.experiment;
     let spot = |i: usize, span: usize| points[i].spot(span);
     let requests = each(spans, points.len(), spot);
     let length = misfit.residuals(spans);
     let found = replayed(
-        experiment,
+        misfit,
         &requests,
         |i, to| to.push(spot(i / spans.len(), requests[i].span)),
         how,
@@ -97,15 +97,15 @@ pub fn residuals(
     Ok(())
 }
 
-/// Readings of x, v, x_rear and force of models over some spans into `to`, each with the
-/// samples of all spans of all models; starts of spans are `moved` by position and speed.
+/// Readings of models over some spans into `to`, each with the samples of all spans of all
+/// models, or empty where it is not asked for; starts of spans are `moved` by position and speed.
 pub fn readings(
     experiment: &Experiment,
     points: &[Point],
     spans: &[usize],
     moved: Option<&[(f64, f64)]>,
     how: &How,
-    to: [&mut [f64]; 4],
+    to: Part,
 ) -> Result<()> {
     let pairs = points.iter().flat_map(|point| spans.iter().map(move |span| (point, *span)));
     let made: Vec<(Column, f64)> = pairs
@@ -118,7 +118,7 @@ pub fn readings(
         .collect();
     let columns: Vec<Column> = made.iter().map(|(column, _)| column.clone()).collect();
     let [x, v, x_rear, force] = to;
-    super::super::replay::replay_into(
+    replay_into(
         &experiment.nominal,
         &experiment.runs,
         &columns,
@@ -126,6 +126,9 @@ pub fn readings(
         how.control,
         [&mut *x, v, x_rear, force],
     )?;
+    if x.is_empty() {
+        return Ok(());
+    }
     let mut first = 0;
     for (column, added) in &made {
         let last = first + column.window.1 - column.window.0;

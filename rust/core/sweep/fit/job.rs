@@ -3,7 +3,8 @@
 
 use super::super::execute::Control;
 use super::super::replay::{finished, spread_over};
-use super::experiment::{Experiment, Spot};
+use super::experiment::Spot;
+use super::misfit::Misfit;
 use super::rows::Reading;
 use crate::error::Result;
 use crate::lane::Level;
@@ -74,7 +75,7 @@ struct Workplace {
 /// Replays all requests, `spots` of each, and returns what `work` makes of them, which may
 /// use some memory of its thread.
 pub(super) fn replayed<T: Send>(
-    experiment: &Experiment,
+    misfit: &Misfit,
     requests: &[Request],
     spots: impl Fn(usize, &mut Vec<Spot>) + Sync,
     how: &How,
@@ -91,7 +92,7 @@ pub(super) fn replayed<T: Send>(
             if how.control.cancel.load(Ordering::Relaxed) {
                 return;
             }
-            let made = one_task(experiment, requests, &task, &spots, how, &work, &mut place);
+            let made = one_task(misfit, requests, &task, &spots, how, &work, &mut place);
             let mut found = found.lock().unwrap_or_else(PoisonError::into_inner);
             for (i, value) in task.into_iter().zip(made) {
                 found[i] = Some(value);
@@ -105,7 +106,7 @@ pub(super) fn replayed<T: Send>(
 }
 
 fn one_task<T>(
-    experiment: &Experiment,
+    misfit: &Misfit,
     requests: &[Request],
     task: &[usize],
     spots: &(impl Fn(usize, &mut Vec<Spot>) + Sync),
@@ -113,6 +114,7 @@ fn one_task<T>(
     work: &(impl Fn(usize, &[Reading], &mut Vec<f64>) -> T + Sync),
     place: &mut Workplace,
 ) -> Vec<T> {
+    let (experiment, asked) = (&*misfit.experiment, misfit.asked());
     let span = requests[task[0]].span;
     let samples = experiment.spans[span].samples();
     let mut all = Vec::new();
@@ -120,12 +122,16 @@ fn one_task<T>(
         spots(*i, &mut all);
     }
     let columns: Vec<_> = all.iter().map(|spot| experiment.column(span, spot)).collect();
-    let size = 4 * samples * columns.len();
+    let each = asked.iter().filter(|asked| **asked).count();
+    let size = each * samples * columns.len();
     place.readings.resize(place.readings.len().max(size), 0.0);
     let mut parts = place.readings.chunks_exact_mut(samples);
     let mut group: Vec<(_, Part)> = columns
         .iter()
-        .map(|(column, _)| (column, std::array::from_fn(|_| parts.next().unwrap_or_default())))
+        .map(|(column, _)| {
+            let part = asked.map(|asked| asked.then(|| parts.next()).flatten().unwrap_or_default());
+            (column, part)
+        })
         .collect();
     for (_, [_, _, rear, _]) in &mut group {
         // Of a body that does not slide nothing is written: it reads 0.

@@ -114,6 +114,18 @@ impl Misfit {
         Misfit { experiment, sources, measured, shifts: shifts.len() }
     }
 
+    /// Which of x, v, x_rear and force predict a channel; x also says where a replay diverges.
+    pub(super) fn asked(&self) -> [bool; 4] {
+        let mut asked = [true, false, false, false];
+        for source in &self.sources {
+            match source {
+                Source::Replayed(k) => asked[*k] = true,
+                Source::Power => (asked[1], asked[3]) = (true, true),
+            }
+        }
+        asked
+    }
+
     pub fn experiment(&self) -> &Experiment {
         &self.experiment
     }

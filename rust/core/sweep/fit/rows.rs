@@ -10,7 +10,8 @@ const LOST: f64 = 1e60;
 /// Share of a row's squares that has to be left for their difference to have ten digits.
 const LEAST_LEFT: f64 = 1e-6;
 
-/// One replay over a span: x, v, x_rear and force, and what the sensor adds to x.
+/// One replay over a span: x, v, x_rear and force, empty where no channel asks for them, and what
+/// the sensor adds to x.
 #[derive(Clone, Copy)]
 pub struct Reading<'a> {
     pub parts: [&'a [f64]; 4],
