@@ -57,10 +57,10 @@ STIFFNESS = 0.002
 """Of the spring in `tethered`, N/m."""
 
 
-def tethered(count: int = 4, stiffness: float = STIFFNESS) -> list[Run]:
+def tethered(count: int = 4, stiffness: float = STIFFNESS, rounds: int = 4) -> list[Run]:
     """Return runs that a spring pulls back to their start, told without it."""
     runs, real = driven(count), driven(count)
-    for _ in range(4):
+    for _ in range(rounds):
         # The force of the way that the head goes, found by a few rounds.
         there = measured({}, real, noise=0.0)
         real = [

@@ -1,23 +1,13 @@
-"""The law that a model lacks: its curve, its formula and its share on unseen runs."""
+"""The law that a model lacks: its curve and its formula."""
 
 from __future__ import annotations
-
-from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 
 from diagnosis_search import fit_of, search_of
 from diagnosis_small import STIFFNESS, driven, measured, tethered
-from locosweep.diagnosis.estimate.problem import Problem
-from locosweep.diagnosis.select.force_law import force_law, with_share
-from locosweep.files.robot import Robot
-
-
-def with_gain(robot: Robot, gain: float) -> Robot:
-    """A robot whose drive has another gain."""
-    return replace(robot, parameters={**robot.parameters, "gain": gain})
+from locosweep.diagnosis.select.force_law import force_law
 
 
 def test_a_tether_pulls_back_in_proportion_to_the_way() -> None:
@@ -28,35 +18,6 @@ def test_a_tether_pulls_back_in_proportion_to_the_way() -> None:
     assert np.all(np.abs(off) < 6.0 * law.deviation)
     assert law.found is not None
     assert np.allclose(law.found.at(law.at), -STIFFNESS * law.at, atol=2e-5)
-    share = with_share(law, search.problem, search.none).share
-    assert share is not None
-    # Three deviations of the noise are left of five.
-    assert share > 0.6
-
-
-def test_a_share_needs_a_run_that_was_kept() -> None:
-    search = search_of(tethered(), "viscous_friction")
-    law = force_law(search.problem, search.none, "terrain")
-    assert law is not None
-    assert with_share(law, search.problem, search.none).share is None
-
-
-def test_no_share_where_the_drive_acts_on_nothing_or_replays_diverge(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    search = search_of(tethered(), "viscous_friction", held=(3,))
-    law = force_law(search.problem, search.none, "terrain")
-    assert law is not None
-    still = replace(search.problem, robot=with_gain(search.problem.robot, 0.0))
-    assert with_share(law, still, search.none).share is None
-    replay = Problem.replay
-
-    def diverging(own: Problem, *given: Any) -> dict[str, Any]:
-        read = replay(own, *given)
-        return read if own is search.problem else {c: np.nan * row for c, row in read.items()}
-
-    monkeypatch.setattr(Problem, "replay", diverging)
-    assert with_share(law, search.problem, search.none).share is None
 
 
 def test_friction_that_grows_with_the_speed_is_a_positive_resistance() -> None:

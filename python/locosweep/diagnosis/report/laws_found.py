@@ -10,9 +10,10 @@ from locosweep.diagnosis.effects.catalogue import VARIABLES
 from locosweep.diagnosis.estimate.least_squares import evaluate
 from locosweep.diagnosis.estimate.rest import RestForce
 from locosweep.diagnosis.report.law_text import row_of
-from locosweep.diagnosis.select.force_law import force_law, with_share
+from locosweep.diagnosis.select.force_law import force_law
 from locosweep.diagnosis.select.law_mismatch import ALONG, BY_PLACE, BY_TIME, passes_both_ways
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
+from locosweep.diagnosis.select.replayed_force import acts, settled, with_share
 from locosweep.diagnosis.select.shape import KINDS, unlisted_of
 from locosweep.diagnosis.select.stepwise import without
 from locosweep.diagnosis.select.whiteness import noise_level
@@ -58,6 +59,7 @@ def unlisted_entry(found: Findings) -> dict[str, Any] | None:
     law = force_law(problem, base, variable)
     if law is not None and not own:
         # Beside a rest, replays say nothing of what the force alone does.
+        law = settled(law, problem, base) if acts(problem, base, variable) else law
         law = with_share(law, problem, base)
     rotary = "gravity_torque" in problem.nominal
     row = None if law is None else row_of(law, rotary=rotary)

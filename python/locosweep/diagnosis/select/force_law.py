@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.diagnosis.estimate.least_squares import evaluate, jacobian_of, point_of
+from locosweep.diagnosis.estimate.least_squares import evaluate, jacobian_of
 from locosweep.diagnosis.estimate.motion import READINGS, Regressor, motion_of, regressors, response
 from locosweep.diagnosis.select.law_forms import Found, shortest
 from locosweep.diagnosis.select.nonparametric import likeliest
@@ -34,9 +34,6 @@ _SMOOTH = 1.0 / 8.0
 _LEVEL = 3.0
 """Deviation of the law's level, and of its rise over half of the range, in that of its bends: a law
 of friction is seldom 0 on average."""
-_ROUNDS = 12
-"""Replays of a force by place, at most: 44 disturbances of `locosweep blind-check --only outside`
-with seeds 11112 and 12121 took five or fewer."""
 _HOLDS = 0.9
 """Share of the fall of chi2 under the free curve from which a formula says what the law is: a
 tenth of the squares is a third of the error."""
@@ -63,8 +60,14 @@ class ForceLaw:
     """Of the error on unseen runs that it takes away, where that is known."""
 
 
-def force_law(problem: Problem, fit: Fit, variable: str) -> ForceLaw | None:
-    """Return the law of a variable that a model lacks; None where the motion shows none."""
+def force_law(
+    problem: Problem, fit: Fit, variable: str, acting: ForceLaw | None = None
+) -> ForceLaw | None:
+    """Return the law of a variable that a model lacks; None where the motion shows none.
+
+    Where the drives of the problem hold a force by place already, `acting`, it is the law that
+    they and what the model still lacks make together.
+    """
     (fit,) = evaluate(problem, [fit.unfitted()])
     one = _whole_law(variable, motion := motion_of(problem, fit))
     if one is None:
@@ -78,13 +81,16 @@ def force_law(problem: Problem, fit: Fit, variable: str) -> ForceLaw | None:
     if len(beside):
         rows = rows - (rows @ (fitted := np.linalg.qr(beside.T)[0])) @ fitted.T
     noise = noise_level(problem, fit.residual)
-    log_factor, size, _ = _likeliest_curve(at, rows, fit.residual, noise)
-    left = fit.residual - size @ rows
-    carried = float(fit.residual @ fit.residual - left @ left) / noise
+    gap = fit.residual
+    if acting is not None:
+        gap = gap + np.interp(at, acting.at, acting.size) @ rows
+    log_factor, size, _ = _likeliest_curve(at, rows, gap, noise)
+    left = gap - size @ rows
+    carried = float(gap @ gap - left @ left) / noise
     # What even this law leaves, as first order is not all of a large gap, counts as error of it.
     noise = max(noise_level(problem, left), float(left @ left) / max(problem.degrees(), 1))
-    _, size, covariance = _likeliest_curve(at, rows, fit.residual, noise)
-    gram, moments = rows @ rows.T / noise, rows @ fit.residual / noise
+    _, size, covariance = _likeliest_curve(at, rows, gap, noise)
+    gram, moments = rows @ rows.T / noise, rows @ gap / noise
     fall = 2.0 * float(moments @ size) - float(size @ gram @ size)
     found = shortest(at, gram, moments)
     if found is not None and found.gain < _HOLDS * fall:
@@ -134,41 +140,3 @@ def _responses(
     rows = np.zeros((len(terms), size))
     rows[:, : found.shape[1]] = found
     return rows
-
-
-def with_share(law: ForceLaw, problem: Problem, fit: Fit) -> ForceLaw:
-    """Return a force by place with the share of the error on unseen runs that it takes away.
-
-    It acts beside the drive, at the place where the head is then: replayed until that stays.
-    Unknown where no run was kept from the fit, where effects would change what is added to the
-    drive, where the drive acts on nothing, and where the replays diverge or do not settle.
-    """
-    gain, limit = problem.nominal["gain"], problem.nominal["limit"]
-    if law.variable != "terrain" or fit.model.names or not problem.held or gain == 0.0:
-        return law
-    point, every = point_of(problem, fit), range(len(problem.runs))
-    robot = problem.robot
-    free = replace(robot, parameters={**robot.parameters, "drive_limit": np.inf})
-    now = problem
-    x = problem.replay([point], every)["x"][0]
-    for _ in range(_ROUNDS):
-        if not np.isfinite(x).all():
-            return law
-        force = np.split(np.interp(x, law.at, law.size), problem.starts_at[1:-1])
-        runs = [
-            replace(run, drive=(np.clip(gain * run.drive, -limit, limit) + own) / gain)
-            for run, own in zip(problem.runs, force, strict=True)
-        ]
-        now = replace(problem, robot=free, runs=runs, known=problem.noise)
-        last, x = x, now.replay([point], every)["x"][0]
-        if np.abs(x - last).max() < problem.noise["x"].sd:
-            break
-    else:
-        return law
-    kept = list(problem.held)
-    before, after = (one.position_errors([point], kept)[0] for one in (problem, now))
-    seen = np.isfinite(before) & np.isfinite(after)
-    squares = [float(e[seen] @ e[seen]) for e in (before, after)]
-    if squares[0] == 0.0:
-        return law
-    return replace(law, share=1.0 - float(np.sqrt(squares[1] / squares[0])))
