@@ -223,7 +223,7 @@ impl<Q: Bristle, L: Lane> Bound<Q, L> {
         let law = Q::placed(&self.0, &middle);
         let partials = Q::partials(&law, state.v, &state.z);
         let per_dt = dt.splat(1.0) / dt;
-        let solver = Solver::new::<Q>(segment, &partials, per_dt * 2.0);
+        let solver = Solver::new::<Q>(segment, &partials, state.x, per_dt * 2.0);
         let force_t = segment.force_slope(state.t, &state.clock);
         let slope_t = force_t * segment.per_mass;
 

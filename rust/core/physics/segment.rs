@@ -7,7 +7,7 @@ use super::drive::{Clock, Drive, DriveKind, Table};
 use super::friction::{Contact, Parameters};
 use super::params::ParamId;
 use crate::lane::Lane;
-use crate::lane::trig::sin_turns;
+use crate::lane::trig::{cos_turns, sin_turns};
 
 #[derive(Clone, Copy)]
 pub struct Segment<'a, L> {
@@ -85,6 +85,15 @@ impl<'a, L: Lane> Segment<'a, L> {
             return self.weight;
         }
         self.swing.mul_add(sin_turns(x * (0.5 / std::f64::consts::PI)), self.weight)
+    }
+
+    /// Derivative of `pull_back` by the position.
+    #[inline(always)]
+    pub fn pull_back_slope(&self, x: L) -> L {
+        if !self.swings {
+            return x.splat(0.0);
+        }
+        self.swing * cos_turns(x * (0.5 / std::f64::consts::PI))
     }
 
     /// The same where the drive's own force is already known.

@@ -63,11 +63,11 @@ pub struct Solver<L> {
 #[allow(clippy::needless_range_loop)]
 impl<L: Lane> Solver<L> {
     #[inline(always)]
-    pub fn new<Q: Bristle>(segment: &Segment<L>, partials: &Partials<L>, gamma: L) -> Self {
+    pub fn new<Q: Bristle>(segment: &Segment<L>, partials: &Partials<L>, x: L, gamma: L) -> Self {
         let zero = gamma.splat(0.0);
         let per_gamma = gamma.splat(1.0) / gamma;
         let n = Q::STATES;
-        let pull_x = -(segment.spring * segment.per_mass);
+        let pull_x = -((segment.spring + segment.pull_back_slope(x)) * segment.per_mass);
         let mut m = [[zero; MOST_STATES + 1]; MOST_STATES + 1];
         // Bristles first, the speed last: bristles are the stiff part, so their
         // pivots are large.
