@@ -51,6 +51,15 @@ def test_its_bayes_factor_is_small_under_noise_and_large_under_a_push() -> None:
     assert loud > 1000.0
 
 
+def test_noise_above_the_stated_one_is_no_merit_of_the_force() -> None:
+    own = problem(measured({}, noise=1.3 * NOISE))
+    force = RestForce(own)
+    (rest,) = force.beside([nothing()])
+    assert min(rest.noise) > 1.4
+    # A hundred would be gained by the noise alone.
+    assert -20.0 < force.log_bayes_factor(nothing()) < 20.0
+
+
 def test_its_deviance_is_that_of_a_normal_distribution() -> None:
     """The covariance of all readings of a run, written out, gives the same likelihood."""
     own = problem(pushed(0.05, 2))

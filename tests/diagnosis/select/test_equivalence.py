@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from diagnosis_search import fit_of, search_for, search_of
@@ -52,6 +54,34 @@ def test_a_tie_is_one_of_all_runs_however_far_off_a_prediction_is() -> None:
     other = fit_of(search_of(measured({}), "drive_gain_error"), "drive_gain_error")
     (other,) = evaluate(search.problem, [other.unfitted()])
     assert classes_of(search, known, found, [other], mismatch=False)[0] == [["viscous_friction"]]
+
+
+def test_a_law_that_gains_nothing_is_no_rival_of_its_limit_but_of_others() -> None:
+    rows = {
+        "transmission_backlash": (1e-3, 0.05),
+        "transmission_compliance": (400.0, 1.0, 0.05),
+        "coulomb_error": (0.05,),
+        "friction_drift": (0.3, 1.0),
+    }
+    pairs = {
+        "transmission_backlash": "transmission_compliance",
+        "coulomb_error": "friction_drift",
+    }
+    found = {}
+    for name, wider in pairs.items():
+        search = search_of(measured({}), name, wider)
+        starts = [
+            start_fits(search.nuisances, search.model((own,)), np.array([rows[own]]))[0]
+            for own in (name, wider)
+        ]
+        # As good as the other one, and no better.
+        one, rival = (replace(fit, chi2=1000.0) for fit in starts)
+        known = Collection({frozenset(fit.model.names): fit for fit in (search.none, one, rival)})
+        (found[name],), _ = classes_of(search, known, one, [rival], mismatch=False)
+    assert found == {
+        "transmission_backlash": ["transmission_backlash", "transmission_compliance"],
+        "coulomb_error": ["coulomb_error"],
+    }
 
 
 def test_only_a_shape_has_a_limit_that_is_another_effect() -> None:

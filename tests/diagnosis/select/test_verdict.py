@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from diagnosis_search import search_for, search_of
+from diagnosis_search import fit_of, search_for, search_of
 from diagnosis_small import driven, measured
+from locosweep.diagnosis.estimate.least_squares import evaluate
+from locosweep.diagnosis.select import verdict
+from locosweep.diagnosis.select.search import Collection
 from locosweep.diagnosis.select.verdict import choose, kept_may_show_a_gap
 
 NAMES = ("viscous_friction", "sensor_drift", "coulomb_error")
@@ -34,6 +38,23 @@ def test_two_causes_are_both_named() -> None:
     choice = choose(search_for(both, *NAMES), 3)
     assert (choice.status, set(choice.fit.model.names)) == ("explained", set(both))
     assert set(choice.known.fits) > {frozenset(both), frozenset()}
+
+
+def test_a_set_that_leaves_little_more_than_noise_is_followed_out_of_its_valley(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    both = {"viscous_friction": {"c": 0.01}, "sensor_drift": {"b": 1e-4}}
+    search = search_for(both, *NAMES)
+    fit = fit_of(search, *both)
+    theta = fit.theta + 10.0 * np.sqrt(np.diag(fit.covariance))
+    (aside,) = evaluate(search.problem, [fit.unfitted(theta)])
+    aside = replace(aside, covariance=fit.covariance)
+    assert not search.is_noise(aside)
+    assert aside.chi2 < 2.0 * search.problem.degrees()
+    known = Collection({frozenset(one.model.names): one for one in (search.none, aside)})
+    monkeypatch.setattr(verdict, "_grown", lambda *_: verdict._Grown(known, [aside], aside))
+    choice = choose(search, 3)
+    assert (choice.status, set(choice.fit.model.names)) == ("explained", set(both))
 
 
 def test_what_the_runs_cannot_tell_apart_is_a_class() -> None:

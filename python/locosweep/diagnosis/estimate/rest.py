@@ -88,9 +88,15 @@ class RestForce:
         return best
 
     def log_bayes_factor(self, fit: Fit) -> float:
-        """Return the log Bayes factor of the likeliest force beside a fit, on the scale of chi2."""
+        """Return the log Bayes factor of the likeliest force beside a fit, on the scale of chi2.
+
+        More noise than was stated is no merit of the force: what other models leave has it, too.
+        """
         squares = self._moments(self._residuals([point_of(self.problem, fit)]))[1]
-        return float(squares.sum()) - self.beside([fit])[0].deviance
+        rest = self.beside([fit])[0]
+        noise = np.array(rest.noise)
+        wider = float(self._counts @ (noise - 1.0 - np.log(noise)))
+        return float(squares.sum()) - rest.deviance - wider
 
     def beside_one(self, rest: Rest) -> Problem:
         """Return the problem in which every model leaves this rest, and as much noise."""

@@ -12,6 +12,7 @@ from locosweep.diagnosis.select.all_runs import fitted_to_all
 from locosweep.diagnosis.select.law_mismatch import score_with_other_law
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.score import total
+from locosweep.simulation.replay import effect
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -68,12 +69,9 @@ def classes_of(
         if len(new) != 1 or len(gone) != 1 or is_limit(rival, new[0]):
             continue
         rank = names.index(gone[0])
-        mine = sum(f.effect == gone[0] for f in found.model.free)
-        theirs = sum(f.effect == new[0] for f in rival.model.free)
-        narrower = theirs > mine and found.chi2 - rival.chi2 < limits.WIDER_LAW_GAIN * (
-            theirs - mine
-        )
-        if narrower and _contains(rival, new[0], mine):
+        more = len(rival.model.free) - len(found.model.free)
+        wider = gone[0] in effect(new[0]).contains
+        if wider and found.chi2 - rival.chi2 < limits.WIDER_LAW_GAIN * more:
             continue
         other = VARIABLES.get(new[0]) not in {VARIABLES.get(n) for n in names}
         if mismatch and other and score_with_other_law(search, rival) is None:
@@ -101,13 +99,3 @@ def _ties_over_all_runs(search: Search, found: Fit, rival: Fit) -> bool:
         return False
     ours, theirs = (search.score(fitted_to_all(search, one)) for one in (found, rival))
     return theirs - ours <= limits.TIE
-
-
-def _contains(rival: Fit, name: str, few: int) -> bool:
-    """Return whether the rival contains the effect as a limit: its parameters are identifiable."""
-    rows = [i for i, f in enumerate(rival.model.free) if f.effect == name]
-    spread = np.sqrt(np.diag(rival.covariance)) if rival.covariance.size else np.zeros(0)
-    if not spread.size:
-        return True
-    seen = sum(spread[i] < rival.model.free[i].size for i in rows)
-    return bool(seen > few)

@@ -368,7 +368,7 @@ effects! {
             off: STIFF,
             log: true,
             // Of several runs, the strongest one alone may reach the limit.
-            starts: "peak * [0.3, 0.45, 0.6, 0.75, 0.85, 0.92, 0.97]",
+            starts: "peak * [0.3, 0.45, 0.6, 0.75, 0.85, 0.92, 0.96, 0.98, 0.99, 0.995, 0.998]",
             low: "0.02 * force",
             high: "max(2 * force, peak)",
             at: "force * (1 - u)",
