@@ -11,11 +11,12 @@ import polars as pl
 import pytest
 
 import locosweep as ls
+from locosweep import _core
 from locosweep.cli import main
 from locosweep.errors import DataFileError, InputError
 from locosweep.files.robot import Robot, load_robot
 from locosweep.files.runs import Run, load_runs
-from locosweep.simulation.replay import replay_runs
+from locosweep.simulation.replay import nominal_of, replay_runs
 
 MODEL = """
 [robot]
@@ -180,6 +181,18 @@ class TestReplay:
             replay_runs(robot, run, channels=["x", "y"])
         with pytest.raises(InputError, match=r"channels is empty: allowed are one or more of x, v"):
             replay_runs(robot, run, channels=[])
+
+    @pytest.mark.parametrize("channels", [[], [4], [0, 0]])
+    def test_numbers_of_channels_are_checked(self, channels):
+        run = (np.array([0.0, 0.1]), np.zeros(2), 0.0)
+        job = _core.Replay(nominal_of(Robot({"mass": 1.0, "mu_coulomb": 0.1})), [run])
+        values = np.zeros((1, _core.effect_parameter_count()))
+        shares, starts = np.array([[1.0, 1.0, 1.0, 0.0]]), np.zeros((1, 2))
+        given = [(0, 0, 2, [])], values, shares, starts
+        with pytest.raises(InputError, match=r"channels are .*: allowed are different numbers"):
+            job.run(*given, 1, channels=channels)
+        with pytest.raises(InputError, match=r"channels are .*: allowed are different numbers"):
+            job.run_with_sensitivities(*given, [[0]], 1, channels=channels)
 
     def rows(self, folder):
         (folder / "r.csv").write_text(table(rows=60))

@@ -299,11 +299,10 @@ class Experiment:
         speed and acceleration that were seen there, seconds since the start of its run,
         and the position there. `motor` is resistance and force constant.
         """
-    def read(self, /, points: SupportsGetItem[int, Incomplete], spans: SupportsGetItem[int, SupportsIndex], threads: SupportsIndex, moved: Incomplete | None = None, channels: SupportsGetItem[int, SupportsIndex] | None = None) -> Incomplete:
+    def read(self, /, points: SupportsGetItem[int, Incomplete], spans: SupportsGetItem[int, SupportsIndex], threads: SupportsIndex, moved: Incomplete | None = None) -> Incomplete:
         """
-        What the sensors would read: rows of x, v, x_rear and force, or of those of them that
-        `channels` numbers, point after point, span after span. `moved` shifts position and speed
-        at the start of each span.
+        What the sensors would read: rows of x, v, x_rear and force, point after point, span
+        after span. `moved` shifts position and speed at the start of each span.
         """
 
 @final

@@ -1,7 +1,7 @@
 //! Fits of models to measured runs as Python classes.
 
 use crate::door::{enter, input_error, raise};
-use crate::replay::{Replay, asked, rows};
+use crate::replay::{READ, Replay, rows};
 use locosweep::Error;
 use locosweep::lane::Level;
 use locosweep::physics::effects::{Active, EFFECT_PARAMS, Effect};
@@ -235,10 +235,9 @@ impl Experiment {
         Ok(Experiment { core: Arc::new(core) })
     }
 
-    /// What the sensors would read: rows of x, v, x_rear and force, or of those of them that
-    /// `channels` numbers, point after point, span after span. `moved` shifts position and speed
-    /// at the start of each span.
-    #[pyo3(signature = (points, spans, threads, moved=None, channels=None))]
+    /// What the sensors would read: rows of x, v, x_rear and force, point after point, span
+    /// after span. `moved` shifts position and speed at the start of each span.
+    #[pyo3(signature = (points, spans, threads, moved=None))]
     fn read<'py>(
         &self,
         py: Python<'py>,
@@ -246,18 +245,16 @@ impl Experiment {
         spans: Vec<usize>,
         threads: usize,
         moved: Option<Table<'_>>,
-        channels: Option<Vec<usize>>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let channels = asked(py, channels)?;
         let points = points_of(py, &self.core, &points, &spans)?;
         let moved = moved.map(|table| {
             let table = table.as_array();
             table.rows().into_iter().map(|row| (row[0], row[1])).collect::<Vec<(f64, f64)>>()
         });
         let total = points.len() * self.core.samples(&spans);
-        let read = PyArray2::<f64>::zeros(py, [channels.len(), total], false);
+        let read = PyArray2::<f64>::zeros(py, [READ.len(), total], false);
         let mut writable: PyReadwriteArray2<f64> = read.readwrite();
-        let to = rows(writable.as_slice_mut(), &channels).map_err(|e| input_error(py, e))?;
+        let to = rows(writable.as_slice_mut(), &READ).map_err(|e| input_error(py, e))?;
         through_door(py, threads, |how| {
             fit::readings(&self.core, &points, &spans, moved.as_deref(), how, to)
         })?;

@@ -15,8 +15,8 @@ use numpy::{PyArrayMethods, PyReadwriteArray2};
 use pyo3::prelude::*;
 use std::collections::HashMap;
 
-/// Readings of a replay: x, v, x_rear and force.
-const READ: usize = 4;
+/// Numbers of what a replay reads: x, v, x_rear and force.
+pub const READ: [usize; 4] = [0, 1, 2, 3];
 
 /// Runs of a drive, and the model that they are replayed through.
 #[pyclass(frozen, module = "locosweep._core")]
@@ -212,12 +212,13 @@ impl Replay {
 }
 
 /// Numbers of the rows that are asked for, all without any.
-pub fn asked(py: Python<'_>, channels: Option<Vec<usize>>) -> PyResult<Vec<usize>> {
-    let Some(channels) = channels else { return Ok((0..READ).collect()) };
+fn asked(py: Python<'_>, channels: Option<Vec<usize>>) -> PyResult<Vec<usize>> {
+    let Some(channels) = channels else { return Ok(READ.to_vec()) };
     let twice = |i: usize| channels[..i].contains(&channels[i]);
-    if channels.is_empty() || (0..channels.len()).any(|i| channels[i] >= READ || twice(i)) {
+    if channels.is_empty() || (0..channels.len()).any(|i| channels[i] >= READ.len() || twice(i)) {
         let message = format!(
-            "channels are {channels:?}: allowed are different numbers below {READ}, at least one"
+            "channels are {channels:?}: allowed are different numbers below {}, at least one",
+            READ.len()
         );
         return Err(input_error(py, message));
     }

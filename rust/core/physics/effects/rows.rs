@@ -367,7 +367,8 @@ effects! {
             param: param("F_max", r"F_\mathrm{max}", "N", (0.0, INF), "largest drive force"),
             off: STIFF,
             log: true,
-            // Of several runs, the strongest one alone may reach the limit.
+            // Of several runs, the strongest one alone may reach the limit, and just its peaks: below
+            // the next start a limit takes much more off, above the peak it takes nothing.
             starts: "peak * [0.3, 0.45, 0.6, 0.75, 0.85, 0.92, 0.96, 0.98, 0.99, 0.995, 0.998]",
             low: "0.02 * force",
             high: "max(2 * force, peak)",
