@@ -104,6 +104,11 @@ class TestRobot:
             ("robot = 1", ["robot", "[robot]"]),
             ("[effects.slope_error]", ["[effects.slope_error]", "no d_alpha_deg"]),
             ("[effects.coulomb_error]", ["[effects.coulomb_error]", "no d_mu"]),
+            (
+                "[effects.transmission_backlash]\nb = 0.001\nm_d = 0.1\n"
+                "[effects.transmission_compliance]\nk = 1e3\nd = 1.0\nm_d = 0.1",
+                ["transmission_backlash", "transmission_compliance", "the same place: give one"],
+            ),
             ("[robot\nmass = 1", ["not TOML"]),
             ("[robot]\nmass = 1\nmass = 2", ["not TOML"]),
             (b"\xff\xfe\x00", ["not TOML"]),

@@ -108,13 +108,23 @@ def test_laws_are_those_of_the_engine(name: str) -> None:
             "payload_mass",
         ),
         ("sensor_scale", "sensor_drift", "sensor_delay"),
+        (
+            "presliding_compliance",
+            "transmission_compliance",
+            "load_dependent_friction",
+            "drive_lag",
+            "back_emf",
+        ),
+        ("presliding_compliance", "transmission_backlash", "stribeck_friction"),
         ("slope_error", "payload_mass", "coulomb_error", "anchor_slip", "drive_lag"),
     ],
 )
 def test_several_effects_act_in_the_engines_order(names: tuple[str, ...]) -> None:
     engine, reality = both({name: STRONG[name] for name in names})
+    # Where a contact begins the force jumps: see above.
+    force = 0.1 if "transmission_backlash" in names else 1e-3
     # Under a lag the engine drives the body by the mean force of each sample's interval.
-    for channel, bar in (("x", 2e-5), ("x_rear", 1e-3), ("force", 1e-3)):
+    for channel, bar in (("x", 2e-5), ("x_rear", 1e-3), ("force", force)):
         assert np.abs(engine[channel] - reality[channel]).max() < bar
 
 

@@ -122,6 +122,7 @@ def _said(value: Any) -> str:
 _WORDS = {
     "contains": "contains as a limit",
     "error_of": "error of the value",
+    "excludes": "stands in the place of",
     "further": "further variable of another functional form",
     "shown": "motion of the head that shows it",
     "variable": "variable of another functional form",

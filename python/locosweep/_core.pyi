@@ -57,6 +57,11 @@ class Effect:
         Value of [uncertainty] that it is an error of.
         """
     @property
+    def excludes(self, /) -> list[str]:
+        """
+        Effects that stand in its place: a model has one of them.
+        """
+    @property
     def first(self, /) -> int:
         """
         Place of the first parameter among those of all effects.

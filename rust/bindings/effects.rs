@@ -34,6 +34,8 @@ pub struct EffectRecord {
     shown: &'static str,
     /// Effects with fewer parameters that it contains as a limit.
     contains: Vec<&'static str>,
+    /// Effects that stand in its place: a model has one of them.
+    excludes: Vec<&'static str>,
     /// Value of [uncertainty] that it is an error of.
     error_of: Option<&'static str>,
     /// Beside it friction at rest may lie below the nominal Coulomb level.
@@ -182,6 +184,7 @@ pub fn effects(py: Python<'_>) -> PyResult<Vec<EffectRecord>> {
             needs: info.needs.iter().copied().map(Need::name).collect(),
             shown: info.shown.name(),
             contains: info.contains.to_vec(),
+            excludes: info.excludes.to_vec(),
             error_of: info.error_of,
             lowers_level: info.lowers_level,
             work: info.work,

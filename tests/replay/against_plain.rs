@@ -94,9 +94,39 @@ fn the_body_feels_the_force_between_the_samples() {
     }
 }
 
-/// All pairs: within 1.5 micrometres, behind a joint within 8, of which
-/// the plain integration of a gap has most. A bristle behind a joint is
-/// not modelled (it rests there) and left out, as are two transmissions in one drive. When
+/// Bristles, joint and lag are states of one step.
+#[test]
+fn bristles_behind_a_joint_are_followed_to_micrometres() {
+    let bristle: (Effect, &[f64]) = (Effect::PreslidingCompliance, &[2e4, 60.0]);
+    let soft: (Effect, &[f64]) = (Effect::PreslidingCompliance, &[1e3, 5.0]);
+    let spring: (Effect, &[f64]) = (Effect::TransmissionCompliance, &[400.0, 1.0, 0.05]);
+    let stiff: (Effect, &[f64]) = (Effect::TransmissionCompliance, &[2e4, 3.0, 0.2]);
+    let gap: (Effect, &[f64]) = (Effect::TransmissionBacklash, &[0.002, 0.05]);
+    let none: (Effect, &[f64]) = (Effect::ViscousFriction, &[0.0]);
+    let others: [(Effect, &[f64]); 5] = [
+        none,
+        (Effect::DriveLag, &[0.01]),
+        (Effect::LoadDependentFriction, &[0.1]),
+        (Effect::SupplySag, &[0.3, 0.7]),
+        (Effect::AnchorSlip, &[0.1, 0.06]),
+    ];
+    for bristle in [bristle, soft] {
+        for joint in [spring, stiff, gap] {
+            for other in others {
+                let run = pulses(2e-3, 0.6);
+                let (x, rear) = errors(&[bristle, joint, other], &run, 5e-7);
+                // What presses the bristle changes with the ringing of the joint.
+                let pressed = other.0 == Effect::LoadDependentFriction;
+                let allowed = if pressed { 12.0 } else { 3.0 } * MICROMETRE;
+                let names = [joint, other].map(|effect| effect.0.info().name);
+                assert!(x.max(rear) < allowed, "{names:?}: x {x} m, x_rear {rear} m");
+            }
+        }
+    }
+}
+
+/// All pairs: within 1.5 micrometres, behind a joint within 8, of which the plain integration
+/// of a gap has most. Two joints in one drive are left out: a model has one of them. When
 /// the heap before a bristle levels out is left open: a bristle never rests.
 #[test]
 #[ignore = "minutes: part of the long check"]
@@ -111,7 +141,7 @@ fn every_pair_of_effects_follows_the_contract() {
             let joined = joints.contains(a) || joints.contains(b);
             let bristle = [a, b].contains(&&Effect::PreslidingCompliance);
             let heap = [a, b].contains(&&Effect::LubricantBuildup);
-            let unlike = bristle && (joined || heap) || joints.contains(a) && joints.contains(b);
+            let unlike = bristle && heap || joints.contains(a) && joints.contains(b);
             if a != b && unlike {
                 continue;
             }

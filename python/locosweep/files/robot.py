@@ -12,6 +12,7 @@ from locosweep.registry import unknown
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Collection
 
 
 @dataclass(frozen=True)
@@ -90,7 +91,18 @@ def _robot(document: dict[str, Any]) -> Robot:
     level = "coulomb_force" if "surface.coulomb_force" in robot.other else "mu_coulomb"
     effects = toml.table(document, "effects")
     robot.effects.update({name: _effect(name, effects, level) for name in effects})
+    _check_places(effects)
     return robot
+
+
+def _check_places(given: Collection[str]) -> None:
+    """Refuse effects that stand in each other's place."""
+    for record in _core.effects():
+        both = [name for name in record.excludes if name in given]
+        if record.name in given and both:
+            raise InputError(
+                f"[effects.{record.name}] and [effects.{both[0]}] stand in the same place: give one"
+            )
 
 
 def _effect(name: str, tables: dict[str, Any], level: str) -> dict[str, float]:

@@ -18,6 +18,7 @@ from locosweep.files.runs import Run
 from locosweep.simulation.replay import effects
 from locosweep.validation.cases import absent_of, draw_case, scale_of_runs
 from locosweep.validation.experiment import COARSE, Drive, Experiment, Readings, World
+from locosweep.validation.laws import CAUSES
 from locosweep.validation.sizes import ALIKE, Nuisances, rival_distances
 
 if TYPE_CHECKING:
@@ -119,16 +120,20 @@ def _nearest(case: Case, change: Change, rivals: Sequence[str]) -> float:
         return 0.0
     nuisances = Nuisances(longer, scale_of_runs(case.experiment), World(case.world.shifts), 1)
     gap = nuisances.differences([case.world.effects])[0]
-    found = rival_distances(nuisances, gap, absent=absent_of(case.experiment.rig))
     true, form, _ = case.world.effects[0]
-    own = 0.0 if form in ("law", "force") else found[true]
+    another_law = form not in ("law", "force")
+    asked = {*rivals, true} if another_law else {*rivals}
+    absent = {*absent_of(case.experiment.rig), *CAUSES} - asked
+    found = rival_distances(nuisances, gap, absent=sorted(absent))
+    own = found[true] if another_law else 0.0
     nearest = min((found[rival] for rival in rivals if rival in found), default=0.0)
     return float(np.sqrt(max(nearest**2 - own**2, 0.0)))
 
 
 def carried_out(name: str, seed: int, index: int, report: dict[str, Any]) -> NextRun | None:
-    """Carry out all runs of the menu for an ambiguous verdict on one effect.
+    """Carry out the proposed run for an ambiguous verdict on one effect.
 
+    Where it does not resolve the class, the rest of the menu is carried out until a run does.
     None without a class to separate, or where it lacks the true effect.
     """
     verdict, planned = report["verdict"], report["next_experiment"]
@@ -140,6 +145,8 @@ def carried_out(name: str, seed: int, index: int, report: dict[str, Any]) -> Nex
     if len(true) != 1 or true[0] not in members or len(members) < 2:
         return None
     rivals = [member for member in members if member != true[0]]
-    resolving = {run.name for run in MENU if _nearest(case, run, rivals) >= ALIKE}
     proposed = planned["menu"][0]["run"] if planned.get("possible") else ""
-    return NextRun(name, proposed, proposed in resolving, bool(resolving))
+    runs = sorted(MENU, key=lambda run: run.name != proposed)
+    resolving = (run.name for run in runs if _nearest(case, run, rivals) >= ALIKE)
+    first = next(resolving, None)
+    return NextRun(name, proposed, first is not None and first == proposed, first is not None)

@@ -198,11 +198,15 @@ impl<Q: Bristle, L: Lane> Bound<Q, L> {
     ) -> (L, [L; MOST_STATES], L, L) {
         let (x, v) = (y[0], y[1]);
         let z: [L; MOST_STATES] = std::array::from_fn(|i| y[2 + i]);
-        let rates = Q::rates(law, v, &z);
+        let mut rates = Q::rates(law, v, &z);
         let against = Q::force(law, v, &z, &rates);
         let force = segment.force(t, clock, x, v);
-        let a = (force - segment.pull_back(x) - against) * segment.per_mass;
-        (a, rates, force, against)
+        let mut push = force - segment.pull_back(x) - against;
+        if let Some((driven, per_mass)) = Q::driven(law) {
+            push = push - force;
+            rates[driven] = force.mul_add(per_mass, rates[driven]);
+        }
+        (push * segment.per_mass, rates, force, against)
     }
 
     #[inline(always)]
@@ -225,7 +229,12 @@ impl<Q: Bristle, L: Lane> Bound<Q, L> {
         let per_dt = dt.splat(1.0) / dt;
         let solver = Solver::new::<Q>(segment, &partials, state.x, per_dt * 2.0);
         let force_t = segment.force_slope(state.t, &state.clock);
-        let slope_t = force_t * segment.per_mass;
+        // What the drive accelerates, and how that changes with time.
+        let (pushed, per_mass) = match Q::driven(&law) {
+            Some((driven, per_mass)) => (2 + driven, per_mass),
+            None => (1, segment.per_mass),
+        };
+        let slope_t = force_t * per_mass;
 
         let (a, rates, f1, r1) = self.rates(segment, &law, state.t, &state.clock, &y);
         // Stage 1: f + dt/2 f_t.
@@ -235,7 +244,8 @@ impl<Q: Bristle, L: Lane> Bound<Q, L> {
             right[1] = a;
             right[2..2 + count].copy_from_slice(&rates[..count]);
         };
-        fill(&mut right, y[1], (dt * 0.5).mul_add(slope_t, a), &rates);
+        fill(&mut right, y[1], a, &rates);
+        right[pushed] = (dt * 0.5).mul_add(slope_t, right[pushed]);
         let k1 = solver.solve::<Q>(&right);
         // Work and friction are components like any other, only that nothing
         // depends on them.
@@ -244,7 +254,8 @@ impl<Q: Bristle, L: Lane> Bound<Q, L> {
         let power_t = force_t * (y[1] * dt);
         let w1 = ledger.solve::<Q>((power1 + power_t * 0.5, rubbing1), &k1);
         // Stage 2: the same f + 4/dt k1 + 3/2 dt f_t.
-        fill(&mut right, y[1], (dt * 1.5).mul_add(slope_t, a), &rates);
+        fill(&mut right, y[1], a, &rates);
+        right[pushed] = (dt * 1.5).mul_add(slope_t, right[pushed]);
         for (right, k1) in right.iter_mut().zip(&k1) {
             *right = (per_dt * 4.0).mul_add(*k1, *right);
         }
@@ -288,7 +299,7 @@ impl<Q: Bristle, L: Lane> Bound<Q, L> {
         let mut error = zero;
         for i in 0..2 + count {
             let new = at[i] + k4[i];
-            let scale = scale(segment.tolerance, i, y[i], new);
+            let scale = scale::<Q, L>(segment.tolerance, i, y[i], new);
             error = error.max((k4[i] / scale).abs());
             at[i] = new;
         }
@@ -300,11 +311,11 @@ impl<Q: Bristle, L: Lane> Bound<Q, L> {
 
 /// Size of an error that just passes.
 #[inline(always)]
-fn scale<L: Lane>(tolerance: L, i: usize, from: L, to: L) -> L {
+fn scale<Q: Bristle, L: Lane>(tolerance: L, i: usize, from: L, to: L) -> L {
     let floor = match i {
         0 => 1e-6,
         1 => 1e-4,
-        _ => 1e-8,
+        _ => Q::FLOORS[i - 2],
     };
     tolerance * (from.abs().max(to.abs()) + floor)
 }

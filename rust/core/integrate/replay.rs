@@ -11,7 +11,7 @@ use super::runge_kutta::RungeKutta;
 use super::{Advance, State, Tally, Watch};
 use crate::lane::Lane;
 use crate::physics::drive::{Clock, Drive, DriveKind, Path, Table};
-use crate::physics::effects::{Effect, Measured, Plant};
+use crate::physics::effects::{BehindJoint, Effect, Joint, Jointed, Measured, Plant};
 use crate::physics::friction::{Contact, Parameters};
 use crate::physics::params::ParamId;
 use crate::physics::segment::Segment;
@@ -124,30 +124,41 @@ pub fn head<L: Lane>(
     go_on: impl FnMut() -> bool + Copy,
     read: impl FnMut(usize, Reading<L>),
 ) {
+    let bristles = plant.active.has(Effect::PreslidingCompliance);
     // A lag is part of the state, except of the bristle's.
     let link = match plant.joint {
         Some(joint) => Some(Link::Joint(joint)),
-        None if plant.path.lags && !plant.active.has(Effect::PreslidingCompliance) => {
-            Some(Link::Lag(plant.path.per_lag))
-        }
+        None if plant.path.lags && !bristles => Some(Link::Lag(plant.path.per_lag)),
         _ => None,
     };
     let lags = plant.path.lags && !matches!(link, Some(Link::Lag(_)));
     let path = Path { lags, ..plant.path };
     let segment = &segment(plant, &path, samples, start);
     let zero = start.0.splat(0.0);
-    if let Some(link) = link {
+    if let (Some(joint), true) = (plant.joint, bristles) {
+        zero.outlined(
+            #[inline(always)]
+            || bristles_behind_joint(plant, segment, joint, samples, go_on, read),
+        );
+    } else if let Some(link) = link {
         zero.outlined(
             #[inline(always)]
             || behind_link(plant, segment, link, samples, go_on, read),
         );
-    } else if plant.active.has(Effect::PreslidingCompliance) {
+    } else if bristles {
         zero.outlined(
             #[inline(always)]
             || {
                 let contact = bristle::Bound::<Measured, L>(plant.friction);
                 let method = Rosenbrock::new(segment, &contact, true, go_on);
-                over_samples(plant, segment, method, direct(segment), samples, read);
+                over_samples(
+                    plant,
+                    segment,
+                    (samples.start(segment), method),
+                    direct(segment),
+                    samples,
+                    read,
+                );
             },
         );
     } else if plant.is_linear() {
@@ -156,7 +167,14 @@ pub fn head<L: Lane>(
             || {
                 let contact = exact::Bound::<Measured, L>(plant.friction);
                 let method = Exact { segment, contact: &contact, go_on };
-                over_samples(plant, segment, method, direct(segment), samples, read);
+                over_samples(
+                    plant,
+                    segment,
+                    (samples.start(segment), method),
+                    direct(segment),
+                    samples,
+                    read,
+                );
             },
         );
     } else {
@@ -188,9 +206,36 @@ fn behind_link<L: Lane>(
     over_samples(
         plant,
         segment,
-        method,
+        (state, method),
         #[inline(always)]
         |method: &ElasticDrive<L, _>, _, _| (method.force(), method.held()),
+        samples,
+        read,
+    );
+}
+
+/// A head on bristles that a joint parts from its drive.
+#[inline(always)]
+fn bristles_behind_joint<L: Lane>(
+    plant: &Plant<L>,
+    segment: &Segment<L>,
+    joint: Joint<L>,
+    samples: Samples,
+    go_on: impl FnMut() -> bool + Copy,
+    read: impl FnMut(usize, Reading<L>),
+) {
+    let (joint, _) = joint.followed(segment.mass);
+    let law = Jointed { friction: plant.friction, joint };
+    let mut state = samples.start(segment);
+    state.z = law.start(segment.commanded(state.t, &state.clock), state.v);
+    let contact = bristle::Bound::<BehindJoint, L>(law);
+    let method = Rosenbrock::new(segment, &contact, true, go_on);
+    over_samples(
+        plant,
+        segment,
+        (state, method),
+        #[inline(always)]
+        |_: &Rosenbrock<_, L, _>, state, _| (law.push(state.v, &state.z).0, law.held(&state.z)),
         samples,
         read,
     );
@@ -208,7 +253,7 @@ fn in_steps<L: Lane>(
     let contact = &Bound::<Measured, L>(plant.friction);
     let method = RungeKutta::<_, _, _, true>::new(segment, contact, true, segment.step, go_on)
         .within(plant.wavelength() * STRIDE);
-    over_samples(plant, segment, method, direct(segment), samples, read);
+    over_samples(plant, segment, (samples.start(segment), method), direct(segment), samples, read);
 }
 
 /// Force of a drive that nothing parts from the head, see `over_samples`.
@@ -239,12 +284,11 @@ fn felt<L: Lane, M>(
 fn over_samples<L: Lane, M: Advance<L>>(
     plant: &Plant<L>,
     segment: &Segment<L>,
-    mut method: M,
+    (mut state, mut method): (State<L>, M),
     given: impl Fn(&M, &State<L>, &Clock<L>) -> (L, L),
     samples: Samples,
     mut read: impl FnMut(usize, Reading<L>),
 ) {
-    let mut state = samples.start(segment);
     let mut tally = Tally::start(segment, Watch::NOTHING);
     let zero = state.t.splat(0.0);
     let mut body = plant.body.as_ref().map(AnchoredBody::new);

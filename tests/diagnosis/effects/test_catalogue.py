@@ -328,3 +328,12 @@ def test_no_other_file_of_the_package_names_an_effect():
             if isinstance(node, ast.Constant) and node.value in set(NAMES) - allowed:
                 faults.append(f"{path.name}:{node.lineno} {node.value}")
     assert faults == []
+
+
+def test_a_model_has_one_effect_of_a_place():
+    for record in effects():
+        assert all(record.name in effect(other).excludes for other in record.excludes)
+    joints = ["transmission_backlash", "transmission_compliance"]
+    assert not catalogue.goes_with(joints[0], ["drive_lag", joints[1]])
+    assert not catalogue.goes_with("drive_lag", ["drive_lag"])
+    assert catalogue.goes_with(joints[0], ["drive_lag", "presliding_compliance"])

@@ -88,6 +88,11 @@ def candidates(robot: Robot, channels: Collection[str]) -> tuple[list[str], dict
     return [record.name for record in effects() if record.name not in out], out
 
 
+def goes_with(name: str, others: Collection[str]) -> bool:
+    """Return whether a model may have an effect beside others: none of them stands in its place."""
+    return name not in others and not any(other in others for other in effect(name).excludes)
+
+
 def _used(record: Effect, *, has_force_level: bool) -> list[EffectFit]:
     """Return how fits treat the parameters that go with the rig's form of Coulomb level."""
     other = "mu_coulomb" if has_force_level else "coulomb_force"

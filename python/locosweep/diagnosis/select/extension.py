@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from locosweep.diagnosis.effects.catalogue import goes_with
 from locosweep.diagnosis.estimate.least_squares import chi2_of, evaluate, fit_all, start_fits
 from locosweep.diagnosis.select.descent import beyond_ridges, descend, follow_limit
 from locosweep.diagnosis.select.effort import (
@@ -74,7 +75,7 @@ def extend(
     """
     problem = search.problem
     held = base.model.names if base else ()
-    partners = [p for p in partners if p not in held]
+    partners = [p for p in partners if goes_with(p, held)]
     if not partners:
         return {}
     beside = base or search.none

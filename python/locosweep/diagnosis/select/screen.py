@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.diagnosis.effects.catalogue import starts_of
+from locosweep.diagnosis.effects.catalogue import goes_with, starts_of
 from locosweep.diagnosis.estimate.equation_fits import evaluated, refined, uncertainties
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, jacobian_of, start_fits
 from locosweep.diagnosis.select.effort import (
@@ -297,9 +297,10 @@ def cancelling_pairs(
         + second**2 * safe
         + 2.0 * first * second * gram
     )
-    names = np.array([fit.model.names[0] for fit in alone], dtype=object)
-    left = np.where(apart_enough & seen[:, None] & seen, left, np.inf)
-    left[names[:, None] == names] = np.inf
+    names = [fit.model.names[0] for fit in alone]
+    together = {(a, b): goes_with(a, (b,)) for a in set(names) for b in set(names)}
+    joined = np.array([[together[a, b] for b in names] for a in names])
+    left = np.where(apart_enough & seen[:, None] & seen & joined, left, np.inf)
     found: dict[frozenset[str], tuple[int, int, tuple[float, float]]] = {}
     for flat in np.argsort(left, axis=None, kind="stable"):
         i, j = divmod(int(flat), len(alone))

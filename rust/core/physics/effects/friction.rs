@@ -9,6 +9,9 @@ use crate::friction::{
 use crate::lane::Lane;
 use crate::lane::exp::exp_less_one;
 
+/// Level of a bristle at least, N: it divides.
+const LEAST_LEVEL: f64 = 1e-9;
+
 /// The friction of one measured head.
 pub struct Measured;
 
@@ -64,6 +67,13 @@ impl<L: Lane> Coefficients<L> {
     #[inline(always)]
     fn heap(&self, at: &ContactState<L>) -> L {
         ploughed(self.buildup * at.sliding_distance, at)
+    }
+
+    /// Derivative of the bristle's rate by its level.
+    #[inline(always)]
+    pub(super) fn per_level(&self, v: L, z: &[L; MOST_STATES]) -> L {
+        let level = self.sliding(v.abs(), self.here).max(v.splat(LEAST_LEVEL));
+        (self.stiffness * v.abs()) * (z[0] / (level * level))
     }
 
     /// Level of sliding at a speed, without what is smooth in it.
@@ -173,7 +183,7 @@ impl Bristle for Measured {
     #[inline(always)]
     fn rates<L: Lane>(law: &Coefficients<L>, v: L, z: &[L; MOST_STATES]) -> [L; MOST_STATES] {
         let zero = v.splat(0.0);
-        let level = law.sliding(v.abs(), law.here).max(zero.splat(1e-9));
+        let level = law.sliding(v.abs(), law.here).max(zero.splat(LEAST_LEVEL));
         let rate = v - (law.stiffness * v.abs()) * (z[0] / level);
         [rate, zero, zero, zero]
     }
@@ -193,7 +203,7 @@ impl Bristle for Measured {
     #[inline(always)]
     fn partials<L: Lane>(law: &Coefficients<L>, v: L, z: &[L; MOST_STATES]) -> Partials<L> {
         let zero = v.splat(0.0);
-        let floor = zero.splat(1e-9);
+        let floor = zero.splat(LEAST_LEVEL);
         let speed = v.abs();
         let level = law.sliding(speed, law.here).max(floor);
         let sign = L::select(v.lt(zero), zero.splat(-1.0), zero.splat(1.0));

@@ -1,11 +1,13 @@
 //! Effects on measured runs: their registry (`rows`, in the words of `row`), and
 //! the plant that takes them up.
 
+mod behind_joint;
 mod friction;
 mod plant;
 mod row;
 mod rows;
 
+pub use behind_joint::{BehindJoint, Jointed};
 pub use friction::{Coefficients, Measured};
 pub use plant::{Body, Joint, Levels, Nominal, Plant, shortness};
 pub use row::{

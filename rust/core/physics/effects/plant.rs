@@ -59,6 +59,13 @@ const LIGHTEST: f64 = 1e-3;
 const FASTEST: f64 = 3e4;
 
 impl<L: Lane> Joint<L> {
+    /// A joint that does not give, with nothing on the drive's side.
+    #[inline(always)]
+    pub fn rigid(like: L) -> Joint<L> {
+        let (zero, endless) = (like.splat(0.0), like.splat(f64::INFINITY));
+        Joint { mass: zero, stiffness: endless, damping: endless, gap: zero, is_spring: true }
+    }
+
     /// The joint as integrators follow it, and the reduced mass of both sides: a mass
     /// that no longer matters and a joint that no longer gives are as light and as
     /// stiff as steps can follow.

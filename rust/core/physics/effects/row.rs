@@ -172,6 +172,8 @@ pub struct EffectInfo {
     pub shown: Shown,
     /// Effects with fewer parameters that this one contains as a limit.
     pub contains: &'static [&'static str],
+    /// Effects that stand in its place: a model has one of them.
+    pub excludes: &'static [&'static str],
     /// Value of `[uncertainty]` that the effect is an error of.
     pub error_of: Option<&'static str>,
     /// Beside it friction at rest may lie below the nominal Coulomb level.
@@ -259,6 +261,7 @@ pub(super) const EFFECT: EffectInfo = EffectInfo {
     needs: &[],
     shown: Shown::Moving,
     contains: &[],
+    excludes: &[],
     error_of: None,
     lowers_level: false,
     work: 1.0,

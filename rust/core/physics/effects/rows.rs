@@ -489,6 +489,7 @@ effects! {
         formula: r"m_d \ddot x_d = F_d - F_c,\ F_c = 0 \text{ while } |x_d - x| < b",
         meaning: "play between drive and head",
         variable: Some(Variable::History),
+        excludes: &["transmission_compliance"],
         magnitude: Magnitude {
             low: "0",
             high: "3",
@@ -522,6 +523,7 @@ effects! {
         formula: r"m_d \ddot x_d = F_d - F_s,\ F_s = k (x_d - x) + d (\dot x_d - v)",
         meaning: "a spring between drive and head",
         variable: Some(Variable::History),
+        excludes: &["transmission_backlash"],
         magnitude: Magnitude {
             low: "0",
             high: "3",

@@ -287,6 +287,16 @@ impl<L: Lane> Partials<L> {
 /// A law with states of its own.
 pub trait Bristle: Law {
     const STATES: usize;
+    /// Size of each state below which its error counts as that of this size.
+    const FLOORS: [f64; MOST_STATES] = [1e-8; MOST_STATES];
+
+    /// The state that the drive accelerates in place of the head, a speed, and the inverse of
+    /// its mass.
+    #[inline(always)]
+    fn driven<L: Lane>(law: &Self::Coefficients<L>) -> Option<(usize, L)> {
+        let _ = law;
+        None
+    }
 
     /// Rates of the states, 1/s of their unit.
     fn rates<L: Lane>(law: &Self::Coefficients<L>, v: L, z: &[L; MOST_STATES]) -> [L; MOST_STATES];
