@@ -22,6 +22,9 @@ pub struct RungeKutta<'a, 'b, C: ?Sized, L, F, const CONTROL: bool = false> {
     /// Longest way of a controlled step, m: a step that spans a wave of friction along the
     /// track can miss it, and so can the estimate of its error.
     stride: L,
+    /// Largest error of the speed in a controlled step, m/s, as the embedded third-order
+    /// solution shows it.
+    speed_error: f64,
     /// Whether what pushes and what holds the segment at rest stay from jump to jump.
     steady: bool,
     /// What the error of the last part of a step would have allowed.
@@ -41,19 +44,27 @@ impl<'a, 'b, C: DryContact<L> + ?Sized, L: Lane, F, const CONTROL: bool>
     ) -> Self {
         let stride = step.splat(f64::INFINITY);
         let steady = segment.is_steady() && !contact.ages();
-        RungeKutta { segment, contact, locate, step, stride, steady, reach: step, go_on }
+        let speed_error = f64::INFINITY;
+        RungeKutta {
+            segment,
+            contact,
+            locate,
+            step,
+            stride,
+            speed_error,
+            steady,
+            reach: step,
+            go_on,
+        }
     }
 
-    /// The same with steps that go no further than `stride`, m.
-    pub fn within(self, stride: L) -> Self {
-        RungeKutta { stride, ..self }
+    /// The same with steps that go no further than `stride`, m, and err by no more than
+    /// `speed_error`, m/s.
+    pub fn within(self, stride: L, speed_error: f64) -> Self {
+        RungeKutta { stride, speed_error, ..self }
     }
 }
 
-/// Largest error of the speed in a controlled step, m/s, as the embedded third-order
-/// solution shows it. Set by `cargo test --test replay`: the position stays within a
-/// micrometre of a plain integration over seconds, where 1e-9 leaves three.
-const SPEED_ERROR: f64 = 1e-10;
 /// Shortest controlled step, as a share of the longest: a law that jumps has no short
 /// enough one.
 const SHORTEST: f64 = 1e-6;
@@ -332,7 +343,8 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool, const CONTROL: bool
         loop {
             let rough = self.rough(state, &step, dt);
             let rough = L::and(L::and(moving, shortest.lt(dt)), rough);
-            let reach = (dt * growth(&step)).min(self.stride * SAFETY / fastest(state, &step));
+            let reach = (dt * growth(&step, self.speed_error))
+                .min(self.stride * SAFETY / fastest(state, &step));
             self.reach = L::select(moving, reach.frozen(), self.reach);
             if !L::any(rough) {
                 return (dt, step);
@@ -345,7 +357,7 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool, const CONTROL: bool
     /// Lanes whose step of `dt` is too long, for its error or for the way that it takes.
     #[inline(always)]
     fn rough(&self, state: &State<L>, step: &Slide<L>, dt: L) -> L::Mask {
-        let inexact = dt.splat(SPEED_ERROR).lt(step.error);
+        let inexact = dt.splat(self.speed_error).lt(step.error);
         L::or(inexact, self.stride.lt(dt * fastest(state, step)))
     }
 
@@ -377,9 +389,9 @@ fn fastest<L: Lane>(state: &State<L>, step: &Slide<L>) -> L {
 
 /// Factor by which a step may grow, or has to shrink: the error goes with its fourth power.
 #[inline(always)]
-fn growth<L: Lane>(step: &Slide<L>) -> L {
+fn growth<L: Lane>(step: &Slide<L>, speed_error: f64) -> L {
     let one = step.error.splat(1.0);
-    let share = one * SPEED_ERROR / step.error.max(one * NO_ERROR);
+    let share = one * speed_error / step.error.max(one * NO_ERROR);
     (share.sqrt().sqrt() * SAFETY).max(one * MOST_SHRINK).min(one * MOST_GROWTH)
 }
 

@@ -89,7 +89,7 @@ def test_a_parameter_at_its_bound_makes_no_room_for_a_correction() -> None:
     at_bound, without = terms_beside(frame, "quadratic_drag"), terms_beside(frame)
     assert "fit" not in at_bound.names
     factors = [terms.log_bayes_factor(["speed"], 1.0) for terms in (at_bound, without)]
-    assert factors[0] == pytest.approx(factors[1], rel=1e-9)
+    assert factors[0] == pytest.approx(factors[1], rel=1e-7)
     assert factors[0] > 100.0
 
 
