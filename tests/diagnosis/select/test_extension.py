@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis_search import fit_of, ranked, search_for
+from diagnosis_search import fit_of, ranked, search_for, search_of
+from diagnosis_small import measured
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate
 from locosweep.diagnosis.select import extension
 from locosweep.diagnosis.select.effort import PARTNERS
@@ -109,6 +110,18 @@ def test_a_threshold_is_tried_again_where_that_shows_enough() -> None:
     found = _rescanned(search, stuck, stuck.chi2)
     assert found.chi2 < 0.1 * stuck.chi2
     assert found.parameters[0] == pytest.approx(0.1, rel=0.02)
+
+
+def test_a_threshold_is_followed_with_what_answers_to_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A grip that breaks late and slides easily, or at once and slides hard: a valley each."""
+    slip = {"anchor_slip": {"mu_static": 0.155, "mu_coulomb": 0.1}}
+    search = search_of(measured(slip, channels=("x", "x_rear")), "anchor_slip")
+    stuck = fit_of(search, "anchor_slip", values=[0.13, 0.13])
+    found = _rescanned(search, stuck, stuck.chi2)
+    assert found.parameters == pytest.approx([0.155, 0.1], rel=0.02)
+    monkeypatch.setattr(extension, "_is_unknown", lambda *_: False)
+    alone = _rescanned(search, stuck, stuck.chi2)
+    assert alone.chi2 > 2.0 * found.chi2
 
 
 @pytest.mark.parametrize(("behind", "rounds"), [(1e6, 1), (8.0, PARTNERS), (-1.0, PARTNERS)])

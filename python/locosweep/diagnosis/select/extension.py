@@ -40,8 +40,12 @@ if TYPE_CHECKING:
     from collections.abc import Collection as Names
     from collections.abc import Mapping, Sequence
 
+    from numpy.typing import NDArray
+
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.select.search import Search
+
+    Floats = NDArray[np.float64]
 
 _CHANGES = np.geomspace(1e-4, 0.5, 27)
 """Changes of a threshold that are tried, in sizes of the parameter or in its logarithm: from what
@@ -170,14 +174,17 @@ def _rescanned(search: Search, fit: Fit, least: float) -> Fit:
         if search.is_noise(fit):
             break
         trials: list[Fit] = []
-        low, high = fit.bounds
+        thresholds: list[Fit] = []
         for i, free in enumerate(fit.model.free):
-            for change in changes * (1.0 if free.log else free.size):
-                theta = fit.theta.copy()
-                theta[i] = np.clip(theta[i] + change, low[i], high[i])
-                trials.append(fit.unfitted(theta))
+            found = _changed(fit, i, changes * (1.0 if free.log else free.size))
+            trials += found
+            thresholds += found if _is_unknown(fit, i) else []
         # The farthest of those that are as good: within a step of a threshold nothing changes.
-        seen = sorted(evaluate(search.problem, trials[::-1], residuals=False), key=chi2_of)
+        seen = evaluate(search.problem, trials[::-1], residuals=False)
+        if thresholds:
+            # The other parameters answer to a threshold, and hide what it would gain.
+            seen += fit_all(search.problem, thresholds[::-1], steps=FEW)
+        seen.sort(key=chi2_of)
         # What cannot come as far as another round asks for is not followed to its end.
         worth = fit.chi2 - max(fit.chi2 - least, 0.0) / PARTNERS
         starts = [
@@ -190,6 +197,23 @@ def _rescanned(search: Search, fit: Fit, least: float) -> Fit:
         if gain < (fit.chi2 - least) / PARTNERS:
             break
     return fit
+
+
+def _changed(fit: Fit, i: int, changes: Floats) -> list[Fit]:
+    """Return unfitted fits in which one parameter differs."""
+    low, high = fit.bounds
+    found = []
+    for change in changes:
+        theta = fit.theta.copy()
+        theta[i] = np.clip(theta[i] + change, low[i], high[i])
+        found.append(fit.unfitted(theta))
+    return found
+
+
+def _is_unknown(fit: Fit, i: int) -> bool:
+    """Return whether derivatives say nothing of a parameter within its bounds."""
+    low, high = fit.bounds
+    return bool(fit.covariance.size and fit.covariance[i, i] > (high[i] - low[i]) ** 2)
 
 
 def _valley_end(search: Search, fit: Fit, runs: Sequence[int]) -> list[Fit]:
