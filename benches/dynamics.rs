@@ -213,6 +213,16 @@ fn columns(effect: Option<Effect>, runs: &[Run]) -> Vec<Column> {
 }
 
 fn bench_replay(c: &mut Criterion, name: &str, columns: &[Column], tried: &[(Level, usize)]) {
+    bench_replay_of(c, name, &NOMINAL, columns, tried);
+}
+
+fn bench_replay_of(
+    c: &mut Criterion,
+    name: &str,
+    nominal: &Nominal,
+    columns: &[Column],
+    tried: &[(Level, usize)],
+) {
     let runs = runs();
     let samples = columns.iter().map(|column| column.window.1 - column.window.0).sum();
     let mut group = group(c, name, samples);
@@ -220,7 +230,7 @@ fn bench_replay(c: &mut Criterion, name: &str, columns: &[Column], tried: &[(Lev
         group.bench_function(id(level, threads), |b| {
             b.iter(|| {
                 let columns = black_box(columns);
-                replay(&NOMINAL, &runs, columns, (level, threads), &Control::default())
+                replay(nominal, &runs, columns, (level, threads), &Control::default())
                     .expect("the replay runs")
             });
         });
@@ -232,6 +242,15 @@ fn bench_replay(c: &mut Criterion, name: &str, columns: &[Column], tried: &[(Lev
 fn replays(c: &mut Criterion) {
     let runs = runs();
     bench_replay(c, "replay nominal", &columns(None, &runs), &variants());
+    let pendulum = Nominal {
+        mass: 0.02,
+        coulomb_force: Some(0.03),
+        rotary: true,
+        gravity_torque: 0.5,
+        ..NOMINAL
+    };
+    let one = [(best_level(), 1)];
+    bench_replay_of(c, "replay pendulum", &pendulum, &columns(None, &runs), &one);
     let stiff = Effect::PreslidingCompliance;
     for effect in Effect::ALL {
         let tried = if *effect == stiff { variants() } else { vec![(best_level(), 1)] };

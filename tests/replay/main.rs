@@ -4,6 +4,7 @@
 mod against_plain;
 mod behind_links;
 mod bits;
+mod joint_law;
 mod limits;
 mod order;
 mod plain;

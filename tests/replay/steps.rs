@@ -97,3 +97,28 @@ fn what_rests_lets_go_between_samples_where_friction_or_the_drive_wears_off() {
         assert!(gap < 1e-6, "{}: {gap:e}", effect.info().name);
     }
 }
+
+/// A pendulum's steps are as long as their error allows: samples sixteen times as near change nothing.
+#[test]
+fn a_driven_pendulum_is_good_to_a_micrometre() {
+    let nominal = Nominal {
+        mass: 0.02,
+        coulomb_force: Some(0.03),
+        viscous: 0.01,
+        rotary: true,
+        gravity_torque: 0.5,
+        ..NOMINAL
+    };
+    let level = Level::current().unwrap();
+    let moved = |run: &Run| {
+        let column = column(Active::default(), [0.0; EFFECT_PARAMS], run.times.len());
+        let runs = std::slice::from_ref(run);
+        replay(&nominal, runs, &[column], (level, 1), &Control::default()).unwrap().x
+    };
+    let run = run(1000, 5e-3);
+    let fine: Vec<f64> = moved(&finer(&run, 16)).into_iter().step_by(16).collect();
+    let coarse = moved(&run);
+    assert!(coarse.iter().any(|x| x.abs() > 0.5));
+    let gap = largest(&coarse, &fine);
+    assert!(gap < 1e-6, "{gap:e}");
+}

@@ -51,9 +51,8 @@ impl Samples<'_> {
 const STEEP: f64 = 1e-3;
 const BENT: f64 = 2e-3;
 /// Largest error of the speed in a step of a head without a link, m/s, as a solution of third
-/// order shows it; the step itself is of fourth order. Both set by `cargo test --test replay`:
-/// the position stays within a micrometre of a plain integration over seconds, where friction
-/// that is steep leaves three with 1e-9.
+/// order shows it; the step itself is of fourth order. Both set by `cargo test --test replay`: the
+/// position stays within a micrometre over seconds, where steep friction leaves three with 1e-9.
 const STEEP_ERROR: f64 = 1e-10;
 const SMOOTH_ERROR: f64 = 1e-7;
 /// Longest way of a step as a share of the wavelength of friction along the track. A step that
@@ -157,14 +156,7 @@ pub fn head<L: Lane>(
             || {
                 let contact = bristle::Bound::<Measured, L>(plant.friction);
                 let method = Rosenbrock::new(segment, &contact, true, go_on);
-                over_samples(
-                    plant,
-                    segment,
-                    (samples.start(segment), method),
-                    direct(segment),
-                    samples,
-                    read,
-                );
+                unlinked(plant, segment, method, samples, read);
             },
         );
     } else if plant.is_linear() {
@@ -173,14 +165,7 @@ pub fn head<L: Lane>(
             || {
                 let contact = exact::Bound::<Measured, L>(plant.friction);
                 let method = Exact { segment, contact: &contact, go_on };
-                over_samples(
-                    plant,
-                    segment,
-                    (samples.start(segment), method),
-                    direct(segment),
-                    samples,
-                    read,
-                );
+                unlinked(plant, segment, method, samples, read);
             },
         );
     } else {
@@ -260,16 +245,29 @@ fn in_steps<L: Lane>(
     let speed_error = if plant.is_steep() { STEEP_ERROR } else { SMOOTH_ERROR };
     let method = RungeKutta::<_, _, _, true>::new(segment, contact, true, segment.step, go_on)
         .within(plant.wavelength() * STRIDE, speed_error);
-    over_samples(plant, segment, (samples.start(segment), method), direct(segment), samples, read);
+    unlinked(plant, segment, method, samples, read);
 }
 
-/// Force of a drive that nothing parts from the head, see `over_samples`.
+/// A head that nothing parts from its drive.
 #[inline(always)]
-fn direct<'a, L: Lane, M>(
-    segment: &'a Segment<L>,
-) -> impl Fn(&M, &State<L>, &Clock<L>) -> (L, L) + 'a {
-    #[inline(always)]
-    |_, state, clock| (segment.force(state.t, clock, state.x, state.v), state.t.splat(0.0))
+fn unlinked<L: Lane, M: Advance<L>>(
+    plant: &Plant<L>,
+    segment: &Segment<L>,
+    method: M,
+    samples: Samples,
+    read: impl FnMut(usize, Reading<L>),
+) {
+    let start = samples.start(segment);
+    let none = plant.mass.splat(0.0);
+    over_samples(
+        plant,
+        segment,
+        (start, method),
+        #[inline(always)]
+        |_: &M, state, clock| (segment.force(state.t, clock, state.x, state.v), none),
+        samples,
+        read,
+    );
 }
 
 /// Force on the head, and the impulse that is not received, with back-EMF.

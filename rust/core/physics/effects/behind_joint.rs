@@ -151,7 +151,13 @@ impl Bristle for BehindJoint {
 
     #[inline(always)]
     fn steady<L: Lane>(law: &Jointed<L>, v: L) -> [L; MOST_STATES] {
-        let mut z = Measured::steady(&law.friction, v);
+        let zero = v.splat(0.0);
+        let z = Measured::steady(&law.friction, v);
+        let unpressed = Measured::force(&law.friction, v, &z, &[zero; MOST_STATES]);
+        // Friction grows with the force that it asks for.
+        let force = unpressed / (zero.splat(1.0) - law.friction.load);
+        let mut z = Measured::steady(&law.under(force), v);
+        z[STRETCH] = force.sign().mul_add(law.joint.gap, force / law.joint.stiffness);
         z[SIDE_SPEED] = v;
         z
     }
