@@ -18,8 +18,8 @@ from locosweep.diagnosis.data.readings.columns import check_columns
 from locosweep.diagnosis.data.readings.drive_spikes import check_drives
 from locosweep.diagnosis.data.readings.find import Checked, check_readings
 from locosweep.diagnosis.data.readings.finding import sentences
-from locosweep.diagnosis.design.next_experiment import both_ways, next_experiment, once_more
-from locosweep.diagnosis.effects.catalogue import VARIABLES, candidates
+from locosweep.diagnosis.design.next_experiment import back_again, next_experiment, once_more
+from locosweep.diagnosis.effects.catalogue import candidates
 from locosweep.diagnosis.effects.scale import scale_of
 from locosweep.diagnosis.estimate.equation_error import EquationError, equation_error
 from locosweep.diagnosis.estimate.initial_state import initial_states
@@ -36,6 +36,7 @@ from locosweep.diagnosis.estimate.window_plan import (
 )
 from locosweep.diagnosis.report.assemble import Findings, Source, assemble
 from locosweep.diagnosis.select import thresholds as limits
+from locosweep.diagnosis.select.by_place import BY_PLACE, is_one_by_place, passes_both_ways
 from locosweep.diagnosis.select.graded import (
     Graded,
     confirmed_on_kept,
@@ -44,7 +45,7 @@ from locosweep.diagnosis.select.graded import (
     refitted,
 )
 from locosweep.diagnosis.select.isolated import isolated_readings
-from locosweep.diagnosis.select.law_mismatch import ALONG, BY_PLACE, BY_TIME
+from locosweep.diagnosis.select.law_mismatch import BY_TIME
 from locosweep.diagnosis.select.reading_steps import stepped_readings
 from locosweep.diagnosis.select.search import Search
 from locosweep.diagnosis.select.verdict import Choice, choose, kept_may_show_a_gap, partial_choice
@@ -157,7 +158,7 @@ def diagnose(
         checked, data, selected = _without_late_findings(
             checked, data, selected, lambda left: _if_enough(robot, left, held, workers), task
         )
-    alike = _like_an_unlisted_force(selected, data)
+    alike = BY_PLACE if is_one_by_place(selected.search, selected.choice) else ""
     if alike and selected.choice.status == "explained":
         selected = replace(selected, choice=replace(selected.choice, status="ambiguous"))
     next_run = _next_experiment(selected, data, alike)
@@ -426,27 +427,19 @@ def _search_of(
     return Search(problem, nuisances, scale, task.names, task.say, judges=judges, along=along)
 
 
-def _like_an_unlisted_force(selected: _Selected, data: _Data) -> str:
-    """Return the variable of a force that no effect stands for and that does the same as a cause.
-
-    Where no place is passed in both directions, friction along the way and a force by place are
-    one, however likely either is.
-    """
-    named = selected.choice.classes
-    if not any(VARIABLES.get(name) == ALONG for alike in named for name in alike):
-        return ""
-    return BY_PLACE if both_ways(data.whole)["suggestion"] else ""
-
-
 def _next_experiment(selected: _Selected, data: _Data, alike: str) -> dict[str, Any]:
     """Say which further run would separate what ties."""
     search, choice = selected.search, selected.choice
     fits = choice.tied
-    if selected.unlisted == BY_PLACE or (alike == BY_PLACE and len(fits) < 2):
-        return both_ways(data.whole)
+    if alike == BY_PLACE and len(fits) < 2:
+        return back_again()
+    if selected.unlisted == BY_PLACE:
+        return (
+            {"separates": [], "suggestion": None} if passes_both_ways(data.whole) else back_again()
+        )
     if selected.unlisted == BY_TIME:
         return once_more(data.whole)
-    if len(fits) < 2:
+    if len(fits) < 2 or selected.unlisted == BY_PLACE:
         return {"separates": [], "suggestion": None}
     search.progress("next experiment")
     weights = [choice.weight(fit) for fit in fits]

@@ -136,19 +136,11 @@ def test_repeats_are_asked_for_where_one_run_says_too_little(
         assert told["menu"][0]["distance"] == pytest.approx(distance)
 
 
-def test_runs_that_pass_no_place_both_ways_are_driven_back(
-    fitted: tuple[Search, list[Fit]],
-) -> None:
-    problem = fitted[0].problem
-    way = problem.runs[0].t / problem.runs[0].t[-1]
-    # Noise moves a head at rest from one part of the travel to the next.
-    noisy = np.minimum(1.2 * way, 1.0) + np.random.default_rng(2).normal(0.0, 1e-4, way.size)
-    still = np.full(way.size, 0.1)
-    cases = [(way, True), (noisy, True), (still, True), (np.sin(6.0 * way), False)]
-    for x, proposed in cases:
-        runs = [replace(run, channels={"x": x[: run.t.size]}) for run in problem.runs]
-        told = experiment.both_ways(replace(problem, runs=runs))
-        assert bool(told["suggestion"]) == proposed, told
+def test_the_way_back_is_proposed_without_a_menu() -> None:
+    told = experiment.back_again()
+    assert told["possible"]
+    assert told["menu"] == []
+    assert "reverses with the motion" in told["suggestion"]
 
 
 def test_an_exact_repeat_is_proposed_once(fitted: tuple[Search, list[Fit]]) -> None:

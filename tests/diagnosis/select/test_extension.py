@@ -20,7 +20,7 @@ from locosweep.diagnosis.select.extension import (
     pairs,
     singles,
 )
-from locosweep.diagnosis.select.screen import mean_square, seen_along
+from locosweep.diagnosis.select.screen import mean_square, pairs_along, seen_along
 from locosweep.diagnosis.select.search import Collection
 
 NAMES = ("viscous_friction", "drive_gain_error", "sensor_drift")
@@ -68,7 +68,7 @@ def test_pairs_need_no_part_that_stands_out_alone() -> None:
     both = {"viscous_friction": {"c": 0.06}, "drive_lag": {"T": 0.03}}
     search = search_for(both, *both, "drive_gain_error", "coulomb_error")
     known = Collection({frozenset(): search.none})
-    best = ranked(pairs(search, known))[0]
+    best = ranked(pairs(search, known, pairs_along(search, 8)))[0]
     assert set(best.model.names) == set(both)
     assert best.named()["drive_lag"]["T"] == pytest.approx(0.03, rel=0.01)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from diagnosis_search import search_of
 from diagnosis_small import driven, measured
@@ -99,6 +100,21 @@ def test_what_takes_little_away_is_no_first_cause_but_a_further_one() -> None:
         base = Candidate(before, 500.0, errors**2)
         now = replace(compared, base=base, inflation=1.0)
         assert _confirmed(now, after, base) == named
+
+
+@pytest.mark.parametrize(("left", "named"), [(0.4, True), (0.6, False)])
+def test_what_is_correlated_in_the_rest_does_not_count_against_what_halves_unseen_errors(
+    left: float, named: bool
+) -> None:
+    search = search_of(rig({}, hidden=0.002), *NAMES)
+    one = singles(search).single("viscous_friction")
+    errors = np.linspace(1.0, 1.1, 8)
+    base = Candidate(search.none, 50.0, errors**2)
+    compared = _compared(search, RestForce(search.problem), search.none, [])
+    now = replace(compared, base=base, inflation=3.0)
+    after = Candidate(one, 0.0, (left * errors) ** 2)
+    assert _confirmed(now, after, base) == named
+    assert _confirmed(replace(now, inflation=1.0), after, base)
 
 
 def test_two_causes_in_the_order_of_what_they_take_away() -> None:

@@ -22,7 +22,6 @@ from locosweep.diagnosis.select.law_mismatch import (
     best_with_other_law,
     formula_share,
     is_law_of,
-    passes_both_ways,
     score_with_other_law,
     several_do_better,
     unlisted_rival,
@@ -175,47 +174,68 @@ def test_a_force_by_position_refutes_a_single_effect_that_it_outdoes() -> None:
         assert rival == refuted
 
 
-def test_friction_along_a_way_passed_in_one_direction_is_not_refuted_by_a_force_by_place(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    runs = [replace(run, drive=np.abs(run.drive)) for run in drives(count=5)]
-    spring = sprung(runs, 0.02)
-    search, (found,) = fits_of(spring, "position_dependent_friction")
-    assert not passes_both_ways(search.problem)
-    known = Collection({frozenset(): search.none})
-    score = search.score(found)
-    rival, _ = unlisted_rival(search, known, found, score, mismatch=False)
-    assert rival != "terrain"
-    monkeypatch.setattr(law_mismatch, "passes_both_ways", lambda _: True)
-    rival, _ = unlisted_rival(search, known, found, score, mismatch=False)
-    assert rival == "terrain"
+def test_friction_along_a_way_passed_in_one_direction_is_not_refuted_by_a_force_by_place() -> None:
+    """The same spring both ways is no friction."""
+    for forward in (True, False):
+        runs = [replace(r, drive=np.abs(r.drive) if forward else r.drive) for r in drives(count=5)]
+        spring = sprung(runs, 0.02)
+        search, (found,) = fits_of(spring, "position_dependent_friction")
+        known = Collection({frozenset(): search.none})
+        score = search.score(found)
+        rival, _ = unlisted_rival(search, known, found, score, mismatch=False)
+        assert (rival == "terrain") == (not forward)
 
 
-def test_beside_another_cause_such_friction_is_not_refuted_either(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    runs = [replace(run, drive=np.abs(run.drive)) for run in drives(count=5)]
+def test_beside_another_cause_such_friction_is_not_refuted_either() -> None:
     rough = {"position_dependent_friction": {"a": 0.02, "L": 0.05, "p": 0.3}}
-    frame = measured({**rough, "sensor_drift": {"b": 2e-3}}, runs)
-    search, fits = fits_of(frame, *rough, "sensor_drift")
     names = ("position_dependent_friction", "sensor_drift")
+    runs = [replace(run, drive=np.abs(run.drive)) for run in drives(count=5)]
+    frame = measured({**rough, "sensor_drift": {"b": 2e-3}}, runs)
+    search, fits = fits_of(frame, *names)
     model = search.model(names)
     truth = np.array([[0.02, 0.05, 0.3, 2e-3]])
     (found,) = fit_all(search.problem, start_fits(search.nuisances, model, truth), steps=20)
     known = Collection({frozenset({"sensor_drift"}): fits[1]})
     # As if the two did no better than the drift alone.
-    monkeypatch.setattr(law_mismatch.RestForce, "log_bayes_factor", lambda *_: -1e9)
     score = search.score(fits[1])
-    rivals = []
-    for both in (False, True):
-        monkeypatch.setattr(law_mismatch, "passes_both_ways", lambda _, both=both: both)
-        rivals.append(unlisted_rival(search, known, found, score, mismatch=False)[0])
-    assert rivals == ["", "terrain"]
+    assert unlisted_rival(search, known, found, score, mismatch=False)[0] != "terrain"
 
 
-def test_runs_that_come_back_pass_both_ways() -> None:
-    search, _ = fits_of(measured({}, drives(count=3)), "viscous_friction")
-    assert passes_both_ways(search.problem)
+@pytest.mark.parametrize(("by_speed", "refuted"), [(125.0, ""), (110.0, "terrain")])
+def test_a_law_in_place_of_its_formula_is_not_refuted_by_another_force(
+    by_speed: float, refuted: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A force of any form that takes 100 of chi2, 10 more than a law beside the formula."""
+    search, (fit,) = fits_of(
+        measured({"quadratic_drag": {"c2": 0.05}}, drives(count=5)), "viscous_friction"
+    )
+    gains = {"speed": by_speed, "terrain": 100.0, "acceleration": 0.0}
+    monkeypatch.setattr(
+        NonparametricCorrection, "log_bayes_factor", lambda _, variables, __: gains[variables[0]]
+    )
+    monkeypatch.setattr(law_mismatch, "noise_level", lambda *_: 1.0)
+    monkeypatch.setattr(law_mismatch.RestForce, "log_bayes_factor", lambda *_: -1e9)
+    known = Collection({frozenset(): search.none})
+    score = search.score(search.none) - 90.0
+    assert unlisted_rival(search, known, fit, score, mismatch=True)[0] == refuted
+
+
+@pytest.mark.parametrize(("by_speed", "is_law"), [(130.0, True), (110.0, False)])
+def test_a_formula_far_from_its_law_stands_where_no_other_variable_comes_near(
+    by_speed: float, is_law: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Friction that bends by the speed, of which its formula takes next to nothing."""
+    search, (fit,) = fits_of(
+        measured({"quadratic_drag": {"c2": 0.05}}, drives(count=5)), "viscous_friction"
+    )
+
+    def factor(_: object, variables: list[str], __: float) -> float:
+        return by_speed if variables == ["speed"] else 100.0
+
+    monkeypatch.setattr(law_mismatch, "formula_share", lambda *_: 0.1)
+    monkeypatch.setattr(law_mismatch, "noise_level", lambda *_: 1.0)
+    monkeypatch.setattr(NonparametricCorrection, "log_bayes_factor", factor)
+    assert is_law_of(search, fit) == is_law
 
 
 def test_a_push_of_each_runs_own_refutes_what_does_no_better() -> None:
@@ -333,7 +353,7 @@ def test_a_law_that_is_behind_comes_after_those_that_are_not(
     scored = {"viscous_friction": (True, 1.0), "drive_lag": (False, 2.0)}
 
     def score(_: Search, fit: Fit) -> tuple[tuple[bool, float] | None, list[str]]:
-        return scored.get(fit.model.names[0]), []
+        return scored.get("".join(fit.model.names)), []
 
     monkeypatch.setattr(law_mismatch, "_score_with_other_law", score)
     for least, name in ((2.0, "drive_lag"), (1.0, "viscous_friction")):

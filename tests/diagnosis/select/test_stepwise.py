@@ -5,8 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
-from diagnosis_search import fit_of, ranked, search_for
+from diagnosis_search import fit_of, ranked, search_for, search_of
+from diagnosis_small import driven, measured
+from locosweep.diagnosis.select import stepwise
 from locosweep.diagnosis.select.extension import singles
 from locosweep.diagnosis.select.search import Collection
 from locosweep.diagnosis.select.stepwise import (
@@ -32,6 +35,28 @@ def test_a_forward_step_finds_the_second_cause() -> None:
     assert set(best.model.names) == set(BOTH)
     assert set(found.fits) > set(known.fits)
     assert all(len(key) < 2 for key in known.fits)
+
+
+@pytest.mark.parametrize(("strength", "tried"), [(0.01, True), (1.0, False)])
+def test_no_pair_is_completed_where_none_makes_the_forces_of_the_motion(
+    strength: float, tried: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A hum that no effect stands for, weaker and far stronger than noise."""
+    runs = driven()
+    hum = [replace(r, drive=r.drive + strength * np.sin(40.0 * r.t)) for r in runs]
+    given = [replace(m, drive=r.drive) for m, r in zip(measured({}, hum), runs, strict=True)]
+    search = search_of(given, *NAMES)
+    known = singles(search)
+    level = ranked({key: fit for key, fit in known.fits.items() if key})
+    called = []
+    extended = stepwise.extend_each
+    monkeypatch.setattr(
+        stepwise, "extend_each", lambda *args: called.append(args) or extended(*args)
+    )
+    found = forward(search, known, level, level[0], rest=True)
+    assert bool(called) == tried
+    # The pairs that promise most are fitted all the same: causes beside a rest start there.
+    assert any(len(key) == 2 for key in found.fits)
 
 
 def test_a_wrong_pair_is_exchanged_for_the_true_one_and_its_rivals_are_known() -> None:

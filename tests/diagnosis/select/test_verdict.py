@@ -11,6 +11,8 @@ from diagnosis_search import fit_of, search_for, search_of
 from diagnosis_small import driven, measured
 from locosweep.diagnosis.estimate.least_squares import evaluate
 from locosweep.diagnosis.select import verdict
+from locosweep.diagnosis.select.law_mismatch import score_with_other_law
+from locosweep.diagnosis.select.score import remaining
 from locosweep.diagnosis.select.search import Collection
 from locosweep.diagnosis.select.verdict import choose, kept_may_show_a_gap
 
@@ -55,6 +57,26 @@ def test_a_set_that_leaves_little_more_than_noise_is_followed_out_of_its_valley(
     monkeypatch.setattr(verdict, "_grown", lambda *_: verdict._Grown(known, [aside], aside))
     choice = choose(search, 3)
     assert (choice.status, set(choice.fit.model.names)) == ("explained", set(both))
+
+
+def test_a_law_of_one_cause_stands_where_several_effects_leave_more_than_noise(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Drag by the square of the speed, told as viscous friction beside a drift: neither formula."""
+    search = search_for({"quadratic_drag": {"c2": 0.05}}, "viscous_friction", "sensor_drift")
+    law = fit_of(search, "viscous_friction")
+    pair = fit_of(search, "viscous_friction", "sensor_drift")
+    assert remaining(search.problem, pair)
+    score = score_with_other_law(search, law)
+    assert score is not None
+    known = Collection({frozenset(one.model.names): one for one in (search.none, law, pair)})
+    for other, told in (((score, law), ["viscous_friction"]), (None, [])):
+        grown = verdict._Grown(known, [pair], pair, law=other)
+        monkeypatch.setattr(verdict, "_grown", lambda *_, found=grown: found)
+        choice = choose(search, 2)
+        assert [name for alike in choice.classes for name in alike] == told
+        assert choice.law_mismatch == bool(told)
+        assert (choice.status == "unexplained") == (not told)
 
 
 def test_what_the_runs_cannot_tell_apart_is_a_class() -> None:

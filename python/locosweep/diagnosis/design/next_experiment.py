@@ -24,7 +24,6 @@ from locosweep.diagnosis.estimate.least_squares import (
     start_fits,
 )
 from locosweep.diagnosis.estimate.problem import Problem
-from locosweep.diagnosis.select.law_mismatch import passes_both_ways
 from locosweep.files.runs import Run
 
 if TYPE_CHECKING:
@@ -131,14 +130,12 @@ def next_experiment(
     return {"separates": separates, "suggestion": said, "possible": True, "menu": rows}
 
 
-def both_ways(problem: Problem) -> dict[str, Any]:
-    """Propose to go back the same way, if next to no part of it was travelled in both directions.
+def back_again() -> dict[str, Any]:
+    """Propose to go back the same way.
 
-    Friction along the way does then as well as a force that depends on position: only friction
-    reverses with the motion.
+    Where it was passed in one direction, friction along it does as well as a force that depends on
+    position: only friction reverses with the motion.
     """
-    if passes_both_ways(problem):
-        return {"separates": [], "suggestion": None}
     said = (
         f"{BACK.what}: friction reverses with the motion, a force that depends on position does not"
     )

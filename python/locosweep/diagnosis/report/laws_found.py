@@ -10,8 +10,9 @@ from locosweep.diagnosis.effects.catalogue import VARIABLES
 from locosweep.diagnosis.estimate.least_squares import evaluate
 from locosweep.diagnosis.estimate.rest import RestForce
 from locosweep.diagnosis.report.law_text import row_of
+from locosweep.diagnosis.select.by_place import ALONG, BY_PLACE, passes_both_ways
 from locosweep.diagnosis.select.force_law import force_law
-from locosweep.diagnosis.select.law_mismatch import ALONG, BY_PLACE, BY_TIME, passes_both_ways
+from locosweep.diagnosis.select.law_mismatch import BY_TIME
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.replayed_force import acts, settled, with_share
 from locosweep.diagnosis.select.shape import KINDS, unlisted_of

@@ -26,7 +26,6 @@ from locosweep.diagnosis.select.screen import (
     distinct,
     informative_runs,
     mean_square,
-    pairs_along,
     pairs_beside,
     rows_beside,
     scaled,
@@ -294,10 +293,12 @@ def extend_each(search: Search, known: Collection, bases: Sequence[Fit]) -> Foun
     return found
 
 
-def pairs(search: Search, known: Collection) -> Found:
-    """Fit the pairs that leave least: neither effect need stand out alone."""
+def pairs(search: Search, known: Collection, along: Sequence[Fit]) -> Found:
+    """Fit the pairs that leave least: neither effect need stand out alone.
+
+    `along` are starts of those that leave the least equation error.
+    """
     none = search.none
     runs = informative_runs(search.problem, none)
-    found = pairs_along(search, PARTNERS)
-    found += pairs_beside(search, known.of_size(1), runs)[:PARTNERS]
+    found = [*along, *pairs_beside(search, known.of_size(1), runs)[:PARTNERS]]
     return descend(search, known, [fit.unfitted() for fit in found], runs, none)

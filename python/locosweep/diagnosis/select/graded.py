@@ -345,15 +345,17 @@ def _confirmed(now: _Compared, one: Candidate, none: Candidate) -> bool:
     """Return whether unseen runs confirm what a model has more than the one before it.
 
     It has to be likelier beside the rest, and its error in blocks of unseen runs smaller: surely,
-    and by a share of the nominal model's error that is worth a name.
+    and by a share of the nominal model's error that is worth a name. Where that error halves, what
+    is correlated in the rest does not count against it.
     """
     before = now.base
-    if before.deviance - one.deviance < limits.LEAST_GAIN * now.inflation:
+    clear = one.error < limits.CLEAR_FALL * before.error
+    if before.deviance - one.deviance < limits.LEAST_GAIN * (1.0 if clear else now.inflation):
         return False
     least = limits.LEAST_SHARE if before.fit.model.names else limits.MAIN_SHARE
     if before.error - one.error < least * none.error:
         return False
-    if one.error < limits.CLEAR_FALL * before.error:
+    if clear:
         return True
     fall = np.sqrt(before.squares) - np.sqrt(one.squares)
     if fall.size < 2:

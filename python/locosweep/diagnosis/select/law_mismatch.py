@@ -14,11 +14,12 @@ from locosweep.diagnosis.estimate.rest import RestForce
 from locosweep.diagnosis.estimate.validation import validation_residuals
 from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.all_runs import fitted_to_all, of_all_runs, with_all_starts
+from locosweep.diagnosis.select.by_place import ALONG, BY_PLACE, by_place_ahead
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.whiteness import noise_level, whiteness_test
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -29,35 +30,28 @@ if TYPE_CHECKING:
 
 _TRIED = 6
 """Fits whose own variables are tried on what they leave."""
-_MOST_TRIED = 10
+_MOST_TRIED = 13
 """Such fits at most, with those by other variables."""
 _TRIED_NEXT = 3
 """Variables beside a fit whose effects are tried next."""
-ALONG, BY_PLACE = "place", "terrain"
 UNLISTED = (BY_PLACE, "acceleration")
 """Variables of forces that no effect stands for: the position in either direction, as of a tether,
-a magnet or a wall, and the acceleration. Friction `ALONG` the way is a force by place as well, but
-turns round with the motion."""
+a magnet or a wall, and the acceleration."""
 BY_TIME = "push"
 """Variable of a force that no effect stands for, either: the time, other in each run."""
-
-_PLACES = 20
-"""Parts of the travel that are passed both ways or not, about as many as laws along it have
-knots."""
-_PASSED_TWICE = 0.01
-"""Share of the moving samples that have to lie, in the rarer direction, where heads moved in both:
-less is a jerk back at a stop. Of `locosweep blind-check --only outside --cases 150 --seed 11112`,
-runs that are driven forward alone have up to 0.005 (cases 15 and 145), those that are driven both
-ways 0.2 and more (48 and 117)."""
 
 
 def best_with_other_law(search: Search, level: Sequence[Fit]) -> tuple[float, Fit] | None:
     """Find the fit that corrections in its own effects' variables bring down furthest, to noise.
 
-    Tried are the best fits, and effects in the variables that correct most beside them. Returns
-    it with its score, a price on every term included.
+    Tried are the best fits, and effects in the variables that correct most beside the nominal model
+    and beside them. Returns it with its score, a price on every term included.
     """
     tried = list(level[:_TRIED])
+    # A formula far from the law leaves its effect behind many others.
+    for variable in _acting(_score_with_other_law(search, search.none)[1]):
+        if variable not in own_variables(name for fit in tried for name in fit.model.names):
+            tried += islice(_through(variable, level), 1)
     found = []
     for i, fit in enumerate(tried):
         # A search leaves what falls behind, but another law starts from where a formula ends.
@@ -65,16 +59,26 @@ def best_with_other_law(search: Search, level: Sequence[Fit]) -> tuple[float, Fi
         scored, others = _score_with_other_law(search, tried[i])
         if scored is not None:
             found.append((*scored, i))
-        # No effect acts through some: a force by the position alone, an acceleration.
-        others = [v for v in others if v in VARIABLES.values()]
-        for variable in others[:_TRIED_NEXT]:
-            through = (f for f in level if variable in own_variables(f.model.names))
+        for variable in _acting(others):
+            through = _through(variable, level)
             new = (f for f in through if all(f.model.names != g.model.names for g in tried))
             tried += islice(new, int(len(tried) < _MOST_TRIED))
     if not found:
         return None
     _, score, i = min(found)
     return score, tried[i]
+
+
+def _acting(variables: Sequence[str]) -> list[str]:
+    """Return the first variables that effects act through.
+
+    None acts through the position alone, nor through the acceleration.
+    """
+    return [v for v in variables if v in VARIABLES.values()][:_TRIED_NEXT]
+
+
+def _through(variable: str, level: Sequence[Fit]) -> Iterator[Fit]:
+    return (fit for fit in level if variable in own_variables(fit.model.names))
 
 
 def score_with_other_law(search: Search, fit: Fit) -> float | None:
@@ -99,19 +103,20 @@ def _score_with_other_law(search: Search, fit: Fit) -> tuple[tuple[bool, float] 
     others = {v: terms.log_bayes_factor([v], noise) for v in terms.variables if v not in own}
     most = sorted((v for v in others if others[v] > 0.0), key=lambda v: -others[v])
     best = max(others.values(), default=0.0)
-    if not own or log_factor < best - max(limits.AS_WELL, limits.AS_WELL_SHARE * best):
+    if not own or log_factor < best - max(limits.LEAST_GAIN, limits.AS_WELL_SHARE * best):
         return None, most
     if whiteness_test(problem, left).rejected or terms.significant(own, noise):
         return None, most
     if terms.predictive_gain(own, noise) <= 0.0 or not _holds(problem, fit, own, noise):
         return None, most
-    behind = best - log_factor > limits.AS_WELL
+    behind = best - log_factor > limits.LEAST_GAIN
     return (behind, search.score(fit) - log_factor * noise), most
 
 
 def several_do_better(search: Search, law: Fit, sets: Sequence[Fit]) -> bool:
     """Return whether some set of effects explains all runs better than another law of one cause.
 
+    It has to gain what a further cause has to gain over the best explanation with one less.
     Both are fitted to all runs, those kept from fits among them where these judge: a law that
     bends to a second cause in few runs does not do so in all.
     """
@@ -123,7 +128,7 @@ def several_do_better(search: Search, law: Fit, sets: Sequence[Fit]) -> bool:
         problem = of_all_runs(problem)
     factor = NonparametricCorrection(problem, law).log_bayes_factor(own, noise)
     least = min(search.score(fit) for fit in sets)
-    return least < search.score(law) - factor * noise - limits.SEVERAL_CAUSES_GAIN
+    return least < search.score(law) - factor * noise - limits.LEAST_GAIN
 
 
 def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool:
@@ -163,14 +168,31 @@ def _together(problem: Problem, parts: Sequence[Floats], runs: Sequence[int]) ->
 def is_law_of(search: Search, fit: Fit) -> bool:
     """Return whether what a correction of a fit makes of the formula is still a law of its effect.
 
-    It is where the formula alone takes away much of the gap, or where the correction is a delay at
-    each change of the drive, and none of these comes before its command: in their mean, late
-    changes may take away next to nothing.
+    It is where the formula alone takes away much of the gap; where a law of the effect's variable
+    is likelier than one of any other variable, so that the formula says no more than its bends;
+    and where the correction is a delay at each change of the drive, and none of these comes before
+    its command: in their mean, late changes may take away next to nothing.
     """
-    if formula_share(search, fit) >= limits.OTHER_LAW_SHARE:
+    if formula_share(search, fit) >= limits.OTHER_LAW_SHARE or _is_likeliest(search, fit):
         return True
     late = [name for name in fit.model.names if name in FURTHER]
     return bool(late) and all(_never_early(search, fit, name) for name in late)
+
+
+def _is_likeliest(search: Search, fit: Fit) -> bool:
+    """Return whether no law of another variable comes near one of the fit's own, in its place.
+
+    A force by place is not another one than friction along a way that is passed in one direction.
+    """
+    own = own_variables(fit.model.names)
+    terms = NonparametricCorrection(search.problem, search.none)
+    noise = noise_level(search.problem, search.none.residual)
+    others = {v for v in terms.variables if v not in own}
+    if own == [ALONG] and by_place_ahead(terms, noise) <= 0.0:
+        others -= {BY_PLACE}
+    rivals = [terms.log_bayes_factor([v], noise) for v in others]
+    ahead = terms.log_bayes_factor(own, noise) - max(rivals, default=0.0)
+    return len(fit.model.names) == 1 and ahead * noise >= limits.LEAST_GAIN
 
 
 def _never_early(search: Search, fit: Fit, effect: str) -> bool:
@@ -216,7 +238,8 @@ def unlisted_rival(
     It has to do better than one of several effects beside the others; as well as all of them, or
     as another law of an effect, is enough, being one cause by a force as free. A single effect by
     its own formula is nearly a special case of such a force: that has to do better by what a
-    wider law has to gain.
+    wider law has to gain. Like is compared with like: where an effect has another law, a law of its
+    variable in place of its formula counts, too.
     """
     names = frozenset(found.model.names)
     single = len(names) == 1 and not mismatch
@@ -224,7 +247,6 @@ def unlisted_rival(
     # Terms by the acceleration hold friction of either direction: as well as another law of it is
     # what they always do.
     variables = UNLISTED if single else (BY_PLACE,)
-    both_ways = passes_both_ways(search.problem)
     sets = dict.fromkeys([frozenset[str](), *(names - {name} for name in names)])
     noise = noise_level(search.problem, found.residual)
     ahead, beside = {"": 0.0}, {"": search.none}
@@ -232,10 +254,12 @@ def unlisted_rival(
         fit = known.fits[key]
         margin = 0.0 if fit.model.names else alone
         terms = NonparametricCorrection(search.problem, fit)
-        # Passed in one direction only, friction along the way is a force by place, too.
-        one_force = not both_ways and {VARIABLES.get(name) for name in names - key} == {ALONG}
+        own = own_variables(names - key)
+        if mismatch:
+            score = min(score, search.score(fit) - terms.log_bayes_factor(own, noise) * noise)
         for variable in variables:
-            if one_force and variable == BY_PLACE:
+            if (variable, own) == (BY_PLACE, [ALONG]) and by_place_ahead(terms, noise) <= 0:
+                # It is such friction, or the two are one.
                 continue
             gain = terms.log_bayes_factor([variable], noise) * noise
             by = score + margin - (search.score(fit) - gain)
@@ -249,24 +273,6 @@ def unlisted_rival(
     ahead_by = pushed - (search.score(search.none) - score)
     likelier = ahead_by >= (limits.WIDER_LAW_GAIN if single else 0.0)
     return BY_TIME if likelier else "", search.none
-
-
-def passes_both_ways(problem: Problem) -> bool:
-    """Return whether heads have come back over a part of their way.
-
-    Only then does friction along it, which turns round with the motion, differ from a force by
-    place.
-    """
-    motions = problem.motions
-    low, high = min(m.x.min() for m in motions), max(m.x.max() for m in motions)
-    edges = np.linspace(low, max(high, low + 1e-300), _PLACES + 1)
-    ways = np.array(
-        [
-            sum(np.histogram(m.x[way * m.v > m.resting_speed], edges)[0] for m in motions)
-            for way in (1.0, -1.0)
-        ]
-    )
-    return bool(ways.min(axis=0).sum() > _PASSED_TWICE * ways.sum())
 
 
 def without_bending_effect(

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all
-from locosweep.diagnosis.select.effort import LEVEL_WORK
+from locosweep.diagnosis.select.effort import LEAST_ERROR, LEVEL_WORK, PARTNERS
 from locosweep.diagnosis.select.extension import extend, extend_each, pairs
 from locosweep.diagnosis.select.score import gains, remaining, total
+from locosweep.diagnosis.select.screen import pairs_along
 from locosweep.diagnosis.select.thresholds import STALLED, TIE
 from locosweep.diagnosis.select.whiteness import noise_level
 
@@ -44,7 +45,10 @@ def forward(
     if not rest:
         return known.adding(extend_each(search, known, [found]))
     pair = len(found.model.names) == 1
-    larger = pairs(search, known) if pair else {}
+    along = pairs_along(search, PARTNERS) if pair else []
+    larger = pairs(search, known, along) if pair else {}
+    if larger and _is_hopeless(search, found, along):
+        return known.adding(larger)
     if larger and not remaining(search.problem, _best(search, larger)):
         # Beside the best of them, what may do as well; its effects are exchanged with its rivals.
         seeds = [fit for fit in level if fit.model.names[0] in _best(search, larger).model.names]
@@ -52,6 +56,20 @@ def forward(
     larger |= extend_each(search, known.adding(larger), _seeds(level))
     known = known.adding(larger)
     return exchanged(search, known, _best(search, larger))[1] if pair and larger else known
+
+
+def _is_hopeless(search: Search, found: Fit, along: Sequence[Fit]) -> bool:
+    """Return whether no pair of effects makes the forces that the measured motion shows.
+
+    `along` are the pairs that leave the least equation error, `found` is a fit whose residual shows
+    the noise. What acts at rest changes no such error: a pair with such an effect leaves no less.
+    Of the pairs of `locosweep blind-check --cases 1000 --seed 17171` and of the practice cases the
+    right one leaves a mean square of 2.1 at most.
+    """
+    if search.along is None or not along:
+        return False
+    noise = noise_level(search.problem, found.residual) * search.along.measured.size
+    return along[0].chi2 > LEAST_ERROR * noise
 
 
 def _seeds(level: Sequence[Fit]) -> list[Fit]:

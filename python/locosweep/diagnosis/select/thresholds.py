@@ -43,8 +43,6 @@ HELD_OUT_REST = 0.05
 HELD_OUT_NOISE = 9.0
 """Squares in held-out runs, over those of noise, below which that share does not count."""
 
-SEVERAL_CAUSES_GAIN = 6.0
-"""Gain in chi2 of several effects over another law of one cause."""
 MOST_ALIKE = 3
 """Variables of causes that may tie where none of them has the law that was met: more than
 these say that no variable in particular carries it."""
@@ -58,12 +56,11 @@ the validation data together, where another law of that effect is named: what sh
 formula is no law of that cause. Of `locosweep blind-check --only another-law` and `--only outside`,
 `--cases 210` with seeds 8101 and 8202, right names have 0.46 and more, wrong ones 0.34 and less but
 for a magnet with 0.48."""
-AS_WELL = 12.0
-"""Difference in chi2 by which the correction in an effect's own variable may be less likely
-than that in another one."""
 AS_WELL_SHARE = 0.1
-"""The same as a share of the larger log Bayes factor, where no effect comes nearer: laws bend
-between knots, too. With seed 8202 of `--only another-law`, right laws stay up to 0.09 behind."""
+"""Share of a log Bayes factor by which the correction in an effect's own variable may be less
+likely than that in another one, which would be a second cause, beyond the gain that one has to
+show (`LEAST_GAIN`), where no effect comes nearer: laws bend between knots, too. With seed 8202 of
+`--only another-law`, right laws stay up to 0.09 behind."""
 ONE_LAW = 25.0
 """Difference in chi2 by which one law for all runs may be less likely than a law of its own
 in each: each of those bends to what the formula's refit leaves in its run."""

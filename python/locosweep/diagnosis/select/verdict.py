@@ -149,6 +149,8 @@ class _Grown:
     """Gain of the best further effect: not enough."""
     mismatch_score: float | None = None
     """Score of `found` with other laws of its effects, where only these do."""
+    law: tuple[float, Fit] | None = None
+    """The best single effect with another law and its score, where several effects do better."""
 
 
 def choose(search: Search, most: int) -> Choice:
@@ -181,6 +183,9 @@ def choose(search: Search, most: int) -> Choice:
         found = beyond_ridges(search, found)
         known = known.adding({frozenset(found.model.names): found})
         rest = remaining(problem, found)
+    if rest and grown.law is not None:
+        # Several effects come nearer, but not to noise as a law does.
+        (score, found), mismatch, rest = grown.law, True, []
     if rest:
         choice = Choice("unexplained", found, known, whiteness, shape=rest)
         return _with_ranks(search, choice, tried)
@@ -223,11 +228,14 @@ def _grown(search: Search, known: Collection, level: list[Fit], most: int) -> _G
     """Add effects to the best single one, one by one, while they gain enough."""
     problem = search.problem
     before, found = search.none, level[0]
+    law: tuple[float, Fit] | None = None
     near = 0.0
     for count in range(2, most + 2):
         rest = remaining(problem, found)
         # Other laws of several effects at once could fit anything.
-        mismatched = best_with_other_law(search, level) if rest and count == 2 else None
+        if rest and count == 2:
+            law = best_with_other_law(search, level)
+        mismatched = law if count == 2 else None
         larger: list[Fit] = []
         if count <= most and not (count > 2 and is_stalled(problem, before, found)):
             search.progress(f"{count} effects at once")
@@ -250,7 +258,7 @@ def _grown(search: Search, known: Collection, level: list[Fit], most: int) -> _G
         found, known = backward(search, known, larger[0])
         if len(found.model.names) < count and not remaining(problem, found):
             break
-    return _Grown(known, level, found, near)
+    return _Grown(known, level, found, near, law=law)
 
 
 def kept_may_show_a_gap(search: Search, choice: Choice) -> bool:
