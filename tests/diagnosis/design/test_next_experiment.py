@@ -136,6 +136,20 @@ def test_repeats_are_asked_for_where_one_run_says_too_little(
         assert told["menu"][0]["distance"] == pytest.approx(distance)
 
 
+def test_formulas_that_are_far_apart_but_tie_are_told_apart_by_what_a_run_adds(
+    fitted: tuple[Search, list[Fit]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Under another law two causes tie whose formulas lie 50 deviations apart so far."""
+    search, fits = fitted
+    apart = np.array([[np.inf, 50.0], [50.0, np.inf]])
+    monkeypatch.setattr(experiment, "_linearised", lambda *_: apart)
+    for added, possible in ((8.0, True), (0.0, False)):
+        monkeypatch.setattr(experiment, "_refitted", lambda *_, a=added: np.hypot(50.0, a))
+        told = experiment.next_experiment(search, fits, [0.5, 0.5])
+        assert told["possible"] == possible
+        assert told["menu"][0]["distance"] == pytest.approx(np.hypot(3.0, added))
+
+
 def test_the_way_back_is_proposed_without_a_menu() -> None:
     told = experiment.back_again()
     assert told["possible"]

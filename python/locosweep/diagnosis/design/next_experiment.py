@@ -97,25 +97,28 @@ def next_experiment(
     likely = np.array(weights) / max(sum(weights), 1e-300)
     likely = _EQUAL / len(fits) + (1.0 - _EQUAL) * likely
     likely = likely / likely.sum()
+    so_far = _linearised(_planned(search), fits).min(axis=1)
+    # They tie, however far apart formulas would be that another law has taken the place of.
+    known = np.maximum(so_far**2 - RESOLVED**2, 0.0)
     plans = []
     for change in MENU:
         if _has_meaning(search.problem, change):
             planned = _planned(search, change)
             table = _linearised(planned, fits)
-            plans.append((*_promise(table.min(axis=1), likely), change, planned, table))
+            told = _beyond(table.min(axis=1), known)
+            plans.append((*_promise(told, likely), change, planned, table))
     plans.sort(key=lambda plan: plan[:2], reverse=True)
     rows: list[dict[str, Any]] = []
     found: dict[str, Floats] = {}
     for _, _, change, planned, table in plans[:_SHOWN]:
         name = change.name
-        found[name] = np.array(
-            [_refitted(search, planned, fits, i, row) for i, row in enumerate(table)]
-        )
+        distances = [_refitted(search, planned, fits, i, row) for i, row in enumerate(table)]
+        found[name] = _beyond(np.array(distances), known)
         chance, distance = _promise(found[name], likely)
         rows.append({"run": name, "distance": distance, "chance": chance, "what": change.what})
     rows.sort(key=lambda row: (row["chance"], row["distance"]), reverse=True)
     best = rows[0]
-    alone = _linearised(_planned(search), fits).min(axis=1)
+    alone = _beyond(so_far, known)
     each = np.maximum(found[best["run"]] ** 2 - alone**2, 0.0)
     chances = [_promise(np.sqrt(alone**2 + n * each), likely)[0] for n in range(_REPEATS + 1)]
     if chances[-1] - chances[0] < _HOPE:
@@ -152,6 +155,12 @@ def once_more(problem: Problem) -> dict[str, Any]:
         return {"separates": [], "suggestion": None}
     said = f"{AGAIN.what}: what belongs to the rig comes again, a push from outside does not"
     return {"separates": [], "suggestion": said, "possible": True, "menu": []}
+
+
+def _beyond(distances: Floats, known: Floats) -> Floats:
+    """Return distances without what the runs so far have told, in squares."""
+    left: Floats = np.sqrt(np.maximum(distances**2 - known, 0.0))
+    return left
 
 
 def _promise(distances: Floats, weights: Floats) -> tuple[float, float]:

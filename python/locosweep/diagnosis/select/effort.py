@@ -14,7 +14,7 @@ LEAST_ERROR = 10.0
 """Mean square of the equation error, in that of noise, from which few starts besides its own
 are replayed; above which the best pair says that none makes the forces of the measured motion."""
 STARTS = 2
-"""Starts of an effect that are refined by equation error, and that are followed by replays."""
+"""Starts of an effect that are refined by equation error."""
 ROWS_REPLAYED = 6
 """Starts of an effect that are replayed beside these; as many for each of its parameters where
 the equation error says little."""
@@ -31,8 +31,9 @@ SLACK = 200.0
 """Scores further behind the best one than this, by what derivatives promise, are out of reach
 of it also along a valley that bends."""
 FEW = 3
-"""Steps after which starts that lie far behind are left; fits that go first, and effects whose
-bent or further valleys or thresholds are looked into."""
+"""Steps after which starts that lie far behind are left; starts of an effect that are followed by
+replays where the equation error is not sure; fits that go first, and effects whose bent or further
+valleys or thresholds are looked into."""
 LEVEL_WORK = 5e3
 """Work, in replays of all runs through the nominal model, after which no further set of a level
 is extended, nor exchanged."""

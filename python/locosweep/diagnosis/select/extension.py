@@ -18,7 +18,6 @@ from locosweep.diagnosis.select.effort import (
     ROWS_REPLAYED,
     SHARE,
     SLACK,
-    STARTS,
 )
 from locosweep.diagnosis.select.screen import (
     Screened,
@@ -116,7 +115,7 @@ def extend(
             continue
         own = [s for s in seen if s.fit.model.names == start.fit.model.names]
         # What promises most, as strong as it promises it; and as it stands, the best start.
-        most = 1 if start.fit.model.names[-1] in sure else STARTS
+        most = 1 if start.fit.model.names[-1] in sure else FEW
         followed += [
             scaled(s.fit, s.factor) for s in distinct(sorted(own, key=lambda s: s.promised), most)
         ]
@@ -244,7 +243,7 @@ def _starts_beside(
         # All starts of an effect that is tried alone; else a few for each of its parameters.
         own = len(search.model((name,)).free)
         wide = own * ROWS_REPLAYED if beside.model.names else len(rows)
-        most = ROWS_REPLAYED if name in sure or (best and beside.model.names) else wide
+        most = ROWS_REPLAYED if name in sure else wide
         starts = [fit.unfitted() for fit in best] + rows[:: -(-len(rows) // most)]
         if best and search.along:
             starts += along_valley(search.along, best[0])
