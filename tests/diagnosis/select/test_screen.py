@@ -8,7 +8,8 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from diagnosis_search import fit_of, search_for
+from diagnosis_search import fit_of, search_for, search_of
+from diagnosis_small import driven, measured
 from locosweep.diagnosis.estimate.least_squares import evaluate, jacobian_of, start_fits
 from locosweep.diagnosis.select.screen import (
     along_valley,
@@ -141,3 +142,13 @@ def test_runs_that_hold_most_of_what_is_left_are_informative() -> None:
         float(e[r * count : (r + 1) * count] @ e[r * count : (r + 1) * count]) for r in range(3)
     ]
     assert informative_runs(SEARCH.problem, fit) == sorted(np.argsort(left)[1:].tolist())
+
+
+def test_of_many_runs_a_quarter_is_informative() -> None:
+    runs = driven(12, seconds=0.5)
+    search = search_of(measured({"viscous_friction": {"c": 0.05}}, runs), "viscous_friction")
+    chosen = informative_runs(search.problem, search.none)
+    # What is left of the starts stands behind the readings.
+    parts = np.split(search.none.residual[: 12 * runs[0].t.size], 12)
+    left = [float(part @ part) for part in parts]
+    assert chosen == sorted(np.argsort(left)[-3:].tolist())

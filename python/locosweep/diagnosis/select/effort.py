@@ -19,11 +19,12 @@ ROWS_REPLAYED = 6
 """Starts of an effect that are replayed beside these; as many for each of its parameters where
 the equation error says little."""
 INFORMATIVE_RUNS = 2
-"""Runs that starts are replayed on: those that hold most of what a fit leaves."""
+"""Runs that starts are replayed on, or a quarter of many: those that hold most of what a fit
+leaves."""
 PARTNERS = 8
 """Further effects that are fitted beside those found; pairs that are fitted at first, of those that
-the equation error and of those that replays propose; values that thresholds are fitted again from;
-rounds in which a fit is tried again from around its end."""
+the equation error and of those that replays propose; rounds in which a fit is tried again from
+around its end."""
 SHARE = 0.5
 """Share of the best one's gain in chi2 that others have to promise, and after a few steps to
 show, to be followed."""
@@ -32,8 +33,8 @@ SLACK = 200.0
 of it also along a valley that bends."""
 FEW = 3
 """Steps after which starts that lie far behind are left; starts of an effect that are followed by
-replays where the equation error is not sure; fits that go first, and effects whose bent or further
-valleys or thresholds are looked into."""
+replays where the equation error is not sure; fits that go first; effects whose bent or further
+valleys or thresholds are looked into, and values that a threshold is fitted again from."""
 LEVEL_WORK = 5e3
 """Work, in replays of all runs through the nominal model, after which no further set of a level
 is extended, nor exchanged."""

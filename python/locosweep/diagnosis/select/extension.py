@@ -185,9 +185,7 @@ def _rescanned(search: Search, fit: Fit, least: float) -> Fit:
         seen.sort(key=chi2_of)
         # What cannot come as far as another round asks for is not followed to its end.
         worth = fit.chi2 - max(fit.chi2 - least, 0.0) / PARTNERS
-        starts = [
-            replace(one.unfitted(), limit=worth) for one in seen[:PARTNERS] if one.chi2 < most
-        ]
+        starts = [replace(one.unfitted(), limit=worth) for one in seen[:FEW] if one.chi2 < most]
         end = min(fit_all(search.problem, starts, steps=search.steps), key=chi2_of, default=fit)
         if end.chi2 >= fit.chi2:
             break
@@ -244,7 +242,9 @@ def _starts_beside(
         own = len(search.model((name,)).free)
         wide = own * ROWS_REPLAYED if beside.model.names else len(rows)
         most = ROWS_REPLAYED if name in sure else wide
-        starts = [fit.unfitted() for fit in best] + rows[:: -(-len(rows) // most)]
+        # With those at the ends: the strongest ones.
+        spread = np.unique(np.linspace(0, len(rows) - 1, min(most, len(rows))).round().astype(int))
+        starts = [fit.unfitted() for fit in best] + [rows[i] for i in spread]
         if best and search.along:
             starts += along_valley(search.along, best[0])
         model = starts[0].model

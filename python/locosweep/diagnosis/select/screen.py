@@ -172,12 +172,16 @@ def _scalings(changes: Floats, residual: Floats) -> tuple[Floats, Floats, Floats
 
 
 def informative_runs(problem: Problem, fit: Fit) -> list[int]:
-    """Return the fitted runs that hold most of what an evaluated fit leaves, a sample."""
+    """Return the fitted runs that hold most of what an evaluated fit leaves, a sample.
+
+    Of many, as where long runs are cut into windows, a quarter: two of them are soon misled.
+    """
     chosen = problem.fitted
     own = [fit.residual[problem.of_run(r, chosen)] for r in chosen]
     left = [float(part @ part) / max(int(np.count_nonzero(part)), 1) for part in own]
     order = np.argsort(-np.array(left), kind="stable")
-    return sorted(chosen[i] for i in order[:INFORMATIVE_RUNS])
+    count = max(INFORMATIVE_RUNS, len(chosen) // 4)
+    return sorted(chosen[i] for i in order[:count])
 
 
 def scan_beside(
