@@ -34,7 +34,8 @@ STRATA = ("outside", "another_law", "pairs", "background")
 # How each result is made, for whoever makes it anew.
 COMMANDS = {
     "accuracy": "python -m pytest tests/test_precision.py -s > accuracy.txt",
-    "blind_check": "locosweep blind-check --cases 1000 --gap-free 500 --seed 17171 --experiments 144 --out DIR",
+    "blind_check": "locosweep blind-check --cases 1000 --gap-free 500 --seed 17171 "
+    "--experiments 144 --out DIR",
     **{
         f"blind_{kind}": f"locosweep blind-check --only {kind.replace('_', '-')} --cases 210 "
         "--seed S --out DIR"

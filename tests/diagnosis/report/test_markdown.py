@@ -40,7 +40,9 @@ def test_the_same_diagnosis_gives_the_same_text(found):
 
 def test_down_to_the_noise_nothing_is_left_to_explain(own):
     assert "| left, as noise |" in markdown(own)
-    own.report["verdict"]["status"] = "partial"
+    own.report["verdict"]["law_mismatch"] = True
+    assert "| left by the nearest formula |" in markdown(own)
+    own.report["verdict"] |= {"law_mismatch": False, "status": "partial"}
     assert "| nobody has explained |" in markdown(own)
 
 

@@ -56,6 +56,8 @@ def percent(value: float | None) -> str:
 
 def rest_of(diagnosis: Diagnosis) -> str:
     """Return what the rest of a gap is called: down to the noise there is nothing to explain."""
+    if diagnosis.law_mismatch:
+        return "left by the nearest formula"
     noise = diagnosis.status in ("explained", "ambiguous")
     return "left, as noise" if noise else "nobody has explained"
 
