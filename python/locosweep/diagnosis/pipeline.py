@@ -431,12 +431,9 @@ def _next_experiment(selected: _Selected, data: _Data, alike: str) -> dict[str, 
     """Say which further run would separate what ties."""
     search, choice = selected.search, selected.choice
     fits = choice.tied
-    if alike == BY_PLACE and len(fits) < 2:
+    one_way = selected.unlisted == BY_PLACE and not passes_both_ways(data.whole)
+    if one_way or (alike == BY_PLACE and len(fits) < 2):
         return back_again()
-    if selected.unlisted == BY_PLACE:
-        return (
-            {"separates": [], "suggestion": None} if passes_both_ways(data.whole) else back_again()
-        )
     if selected.unlisted == BY_TIME:
         return once_more(data.whole)
     if len(fits) < 2 or selected.unlisted == BY_PLACE:

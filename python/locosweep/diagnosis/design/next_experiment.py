@@ -98,7 +98,7 @@ def next_experiment(
     likely = _EQUAL / len(fits) + (1.0 - _EQUAL) * likely
     likely = likely / likely.sum()
     so_far = _linearised(_planned(search), fits).min(axis=1)
-    # They tie, however far apart formulas would be that another law has taken the place of.
+    # The verdict says that they tie. Where another law replaces formulas, these may lie far apart.
     known = np.maximum(so_far**2 - RESOLVED**2, 0.0)
     plans = []
     for change in MENU:
@@ -158,7 +158,7 @@ def once_more(problem: Problem) -> dict[str, Any]:
 
 
 def _beyond(distances: Floats, known: Floats) -> Floats:
-    """Return distances without what the runs so far have told, in squares."""
+    """Return the distances that are left once squares that are known already are taken off."""
     left: Floats = np.sqrt(np.maximum(distances**2 - known, 0.0))
     return left
 

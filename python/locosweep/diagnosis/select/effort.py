@@ -19,8 +19,7 @@ ROWS_REPLAYED = 6
 """Starts of an effect that are replayed beside these; as many for each of its parameters where
 the equation error says little."""
 INFORMATIVE_RUNS = 2
-"""Runs that starts are replayed on, or a quarter of many: those that hold most of what a fit
-leaves."""
+"""Runs that starts are replayed on, more of many: those that hold most of what a fit leaves."""
 PARTNERS = 8
 """Further effects that are fitted beside those found; pairs that are fitted at first, of those that
 the equation error and of those that replays propose; rounds in which a fit is tried again from
