@@ -117,6 +117,10 @@ impl GivenFree {
     }
 }
 
+/// Least shares of mass, Coulomb level and gain beyond their nominal values, and the least clock
+/// offset: friction may vanish, a mass and a gain stay positive.
+const LEAST_SHARES: [f64; 4] = [-0.99, -1.0, -0.99, f64::NEG_INFINITY];
+
 impl GivenNuisances {
     /// In the order of `theta`: uncertain values, start speeds, start positions.
     fn coordinates(&self) -> impl Iterator<Item = (What, Coordinate)> {
@@ -125,7 +129,10 @@ impl GivenNuisances {
             (what, Coordinate { low: -most, high: most, size: deviation, deviation })
         };
         let uncertain = self.spread.iter().enumerate().filter(|(_, deviation)| **deviation > 0.0);
-        let shares = uncertain.map(move |(k, deviation)| around(What::Share(k), *deviation));
+        let shares = uncertain.map(move |(k, deviation)| {
+            let (what, around) = around(What::Share(k), *deviation);
+            (what, Coordinate { low: around.low.max(LEAST_SHARES[k]), ..around })
+        });
         let free = Coordinate {
             low: f64::NEG_INFINITY,
             high: f64::INFINITY,

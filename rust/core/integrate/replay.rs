@@ -55,6 +55,9 @@ const BENT: f64 = 2e-3;
 /// position stays within a micrometre over seconds, where steep friction leaves three with 1e-9.
 const STEEP_ERROR: f64 = 1e-10;
 const SMOOTH_ERROR: f64 = 1e-7;
+/// Acceleration that the drive makes at most in that test, m/s^2. What moves faster errs by as much
+/// more: an arm at 90 rad/s^2 by 35 micrometres' worth, a fortieth of what its encoder resolves.
+const ACCELERATION: f64 = 2.5;
 /// Longest way of a step as a share of the wavelength of friction along the track. A step that
 /// spans a wave can miss it, and so can the estimate of its error. Set by
 /// `cargo test --test replay fast_waves`.
@@ -242,7 +245,10 @@ fn in_steps<L: Lane>(
     read: impl FnMut(usize, Reading<L>),
 ) {
     let contact = &Bound::<Measured, L>(plant.friction);
-    let speed_error = if plant.is_steep() { STEEP_ERROR } else { SMOOTH_ERROR };
+    let largest = samples.drive.iter().fold(0.0, |most: f64, drive| most.max(drive.abs()));
+    let fastest = plant.path.gain.abs() * largest / plant.mass;
+    let scale = (fastest * (1.0 / ACCELERATION)).max(fastest.splat(1.0)).frozen();
+    let speed_error = scale * if plant.is_steep() { STEEP_ERROR } else { SMOOTH_ERROR };
     let method = RungeKutta::<_, _, _, true>::new(segment, contact, true, segment.step, go_on)
         .within(plant.wavelength() * STRIDE, speed_error);
     unlinked(plant, segment, method, samples, read);

@@ -24,7 +24,7 @@ pub struct RungeKutta<'a, 'b, C: ?Sized, L, F, const CONTROL: bool = false> {
     stride: L,
     /// Largest error of the speed in a controlled step, m/s, as the embedded third-order
     /// solution shows it.
-    speed_error: f64,
+    speed_error: L,
     /// Whether what pushes and what holds the segment at rest stay from jump to jump.
     steady: bool,
     /// What the error of the last part of a step would have allowed.
@@ -44,7 +44,7 @@ impl<'a, 'b, C: DryContact<L> + ?Sized, L: Lane, F, const CONTROL: bool>
     ) -> Self {
         let stride = step.splat(f64::INFINITY);
         let steady = segment.is_steady() && !contact.ages();
-        let speed_error = f64::INFINITY;
+        let speed_error = stride;
         RungeKutta {
             segment,
             contact,
@@ -60,7 +60,7 @@ impl<'a, 'b, C: DryContact<L> + ?Sized, L: Lane, F, const CONTROL: bool>
 
     /// The same with steps that go no further than `stride`, m, and err by no more than
     /// `speed_error`, m/s.
-    pub fn within(self, stride: L, speed_error: f64) -> Self {
+    pub fn within(self, stride: L, speed_error: L) -> Self {
         RungeKutta { stride, speed_error, ..self }
     }
 }
@@ -357,7 +357,7 @@ impl<C: DryContact<L> + ?Sized, L: Lane, F: FnMut() -> bool, const CONTROL: bool
     /// Lanes whose step of `dt` is too long, for its error or for the way that it takes.
     #[inline(always)]
     fn rough(&self, state: &State<L>, step: &Slide<L>, dt: L) -> L::Mask {
-        let inexact = dt.splat(self.speed_error).lt(step.error);
+        let inexact = self.speed_error.lt(step.error);
         L::or(inexact, self.stride.lt(dt * fastest(state, step)))
     }
 
@@ -389,9 +389,9 @@ fn fastest<L: Lane>(state: &State<L>, step: &Slide<L>) -> L {
 
 /// Factor by which a step may grow, or has to shrink: the error goes with its fourth power.
 #[inline(always)]
-fn growth<L: Lane>(step: &Slide<L>, speed_error: f64) -> L {
+fn growth<L: Lane>(step: &Slide<L>, speed_error: L) -> L {
     let one = step.error.splat(1.0);
-    let share = one * speed_error / step.error.max(one * NO_ERROR);
+    let share = speed_error / step.error.max(one * NO_ERROR);
     (share.sqrt().sqrt() * SAFETY).max(one * MOST_SHRINK).min(one * MOST_GROWTH)
 }
 
