@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from locosweep.diagnosis.data.stamp_jitter import stamp_jitter
 from locosweep.diagnosis.data.white_noise import OVERSTATED, noise_beyond, white_level
 from locosweep.files.channels import CHANNELS
 
@@ -36,6 +37,8 @@ class Noise:
     """Quantisation step; 0 where none shows."""
     stated: bool
     """True if the nominal file states it, and the readings do not show far more."""
+    late: float = 0.0
+    """Deviation in s by which readings are early or late, beside `sd`."""
 
     @property
     def stuck(self) -> float:
@@ -61,16 +64,18 @@ def noise_of(channel: str, runs: Sequence[Run], sensor: Mapping[str, float]) -> 
     seen, grain = _seen([run.channels[channel] for run in runs if channel in run.channels])
     # A grain much finer than the noise is how the file was printed.
     step = max(step, grain if grain > 0.3 * seen else 0.0)
+    late = stamp_jitter(channel, runs) if CHANNELS[channel].sensor == "position" else 0.0
     if stated is None:
         sd = max(seen, step / np.sqrt(12.0), 1e-12)
         gaussian = np.sqrt(max(sd**2 - step**2 / 12.0, 0.0))
-        return Noise(float(sd), float(gaussian), float(step), stated=False)
+        return Noise(float(sd), float(gaussian), float(step), stated=False, late=late)
     sd = max(float(np.hypot(stated, step / np.sqrt(12.0))), 1e-12)
-    more = noise_beyond(sd, channel, runs)
+    # Of readings that are early or late, what all windows in motion show is not at rest.
+    more = noise_beyond(sd, channel, runs) if late == 0.0 else 0.0
     if more > 0.0:
         gaussian = float(np.sqrt(max(more**2 - step**2 / 12.0, 0.0)))
-        return Noise(more, gaussian, float(step), stated=False)
-    return Noise(sd, float(stated), float(step), stated=True)
+        return Noise(more, gaussian, float(step), stated=False, late=late)
+    return Noise(sd, float(stated), float(step), stated=True, late=late)
 
 
 def noise_warnings(runs: Sequence[Run], sensor: Mapping[str, float]) -> list[str]:
@@ -81,6 +86,11 @@ def noise_warnings(runs: Sequence[Run], sensor: Mapping[str, float]) -> list[str
         if stated is None or not any(channel in run.channels for run in runs):
             continue
         noise = noise_of(channel, runs, sensor)
+        if noise.late > 0.0:
+            said.append(
+                f"{channel}: the noise of the readings grows with the speed, as if they were "
+                f"{noise.late:.2g} s early or late: fast readings count for less"
+            )
         if not noise.stated:
             said.append(
                 f"{channel}: all readings show noise of {noise.sd:.2g}, {noise.sd / stated:.2g} "

@@ -233,7 +233,12 @@ class Problem:
     @cached_property
     def _noise_weights(self) -> dict[str, Floats]:
         """Inverse deviation of the sensor's noise at every sample, 0 where it does not count."""
-        return {c: weights_of(y, self.noise[c], self.starts_at) for c, y in self.measured.items()}
+        found = {c: weights_of(y, self.noise[c], self.starts_at) for c, y in self.measured.items()}
+        for c, own in self.noise.items():
+            if own.late > 0.0:
+                speeds = np.concatenate([motion.v for motion in self.motions])
+                found[c] = found[c] * own.sd / np.hypot(own.sd, own.late * speeds)
+        return found
 
     @cached_property
     def gap_shifts(self) -> GapShifts:

@@ -159,6 +159,13 @@ def test_strong_effects_are_none_of_these(effects: dict[str, dict[str, float]]) 
     assert check_columns(measured(**effects), ROBOT).findings == ()
 
 
+def test_a_head_that_drag_holds_is_no_drive_in_another_unit() -> None:
+    """A strong drive against drag accelerates nothing, in no unit of it either."""
+    servo = replace(PENDULUM, parameters={**PENDULUM.parameters, "viscous": 1.0})
+    hard = measured(servo, size=90.0, quadratic_drag={"c2": 40.0})
+    assert check_columns(hard, servo).findings == ()
+
+
 def test_a_reading_of_noise_alone_is_no_unit() -> None:
     noise = np.random.default_rng(4).normal(0.0, 1.0, T.size)
     columns = check_columns(each(lambda run: replace(run, channels={"x": noise})), ROBOT)

@@ -80,7 +80,7 @@ _LATE = 0.2
 """Delays up to which, in s, motion that follows its drive late may seem to go against it."""
 _SWAPPED, _AS_IS = 0.5, 0.2
 """Share of the motion that the nominal model accounts for with two columns swapped, at least,
-and as they are, at most."""
+and as they are, at most; in another unit of the drive it is more than that, too."""
 _LIKE_DRIVE, _UNLIKE_DRIVE = 0.98, 0.9
 """Correlation with the drive of a force, at least, and of what is called one, at most: a position
 may follow a slow drive as well, but then so does the force."""
@@ -394,6 +394,9 @@ def _unit_of_drive(seen: _Seen) -> Columns | None:
         runs = [replace(run, drive=run.drive / factor) for run in seen.runs]
         fits[unit] = replace(seen, runs=runs).accounted
     likely = max(fits, key=lambda unit: fits[unit])
+    if fits[likely] < _AS_IS:
+        # Friction that grows with the speed holds such a head, too.
+        return None
     note = (
         f"the drive is {strong:.3g} times what holds the head, which hardly accelerates: it "
         f"seems to be in {likely} (--unit drive={likely}); no cause is looked for before the unit "

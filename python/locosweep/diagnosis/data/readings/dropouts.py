@@ -64,7 +64,9 @@ def _codes(off: Floats) -> Floats:
     return values[counts >= _SAME_VALUE]
 
 
-def repeats(runs: Sequence[tuple[Floats, Floats, float]], noise: float, step: float) -> list[Flags]:
+def repeats(
+    runs: Sequence[tuple[Floats, Floats, float]], noise: float, step: float, late: float = 0.0
+) -> list[Flags]:
     """Return which readings repeat the one before while the head moves, run by run.
 
     Parameters
@@ -73,13 +75,15 @@ def repeats(runs: Sequence[tuple[Floats, Floats, float]], noise: float, step: fl
         Times in s and readings, all finite, and the acceleration of all forces at once.
     noise, step : float
         Deviation of the noise before rounding, and the step of rounding.
+    late : float
+        Deviation in s by which readings are early or late.
 
     Returns
     -------
     list of ndarray of bool
         All False where as many repeats may come from noise and rounding.
     """
-    parts = [_repeats(t, x, noise, step, acceleration) for t, x, acceleration in runs]
+    parts = [_repeats(t, x, (noise, late), step, acceleration) for t, x, acceleration in runs]
     seen = sum(int(same.sum()) for same, _ in parts)
     expected = float(sum(chance for _, chance in parts))
     if seen == 0 or pdtrc(seen - 1, expected) > _SURE:
@@ -88,7 +92,7 @@ def repeats(runs: Sequence[tuple[Floats, Floats, float]], noise: float, step: fl
 
 
 def _repeats(
-    t: Floats, x: Floats, noise: float, step: float, acceleration: float
+    t: Floats, x: Floats, sensor: tuple[float, float], step: float, acceleration: float
 ) -> tuple[Flags, float]:
     """Return the repeats that chance seldom makes, and how many of them it makes on average."""
     found = np.zeros(x.size, dtype=bool)
@@ -111,6 +115,7 @@ def _repeats(
     slope = np.minimum(np.abs(slopes[0]), np.abs(slopes[1]))
     interval = np.diff(t, prepend=t[0])
     change = slope * interval
+    noise = np.hypot(sensor[0], sensor[1] * slope)
     # The head goes on through the stretch: it arrives at its speed, and what was held back shows
     # in the step behind it.
     steps = np.diff(x, prepend=x[0]) * np.sign(slopes[0])
@@ -123,17 +128,16 @@ def _repeats(
     return same & looked, float(chance[looked].sum())
 
 
-def _chance(change: Floats, noise: float, step: float) -> Floats:
+def _chance(change: Floats, noise: Floats, step: float) -> Floats:
     """Return the probability that two readings a change apart are rounded to the same value."""
-    spread = np.sqrt(2.0) * max(noise, 1e-12 * max(step, 1e-300))
-    if step < 0.5 * spread:
-        dense: Floats = step / spread * _density(change / spread)
-        return dense
+    spread = np.sqrt(2.0) * np.maximum(noise, 1e-12 * max(step, 1e-300))
+    dense = step / spread * _density(change / spread)
     # The mean of 1 - |d|/step over the difference d of both, where that is positive.
     edges = [(change + k * step) / spread for k in (-1.0, 0.0, 1.0)]
     low, middle, high = (u * ndtr(u) + _density(u) for u in edges)
-    found: Floats = np.clip(spread / step * (low - 2.0 * middle + high), 0.0, 1.0)
-    return found + _NEVER
+    found = np.clip(spread / max(step, 1e-300) * (low - 2.0 * middle + high), 0.0, 1.0)
+    either: Floats = np.where(step < 0.5 * spread, dense, found + _NEVER)
+    return either
 
 
 def _density(u: Floats) -> Floats:

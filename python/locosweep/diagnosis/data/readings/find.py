@@ -16,6 +16,7 @@ from locosweep.diagnosis.data.readings.finding import Finding, stretches_of
 from locosweep.diagnosis.data.readings.frozen import frozen
 from locosweep.diagnosis.data.readings.slips import slips
 from locosweep.diagnosis.data.readings.spikes import spikes
+from locosweep.diagnosis.data.stamp_jitter import stamp_jitter
 from locosweep.diagnosis.data.white_noise import known as known_readings
 from locosweep.diagnosis.data.white_noise import scaled_differences, white_level
 from locosweep.files.channels import CHANNELS
@@ -43,6 +44,8 @@ _STILL, _BAND = 8, 5.0
 _GRAIN = 0.1
 """Quantile of the differences between values that is the step of rounding: bad readings, which
 are few, may lie between two steps."""
+_AROUND = 3
+"""Readings to either side that tell the speed at a reading."""
 _POSITIONS = tuple(name for name, channel in CHANNELS.items() if channel.sensor == "position")
 
 
@@ -78,7 +81,9 @@ class _Column:
     run: Run
     name: str
     noise: float
-    """Deviation of a reading, the larger of what is stated and of what the run shows."""
+    """Deviation of a reading at rest, the larger of what is stated and of what the run shows."""
+    late: float
+    """Deviation in s by which readings are early or late."""
     acceleration: float
     kinds: dict[str, Flags]
     """Samples that are masked, by kind of fault."""
@@ -95,6 +100,10 @@ class _Column:
         """Return index, time and value of the readings that are left."""
         at = np.flatnonzero(~self.bad)
         return at, self.run.since_start[at], self.run.channels[self.name][at]
+
+    def noise_at(self, t: Floats, x: Floats) -> Floats:
+        """Return the deviation of each of some readings."""
+        return np.hypot(self.noise, self.late * _speeds(t, x))
 
     def mark(self, kind: str, at: NDArray[np.intp]) -> None:
         """Mask samples."""
@@ -139,7 +148,8 @@ def _checked(
     runs: Sequence[Run], name: str, nominal: Mapping[str, float], sensor: Mapping[str, float]
 ) -> list[tuple[_Column, list[Finding]]]:
     """Check one column in all runs that have it."""
-    columns = [_column(run, name, nominal, sensor) for run in runs]
+    late = stamp_jitter(name, runs)
+    columns = [_column(run, name, nominal, sensor, late) for run in runs]
     for column in columns:
         _outliers(column)
     left = [_left(column) for column in columns]
@@ -161,7 +171,7 @@ def _checked(
 
 
 def _column(
-    run: Run, name: str, nominal: Mapping[str, float], sensor: Mapping[str, float]
+    run: Run, name: str, nominal: Mapping[str, float], sensor: Mapping[str, float], late: float
 ) -> _Column:
     kind = CHANNELS[name].sensor
     grains = np.diff(np.unique(known_readings(run, name)[1]))
@@ -170,7 +180,15 @@ def _column(
     stated = float(np.hypot(sensor.get(f"{kind}_noise", 0.0), step / np.sqrt(12.0)))
     third = np.abs(scaled_differences(*known_readings(run, name), 3))
     seen = float(np.median(third)) / _NORMAL if third.size else 0.0
-    return _Column(run, name, max(stated, seen, 1e-300), largest_acceleration(run, nominal), {})
+    noise = max(stated, seen, 1e-300)
+    return _Column(run, name, noise, late, largest_acceleration(run, nominal), {})
+
+
+def _speeds(t: Floats, x: Floats) -> Floats:
+    """Return the size of the slope around each reading, of `_AROUND` steps to either side."""
+    index = np.arange(t.size)
+    low, high = np.maximum(index - _AROUND, 0), np.minimum(index + _AROUND, t.size - 1)
+    return np.abs(x[high] - x[low]) / (t[high] - t[low])
 
 
 def _left(column: _Column) -> Run:
@@ -180,7 +198,12 @@ def _left(column: _Column) -> Run:
 
 
 def _flicker(name: str, runs: Sequence[Run], noise: Noise) -> float:
-    """Return the noise before rounding that all readings are seen to have, at rest too."""
+    """Return the noise before rounding that all readings are seen to have, at rest too.
+
+    What readings have that are early or late, they do not have at rest.
+    """
+    if noise.late > 0.0:
+        return 0.0
     seen = white_level(name, runs)
     return float(np.sqrt(max(seen**2 - noise.step**2 / 12.0, 0.0)))
 
@@ -190,7 +213,7 @@ def _outliers(column: _Column) -> None:
     at, t, x = column.good()
     if at.size < _FEWEST:
         return
-    off = spikes(t, x, column.noise, column.acceleration)
+    off = spikes(t, x, column.noise_at(t, x), column.acceleration)
     if not off.any():
         return
     fell = dropped(x, off) | (off & np.concatenate([[False], np.diff(x) == 0.0]))
@@ -203,7 +226,7 @@ def _held(columns: Sequence[_Column], noise: Noise) -> None:
     parts = [column.good() for column in columns]
     bounds = [column.acceleration for column in columns]
     runs = [(t, x, most) for (_, t, x), most in zip(parts, bounds, strict=True)]
-    found = repeats(runs, noise.gaussian, noise.step)
+    found = repeats(runs, noise.gaussian, noise.step, noise.late)
     for column, (at, _, _), same in zip(columns, parts, found, strict=True):
         if same.any():
             column.mark("dropout", at[same])
@@ -214,7 +237,7 @@ def _slipped(column: _Column, *, swings: bool) -> list[Finding]:
     at, t, x = column.good()
     if at.size < _FEWEST:
         return []
-    found = slips(t, x, column.noise, column.acceleration)
+    found = slips(t, x, column.noise_at(t, x), column.acceleration)
     if not found:
         return []
     cuts = [0, *(i + 1 for i, _ in found), at.size]

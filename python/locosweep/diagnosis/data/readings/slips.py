@@ -25,7 +25,9 @@ _STAYS = 0.5
 """Part of a slip that the second reading on either side has to show as well."""
 
 
-def slips(t: Floats, x: Floats, noise: float, acceleration: float) -> list[tuple[int, float]]:
+def slips(
+    t: Floats, x: Floats, noise: float | Floats, acceleration: float
+) -> list[tuple[int, float]]:
     """Return the last reading before each slip, and how far it goes.
 
     `t`, `x`, `noise` and `acceleration` are those of `spikes`.
@@ -33,11 +35,12 @@ def slips(t: Floats, x: Floats, noise: float, acceleration: float) -> list[tuple
     if t.size < 4:
         return []
     before = np.arange(1, t.size - 2)
+    noise = np.broadcast_to(noise, t.shape)
     left = off_line(t, x, before + 1, before - 1, before)
     right = off_line(t, x, before, before + 2, before + 1)
     sizes = [
         np.abs(part.size)
-        / np.maximum(_DEVIATIONS * noise * part.gain, _BEND * acceleration * part.bend)
+        / np.maximum(_DEVIATIONS * noise[before] * part.gain, _BEND * acceleration * part.bend)
         for part in (left, right)
     ]
     further = [

@@ -38,23 +38,24 @@ _ROUNDS = 40
 """Rounds of a search, at most: in each the largest spikes are taken out first."""
 
 
-def spikes(t: Floats, x: Floats, noise: float, acceleration: float) -> Flags:
+def spikes(t: Floats, x: Floats, noise: float | Floats, acceleration: float) -> Flags:
     """Return which readings are spikes.
 
     Parameters
     ----------
     t, x : ndarray
         Times in s and readings, all finite.
-    noise : float
-        Deviation of a reading, in its unit.
+    noise : float or ndarray
+        Deviation of the readings, or of each, in their unit.
     acceleration : float
         Acceleration of all forces at once, in the reading's unit a s^2.
     """
     kept = np.arange(t.size)
+    noise = np.broadcast_to(noise, t.shape)
     for _ in range(_ROUNDS):
         if kept.size < LONGEST + 4:
             break
-        bad = _largest(t[kept], x[kept], noise, acceleration)
+        bad = _largest(t[kept], x[kept], noise[kept], acceleration)
         if not bad.any():
             break
         kept = kept[~bad]
@@ -63,7 +64,7 @@ def spikes(t: Floats, x: Floats, noise: float, acceleration: float) -> Flags:
     return found
 
 
-def _largest(t: Floats, x: Floats, noise: float, acceleration: float) -> Flags:
+def _largest(t: Floats, x: Floats, noise: Floats, acceleration: float) -> Flags:
     """Return the spikes that are larger than all others among their neighbours."""
     rows = []
     for length in range(1, LONGEST + 1):
@@ -84,7 +85,7 @@ def _largest(t: Floats, x: Floats, noise: float, acceleration: float) -> Flags:
 
 
 def _sizes(
-    t: Floats, x: Floats, length: int, noise: float, acceleration: float
+    t: Floats, x: Floats, length: int, noise: Floats, acceleration: float
 ) -> tuple[Indices, Floats, Flags]:
     """Return groups of readings, their sizes, from 1 on a spike, and whether neighbours agree."""
     first = np.arange(2, t.size - length - 1)
@@ -92,19 +93,20 @@ def _sizes(
     left = [off_line(t, x, first + k, a, b) for k in range(length)]
     right = [off_line(t, x, first + k, c, d) for k in range(length)]
     chord = [off_line(t, x, first + k, b, c) for k in range(length)]
+    deviation = noise[first]
     both, one = (BOTH_SIDES, ONE_SIDE) if length == 1 else SEVERAL
-    best = _least([*left, *right, *chord], noise, acceleration, both)
+    best = _least([*left, *right, *chord], deviation, acceleration, both)
     agree = np.zeros(first.size, dtype=bool)
     for side, behind in ((left, off_line(t, x, c, a, b)), (right, off_line(t, x, b, c, d))):
         off = np.min([np.abs(part.size) for part in [*side, *chord]], axis=0)
-        size = _least([*side, *chord], noise, acceleration, one)
+        size = _least([*side, *chord], deviation, acceleration, one)
         continues = np.abs(behind.size) < CONTINUES * off
         best = np.where(continues, np.maximum(best, size), best)
         agree |= continues
     return first, best, agree
 
 
-def _least(parts: list[Misfit], noise: float, acceleration: float, bend: float) -> Floats:
+def _least(parts: list[Misfit], noise: Floats, acceleration: float, bend: float) -> Floats:
     """Return the least size over the limits among misfits of one sign, 0 where signs differ."""
     signs = np.sign([part.size for part in parts])
     one_sign = (signs == signs[0]).all(axis=0)
@@ -117,14 +119,14 @@ def _least(parts: list[Misfit], noise: float, acceleration: float, bend: float) 
     return least
 
 
-def _ends(t: Floats, x: Floats, noise: float) -> list[tuple[float, int]]:
+def _ends(t: Floats, x: Floats, noise: Floats) -> list[tuple[float, int]]:
     """Return size and index of a spike at the first and at the last reading."""
     n = t.size
     found = []
     step = float(np.abs(np.diff(x[1:-1])).max())
     for at, near, far in ((0, 1, 2), (n - 1, n - 2, n - 3)):
         part = off_line(t, x, *(np.array([i]) for i in (at, near, far)))
-        limit = max(END_DEVIATIONS * noise * float(part.gain[0]), END_STEPS * step)
+        limit = max(END_DEVIATIONS * float(noise[at] * part.gain[0]), END_STEPS * step)
         size = abs(float(part.size[0])) / limit
         if size >= 1.0:
             found.append((size, at))
