@@ -171,6 +171,18 @@ def test_options_of_a_rig_need_one(tmp_path: Path, capsys: pytest.CaptureFixture
     assert "--nominal is missing" in capsys.readouterr().err
 
 
+@pytest.mark.whole
+def test_a_model_with_effects_is_refused_before_anything_is_drawn(
+    rig: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_augmented(replace(RAW, effects={"drive_lag": {"T": 0.02}}), tmp_path / "nominal.toml")
+    given = command(rig, tmp_path / "out")
+    given[given.index("--nominal") + 1] = str(tmp_path / "nominal.toml")
+    assert main(given) == 2
+    assert "the nominal model has effects (drive_lag)" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
 def test_runs_of_a_rig_may_be_chosen(rig: Path) -> None:
     chosen = rig_of(rig / "runs.csv", rig / "raw.toml", ["2", "0"])
     assert [run.label for run in chosen.runs] == ["0", "2"]

@@ -79,6 +79,7 @@ def refuse_mixture(ctx: click.Context) -> None:
 
 def check_rig(asked: Asked, wanted: RigCheck) -> None:
     """Draw semi-real cases of a rig, diagnose them, and say which first causes are right."""
+    from locosweep.diagnosis.data.inputs import nominal_model
     from locosweep.errors import InputError
     from locosweep.validation.semi_check import baselines, judge_semi_real
     from locosweep.validation.semi_files import draw_semi_real
@@ -86,6 +87,7 @@ def check_rig(asked: Asked, wanted: RigCheck) -> None:
 
     if wanted.nominal is None:
         raise InputError("--nominal is missing: --rig needs the model of the rig")
+    nominal_model(wanted.nominal)
     sizes = [options.number("--sizes", text) for text in wanted.sizes.split(",") if text]
     if not sizes or not all(1.0 < size < math.inf for size in sizes):
         raise InputError(f"--sizes is {wanted.sizes}: allowed are numbers above 1")

@@ -365,11 +365,13 @@ def _graded(data: _Data, task: _Task, first: _Selected) -> _Selected:
     kept = problem_of(data.whole, data.plan, GRADED_SAMPLES)[0] if data.plan else data.whole
     alone = data.held_by_user or len(data.whole.runs) == 1
     every = kept if alone else replace(kept, held=())
+    near = {frozenset[str](): first.search.none}
     search = _search_of(every, data.scale, task, None, judges=not data.held_by_user)
+    search = replace(search, hints=near)
     found = graded(search, first.choice.known, task.max_effects)
     if not found.causes:
         return replace(first, graded=found)
-    own = _search_of(kept, data.scale, task, None, judges=False)
+    own = replace(_search_of(kept, data.scale, task, None, judges=False), hints=near)
     fits = refitted(own, found)
     if data.held_by_user:
         found = confirmed_on_kept(own, found, fits)

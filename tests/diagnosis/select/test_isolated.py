@@ -85,3 +85,17 @@ def test_many_at_once_are_no_single_ones() -> None:
     x = runs[1].channels["x"].copy()
     x[5::8] += 12.0 * NOISE
     assert found([runs[0], replace(runs[1], channels={"x": x})]) == ([], [])
+
+
+def test_where_far_more_is_left_than_single_readings_hold_they_are_none() -> None:
+    """Readings off their neighbours are found in vain where the model errs everywhere."""
+    runs = [
+        replace(run, channels={"x": run.channels["x"] + 40.0 * NOISE * T}) for run in measured()
+    ]
+    x = runs[1].channels["x"].copy()
+    x[150] += 15.0 * NOISE
+    assert found([runs[0], replace(runs[1], channels={"x": x})]) == ([], [])
+    x[150] += 3000.0 * NOISE
+    assert [kind for _, _, kind in found([runs[0], replace(runs[1], channels={"x": x})])[0]] == [
+        "spike"
+    ]

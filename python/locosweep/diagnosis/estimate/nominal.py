@@ -25,11 +25,16 @@ _NOMINAL = 9
 """Starts of the nominal model that are followed."""
 
 
-def fit_nominal(problem: Problem, nuisances: Nuisances) -> Fit:
-    """Fit the nominal model: its uncertain values from several starts."""
+def fit_nominal(problem: Problem, nuisances: Nuisances, near: Fit | None = None) -> Fit:
+    """Fit the nominal model: its uncertain values from several starts.
+
+    Or from their file and from a fit `near` it, to other data of the same runs.
+    """
     uncertain = nuisances.uncertain
     spread = np.array([nuisances.spread[i] for i in uncertain])
     corners = np.array(list(product((0.0, -1.2, 1.2), repeat=len(uncertain))))
+    if near is not None:
+        corners = np.stack([corners[0], near.theta[: len(uncertain)] / spread])
     other = np.zeros(len(nuisances.moving) + len(nuisances.start_offsets))
     fits = [
         Fit(Model((), ()), nuisances, np.concatenate([corner * spread, other]))

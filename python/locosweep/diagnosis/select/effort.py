@@ -12,7 +12,8 @@ STRONGEST_SCALING = 4.0
 most as weak as one part in so many, or weaker, is evaluated again at that strength."""
 LEAST_ERROR = 10.0
 """Mean square of the equation error, in that of noise, from which few starts besides its own
-are replayed; above which the best pair says that none makes the forces of the measured motion."""
+are replayed; above which the best pair says that none makes the forces of the measured motion; and
+what a law of some variables leaves over what laws of all leave, above which it is none."""
 STARTS = 2
 """Starts of an effect that are refined by equation error."""
 ROWS_REPLAYED = 6

@@ -30,6 +30,9 @@ _REPEATED = 4.5
 _CLOSE = 3.5
 """Deviations within which the neighbours themselves lie about their line: elsewhere the model
 errs by much from sample to sample, and says nothing about single ones."""
+_FAR, _MOSTLY = 2.0, 0.5
+"""Mean square of what a fit leaves, in that of noise, from which it is far more; and the share of
+what is beyond noise that single readings have to hold there. Not derived."""
 _MOST = 0.05
 """Share of a run's readings up to which they are single ones."""
 
@@ -37,27 +40,36 @@ _MOST = 0.05
 def isolated_readings(problem: Problem, fit: Fit) -> tuple[list[Flags], list[Finding]]:
     """Return which positions of each run stand off the fit alone, and the findings.
 
-    An error of the model grows and fades over many samples, a bad reading comes and goes.
+    An error of the model grows and fades over many samples, a bad reading comes and goes. There
+    are none where a fit leaves far more than noise, most of it elsewhere: without them, it would
+    leave as much.
     """
     problem, every = problem.of_all_samples(), list(range(len(problem.runs)))
     (whole,) = evaluate(problem, [fit.unfitted()], every)
     flags = [np.zeros(run.t.size, dtype=bool) for run in problem.runs]
+    squares, single = 0.0, 0.0
     findings: list[Finding] = []
     first = problem.channels.index("x") * problem.count
     for r, run in enumerate(problem.runs):
         a, b = int(problem.starts_at[r]), int(problem.starts_at[r + 1])
         used = np.flatnonzero(problem.weights["x"][a:b] > 0.0)
         values = run.channels["x"][used]
-        off = _off_line(whole.residual[first + a : first + b][used], values)
+        own = whole.residual[first + a : first + b][used]
+        off = _off_line(own, values)
+        squares += float(own @ own)
         if not 0 < off.sum() <= _MOST * used.size:
             continue
         flags[r][used[off]] = True
+        single += float(own[off] @ own[off])
         same = np.append(False, np.diff(values) == 0.0)
-        for kind, own in (("spike", off & ~same), ("dropout", off & same)):
+        for kind, one in (("spike", off & ~same), ("dropout", off & same)):
             findings += [
                 Finding(run.label, float(run.t[i]), float(run.t[i]), "x", kind, 1, masked=True)
-                for i in used[own]
+                for i in used[one]
             ]
+    count = np.count_nonzero(problem.weights["x"])
+    if squares > _FAR * count and single < _MOSTLY * (squares - count):
+        return [np.zeros_like(one) for one in flags], []
     return flags, findings
 
 

@@ -15,6 +15,7 @@ from locosweep.diagnosis.estimate.validation import validation_residuals
 from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.all_runs import fitted_to_all, of_all_runs, with_all_starts
 from locosweep.diagnosis.select.by_place import ALONG, BY_PLACE, by_place_ahead
+from locosweep.diagnosis.select.effort import LEAST_ERROR
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.whiteness import noise_level, whiteness_test
 
@@ -56,6 +57,8 @@ def best_with_other_law(search: Search, level: Sequence[Fit]) -> tuple[float, Fi
             tried += islice(_through(variable, level), 1)
     found = []
     for i, fit in enumerate(tried):
+        if _is_hopeless(search.problem, fit):
+            continue
         # A search leaves what falls behind, but another law starts from where a formula ends.
         (tried[i],) = fit_all(search.problem, [fit], steps=search.steps)
         scored, others = _score_with_other_law(search, tried[i])
@@ -69,6 +72,21 @@ def best_with_other_law(search: Search, level: Sequence[Fit]) -> tuple[float, Fi
         return None
     _, score, i = min(found)
     return score, tried[i]
+
+
+def _is_hopeless(problem: Problem, fit: Fit) -> bool:
+    """Return whether no law of a fit's variables comes near to what laws of all variables leave.
+
+    That is noise, or less: so many terms bend to anything.
+    """
+    if fit.chi2 < LEAST_ERROR * problem.degrees():
+        return False
+    terms = NonparametricCorrection(problem, fit)
+    least, own = (
+        fit.chi2 - terms.solve(names)[0]
+        for names in (terms.variables, own_variables(fit.model.names))
+    )
+    return own > LEAST_ERROR * least
 
 
 def _acting(variables: Sequence[str]) -> list[str]:

@@ -51,7 +51,7 @@ class Search:
     @cached_property
     def none(self) -> Fit:
         """The nominal model, its uncertain values fitted."""
-        return fit_nominal(self.problem, self.nuisances)
+        return fit_nominal(self.problem, self.nuisances, self.hints.get(frozenset()))
 
     @property
     def steps(self) -> int:
