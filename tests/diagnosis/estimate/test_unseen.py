@@ -11,7 +11,7 @@ from diagnosis_search import fit_of, search_of
 from diagnosis_small import driven, measured
 from locosweep.diagnosis.estimate import unseen
 from locosweep.diagnosis.estimate.least_squares import evaluate, start_fits
-from locosweep.diagnosis.estimate.unseen import groups_of, without_each
+from locosweep.diagnosis.estimate.unseen import groups_of, without_each, without_groups
 
 HIDDEN = {"drive_gain_error": {"e": -0.01}}
 
@@ -50,3 +50,26 @@ def test_a_start_speed_that_only_the_left_out_run_knows_stays(
     low, high = model.free[0].low, model.free[0].high
     assert first[0] == pytest.approx(np.clip(whole.theta[0] + pull, low, high))
     assert second[1] != whole.theta[1]
+
+
+def test_a_step_is_as_long_as_it_brings_the_other_runs_nearer(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    runs = measured({**HIDDEN, "viscous_friction": {"c": 0.1}}, driven(4))
+    search = search_of(runs, "viscous_friction")
+    whole = fit_of(search, "viscous_friction")
+    groups = groups_of(search.problem, range(4))
+    first_order = without_each(search.problem, whole, groups)
+    (same,) = without_groups(search.problem, [whole], groups)
+    assert [a == b for a, b in zip(same, first_order, strict=True)] == [[True]] * 4
+    for factor, part in ((3.0, 0.5), (-1.0, 0.0), (100.0, 0.0)):
+        # Three steps at once lead beyond the valley, half of them to its other side.
+        monkeypatch.setattr(
+            unseen, "without_each",
+            lambda _, fit, __, factor=factor: [
+                fit.theta + factor * (theta - fit.theta) for theta in first_order
+            ],
+        )  # fmt: skip
+        (found,) = without_groups(search.problem, [whole], groups)
+        for theta, step in zip(found, first_order, strict=True):
+            assert theta == pytest.approx(whole.theta + part * factor * (step - whole.theta))

@@ -104,9 +104,10 @@ STRAY_SHARE = 0.02
 
 UNSEEN_BLOCKS = 8
 """Blocks of unseen runs, about, whose errors are compared: fewer say nothing about their spread."""
-AS_GOOD_UNSEEN = 1.25
-"""Ratio to the smallest error on unseen runs up to which a model predicts as well: what effects
-of the same motion differ by on rigs that leave a rest."""
+AS_GOOD_UNSEEN, LIMIT_AS_GOOD = 1.1, 1.25
+"""Ratio to the smallest error on unseen runs up to which a model predicts as well; and to that of a
+wider law up to which its limit does. The first on 32 effects planted into the logs of a servo: the
+planted one was within 1.06 of the best in all but five, none of which was within 1.25."""
 LEAST_SHARE = 0.05
 """Share of an error on unseen runs below which no further cause is worth a name."""
 MAIN_SHARE = 0.2

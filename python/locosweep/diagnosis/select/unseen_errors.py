@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.diagnosis.estimate.least_squares import point_of
-from locosweep.diagnosis.estimate.unseen import groups_of, without_each
+from locosweep.diagnosis.estimate.unseen import groups_of, without_groups
 from locosweep.diagnosis.select import thresholds as limits
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def unseen_squares(search: Search, problem: Problem, fits: Sequence[Fit]) -> Flo
     seen = _block_errors(problem, [_points(problem, fits)] * len(groups), groups, blocks)
     sizes = np.sqrt(seen.mean(axis=1))
     near = [i for i in range(len(fits)) if i == 0 or sizes[i] <= _FAR * sizes.min()]
-    thetas = [without_each(problem, fits[i], fitted) for i in near]
+    thetas = without_groups(problem, [fits[i] for i in near], fitted)
     points = [
         [point_of(problem, fits[i], theta[g] if g < len(fitted) else None)
          for i, theta in zip(near, thetas, strict=True)]

@@ -1,0 +1,56 @@
+"""Forces that no effect stands for, against a cause that is named beside a rest."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from locosweep.diagnosis.estimate.least_squares import evaluate
+from locosweep.diagnosis.estimate.window_plan import REACH
+from locosweep.diagnosis.select import thresholds as limits
+from locosweep.diagnosis.select.by_place import BY_PLACE
+from locosweep.diagnosis.select.force_law import force_law
+from locosweep.diagnosis.select.law_mismatch import UNLISTED
+from locosweep.diagnosis.select.next_cause import motion_size
+from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
+from locosweep.diagnosis.select.replayed_force import acts, settled, under_force
+from locosweep.diagnosis.select.unseen_errors import seen_error
+
+if TYPE_CHECKING:
+    from locosweep.diagnosis.estimate.problem import Problem
+    from locosweep.diagnosis.select.beside_rest import Candidate, Compared
+    from locosweep.diagnosis.select.next_cause import Cause
+
+
+def unlisted_beside(now: Compared, cause: Cause) -> str:
+    """Return the variable of an unlisted force that does better than a cause, if any.
+
+    Such a force is known to first order: of errors that are not small beside the motion it takes
+    away whatever they are. A cause that halves them when replayed is refuted there by a force that
+    is replayed as well.
+    """
+    problem = now.problem
+    far = now.base.error > REACH * motion_size(problem)
+    if far and cause.chosen.error < limits.CLEAR_FALL * now.base.error:
+        return BY_PLACE if _place_does_better(replace(problem, rest=()), now.base, cause) else ""
+    before, after = evaluate(problem, [now.base.fit.unfitted(), cause.fit.unfitted()])
+    more = len(after.model.free) - len(before.model.free)
+    gain = before.chi2 - after.chi2 - limits.PENALTY * more
+    terms = NonparametricCorrection(problem, before)
+    factors = {v: terms.log_bayes_factor([v], 1.0) for v in UNLISTED}
+    best = max(factors, key=lambda v: factors[v])
+    least = limits.UNLISTED_GAIN * max(gain, 0.0) + limits.LEAST_GAIN * now.inflation
+    return best if factors[best] > least else ""
+
+
+def _place_does_better(problem: Problem, base: Candidate, cause: Cause) -> bool:
+    """Return whether a force by place, replayed beside a model, halves what a cause leaves."""
+    if not acts(problem, base.fit, BY_PLACE):
+        return False
+    (fit,) = evaluate(problem, [base.fit.unfitted()])
+    law = force_law(problem, fit, BY_PLACE)
+    under = under_force(settled(law, problem, fit), problem, fit) if law else None
+    if under is None:
+        return False
+    (by_place,), (left,) = seen_error(under, [fit]), seen_error(problem, [cause.fit])
+    return by_place < limits.CLEAR_FALL * left

@@ -1,0 +1,87 @@
+"""Which causes unseen runs confirm, and which of them are alike."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis_rest import NAMES, rig
+from diagnosis_search import search_of
+from diagnosis_small import measured
+from locosweep.diagnosis.estimate.rest import RestForce
+from locosweep.diagnosis.select.beside_rest import Candidate, compare_beside_rest
+from locosweep.diagnosis.select.extension import singles
+from locosweep.diagnosis.select.next_cause import (
+    _narrower,
+    is_confirmed,
+    motion_size,
+    next_cause,
+)
+
+
+def test_what_takes_little_away_is_no_first_cause_but_a_further_one() -> None:
+    """A seventh less error in each block of unseen runs, and surely likelier."""
+    search = search_of(measured({}), *NAMES)
+    known = singles(search)
+    one, other = known.single("viscous_friction"), known.single("coulomb_error")
+    compared = compare_beside_rest(search, RestForce(search.problem), search.none, [])
+    errors = np.linspace(1.0, 1.1, 8)
+    after = Candidate(one, 0.0, (0.86 * errors) ** 2)
+    for before, named in ((search.none, False), (other, True)):
+        base = Candidate(before, 500.0, errors**2)
+        now = replace(compared, base=base, inflation=1.0)
+        assert is_confirmed(now, after, base) == named
+
+
+@pytest.mark.parametrize(("left", "named"), [(0.4, True), (0.6, False)])
+def test_what_is_correlated_in_the_rest_does_not_count_against_what_halves_unseen_errors(
+    left: float, named: bool
+) -> None:
+    search = search_of(rig({}, hidden=0.002), *NAMES)
+    one = singles(search).single("viscous_friction")
+    errors = np.linspace(1.0, 1.1, 8)
+    base = Candidate(search.none, 50.0, errors**2)
+    compared = compare_beside_rest(search, RestForce(search.problem), search.none, [])
+    now = replace(compared, base=base, inflation=3.0)
+    after = Candidate(one, 0.0, (left * errors) ** 2)
+    assert is_confirmed(now, after, base) == named
+    assert is_confirmed(replace(now, inflation=1.0), after, base)
+
+
+def test_a_limit_that_predicts_as_well_stands_for_its_wider_law() -> None:
+    def candidate(error: float) -> Candidate:
+        return Candidate(None, 0.0, np.array([error**2]))  # type: ignore[arg-type]
+
+    wide = {"supply_sag": candidate(1.0)}
+    able = wide | {"drive_gain_error": candidate(1.2), "viscous_friction": candidate(1.0)}
+    assert set(_narrower(wide, able)) == {"drive_gain_error"}
+    assert not _narrower(wide, wide | {"drive_gain_error": candidate(1.3)})
+    assert not _narrower(wide, wide)
+
+
+@pytest.mark.parametrize(
+    ("size", "named"),
+    [(0.05, ("drive_lag",)), (0.3, ("viscous_friction", "stribeck_friction"))],
+)
+def test_of_large_errors_prediction_says_what_is_alike(size: float, named: tuple[str, ...]) -> None:
+    """The likeliest beside the rest errs a fifth more: of small errors it is named all the same."""
+    search = search_of(rig({}, hidden=0.002), "viscous_friction", "drive_lag", "stribeck_friction")
+    known = singles(search)
+    now = compare_beside_rest(search, RestForce(search.problem), search.none, [])
+    error = size * motion_size(now.problem) * np.ones(8)
+    base = Candidate(search.none, 5000.0, (4.0 * error) ** 2)
+    errors = {
+        "drive_lag": (0.0, 1.2),
+        "viscous_friction": (900.0, 1.05),
+        "stribeck_friction": (500.0, 1.0),
+    }
+    others = [
+        Candidate(known.single(name), deviance, (part * error) ** 2)
+        for name, (deviance, part) in errors.items()
+    ]
+    cause = next_cause(replace(now, base=base, others=others, inflation=1.0), search.none, base)
+    assert cause is not None
+    assert cause.names == named
+    assert 0.5 < cause.weight <= 1.0

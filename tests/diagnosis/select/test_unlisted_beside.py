@@ -1,0 +1,39 @@
+"""Forces that no effect stands for, against causes of small and of large errors."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis_rest import NAMES, rig
+from diagnosis_search import search_of
+from diagnosis_small import tethered
+from locosweep.diagnosis.estimate.rest import RestForce
+from locosweep.diagnosis.select.beside_rest import Candidate, compare_beside_rest
+from locosweep.diagnosis.select.extension import singles
+from locosweep.diagnosis.select.next_cause import Cause, motion_size
+from locosweep.diagnosis.select.unlisted_beside import unlisted_beside
+
+
+def against(runs, name: str, size: float) -> str:
+    """What stands against an effect that leaves a quarter of an error of some size."""
+    search = search_of(runs, *NAMES)
+    fit = singles(search).single(name)
+    now = compare_beside_rest(search, RestForce(search.problem), search.none, [])
+    error = size * motion_size(now.problem) * np.ones(8)
+    base = Candidate(search.none, 5000.0, error**2)
+    cause = Cause((name,), Candidate(fit, 0.0, (0.25 * error) ** 2), base, agrees=True, weight=1.0)
+    return unlisted_beside(replace(now, base=base), cause)
+
+
+@pytest.mark.parametrize("size", [0.05, 0.5])
+def test_a_spring_is_no_friction(size: float) -> None:
+    assert against(tethered(4, 0.3, 40), "viscous_friction", size) == "terrain"
+
+
+@pytest.mark.parametrize("size", [0.05, 0.5])
+def test_drag_stays_drag(size: float) -> None:
+    runs = rig({"viscous_friction": {"c": 0.15}}, hidden=0.003)
+    assert against(runs, "viscous_friction", size) == ""
