@@ -52,7 +52,7 @@ def test_a_start_speed_that_only_the_left_out_run_knows_stays(
     assert second[1] != whole.theta[1]
 
 
-def test_a_step_is_as_long_as_it_brings_the_other_runs_nearer(
+def test_a_step_that_leads_astray_is_a_fit_without_the_group(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     runs = measured({**HIDDEN, "viscous_friction": {"c": 0.1}}, driven(4))
@@ -62,8 +62,7 @@ def test_a_step_is_as_long_as_it_brings_the_other_runs_nearer(
     first_order = without_each(search.problem, whole, groups)
     (same,) = without_groups(search.problem, [whole], groups)
     assert [a == b for a, b in zip(same, first_order, strict=True)] == [[True]] * 4
-    for factor, part in ((3.0, 0.5), (-1.0, 0.0), (100.0, 0.0)):
-        # Three steps at once lead beyond the valley, half of them to its other side.
+    for factor in (-1.0, 100.0):
         monkeypatch.setattr(
             unseen, "without_each",
             lambda _, fit, __, factor=factor: [
@@ -71,5 +70,6 @@ def test_a_step_is_as_long_as_it_brings_the_other_runs_nearer(
             ],
         )  # fmt: skip
         (found,) = without_groups(search.problem, [whole], groups)
-        for theta, step in zip(found, first_order, strict=True):
-            assert theta == pytest.approx(whole.theta + part * factor * (step - whole.theta))
+        for theta, right in zip(found, first_order, strict=True):
+            assert theta == pytest.approx(right, rel=1e-3)
+            assert abs(theta[0] - right[0]) < 0.1 * abs(whole.theta[0] - right[0])

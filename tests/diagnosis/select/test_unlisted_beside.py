@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 from diagnosis_rest import NAMES, rig
 from diagnosis_search import search_of
-from diagnosis_small import tethered
+from diagnosis_small import driven, measured, tethered
 from locosweep.diagnosis.estimate.rest import RestForce
 from locosweep.diagnosis.select.beside_rest import Candidate, compare_beside_rest
 from locosweep.diagnosis.select.extension import singles
@@ -19,7 +20,7 @@ from locosweep.diagnosis.select.unlisted_beside import unlisted_beside
 
 def against(runs, name: str, size: float) -> str:
     """What stands against an effect that leaves a quarter of an error of some size."""
-    search = search_of(runs, *NAMES)
+    search = search_of(runs, *NAMES, "position_dependent_friction")
     fit = singles(search).single(name)
     now = compare_beside_rest(search, RestForce(search.problem), search.none, [])
     error = size * motion_size(now.problem) * np.ones(8)
@@ -37,3 +38,12 @@ def test_a_spring_is_no_friction(size: float) -> None:
 def test_drag_stays_drag(size: float) -> None:
     runs = rig({"viscous_friction": {"c": 0.15}}, hidden=0.003)
     assert against(runs, "viscous_friction", size) == ""
+
+
+@pytest.mark.parametrize(("way", "found"), [(np.abs, "terrain"), (np.array, "")])
+def test_friction_along_a_way_that_is_driven_once_is_no_more_than_a_force_by_place(
+    way: Callable[[np.ndarray], np.ndarray], found: str
+) -> None:
+    runs = [replace(run, drive=way(run.drive)) for run in driven(4)]
+    bumpy = {"position_dependent_friction": {"a": 0.3, "L": 0.4, "p": 1.0}}
+    assert against(measured(bumpy, runs), "position_dependent_friction", 0.05) == found

@@ -17,9 +17,13 @@ from locosweep.simulation.replay import effect
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from numpy.typing import NDArray
+
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.estimate.problem import Problem
     from locosweep.diagnosis.select.beside_rest import Candidate, Compared
+
+    Floats = NDArray[np.float64]
 
 _KNOWN = 1e-9
 """Part of the largest precision from which a run knows a direction of parameters."""
@@ -93,16 +97,27 @@ def _by_prediction(able: Sequence[Candidate]) -> _Ranked:
     """Rank causes by their errors on unseen runs alone.
 
     Of what errs so far, the rest is not known to first order, and says nothing of which is likely.
-    Of those that predict as well, the one with the fewest parameters goes first.
+    As good as the best one is what errs little more, and what errs somewhat more with fewer
+    parameters; of these, the one with the fewest parameters goes first.
     """
-    least = min(one.error for one in able)
+
+    def order(one: Candidate) -> tuple[float, float]:
+        return len(one.fit.model.free), one.error
+
+    best = min(able, key=lambda one: one.error)
     # Errors of blocks as normal values of one unknown size.
-    behind = np.array([2.0 * one.squares.size * np.log(one.error / least) for one in able])
+    behind = np.array([2.0 * one.squares.size * np.log(one.error / best.error) for one in able])
     weights = np.exp(-0.5 * behind / limits.TEMPER)
-    near = np.array([one.error <= limits.AS_GOOD_UNSEEN * least for one in able])
+    near = np.array([one.error <= _as_good(one, best) * best.error for one in able])
     alike = [one for one, as_good in zip(able, near, strict=True) if as_good]
     inside = float(weights[near].sum() / weights.sum())
-    return _Ranked(alike, lambda one: (len(one.fit.model.free), one.error), inside)
+    return _Ranked(alike, order, inside)
+
+
+def _as_good(one: Candidate, best: Candidate) -> float:
+    """Return the ratio of errors on unseen runs up to which a model predicts as well as another."""
+    fewer = len(one.fit.model.free) < len(best.fit.model.free)
+    return limits.FEWER_AS_GOOD if fewer else limits.AS_GOOD_UNSEEN
 
 
 def _narrower(own: dict[str, Candidate], able: dict[str, Candidate]) -> dict[str, Candidate]:
@@ -114,7 +129,7 @@ def _narrower(own: dict[str, Candidate], able: dict[str, Candidate]) -> dict[str
         limit: able[limit]
         for name, wider in own.items()
         for limit in effect(name).contains
-        if limit in able and able[limit].error <= limits.LIMIT_AS_GOOD * wider.error
+        if limit in able and able[limit].error <= limits.FEWER_AS_GOOD * wider.error
     }
 
 

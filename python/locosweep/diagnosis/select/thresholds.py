@@ -104,10 +104,12 @@ STRAY_SHARE = 0.02
 
 UNSEEN_BLOCKS = 8
 """Blocks of unseen runs, about, whose errors are compared: fewer say nothing about their spread."""
-AS_GOOD_UNSEEN, LIMIT_AS_GOOD = 1.1, 1.25
-"""Ratio to the smallest error on unseen runs up to which a model predicts as well; and to that of a
-wider law up to which its limit does. The first on 32 effects planted into the logs of a servo: the
-planted one was within 1.06 of the best in all but five, none of which was within 1.25."""
+AS_GOOD_UNSEEN, FEWER_AS_GOOD = 1.1, 1.3
+"""Ratio to the smallest error on unseen runs up to which a model predicts as well, and one with
+fewer parameters, as the limit of a wider law: three of them bend to what nobody explains. Set on
+37 effects planted into the logs of a servo (docs/blind-check.md, STS3215): 34 are in the first
+class; with 1.1 for both 33, with 1.3 for both 34 in larger classes. On the servo of
+docs/pendulum.md friction by load errs 1.27 times as much as a ripple of three parameters."""
 LEAST_SHARE = 0.05
 """Share of an error on unseen runs below which no further cause is worth a name."""
 MAIN_SHARE = 0.2

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from locosweep.diagnosis.effects.catalogue import own_variables
 from locosweep.diagnosis.estimate.least_squares import evaluate
 from locosweep.diagnosis.estimate.window_plan import REACH
 from locosweep.diagnosis.select import thresholds as limits
-from locosweep.diagnosis.select.by_place import BY_PLACE
+from locosweep.diagnosis.select.by_place import ALONG, BY_PLACE, by_place_ahead
 from locosweep.diagnosis.select.force_law import force_law
 from locosweep.diagnosis.select.law_mismatch import UNLISTED
 from locosweep.diagnosis.select.next_cause import motion_size
@@ -37,6 +38,9 @@ def unlisted_beside(now: Compared, cause: Cause) -> str:
     more = len(after.model.free) - len(before.model.free)
     gain = before.chi2 - after.chi2 - limits.PENALTY * more
     terms = NonparametricCorrection(problem, before)
+    if own_variables(cause.names) == [ALONG] and by_place_ahead(terms, 1.0) >= 0.0:
+        # Where the two are one, runs do not confirm the friction.
+        return BY_PLACE
     factors = {v: terms.log_bayes_factor([v], 1.0) for v in UNLISTED}
     best = max(factors, key=lambda v: factors[v])
     least = limits.UNLISTED_GAIN * max(gain, 0.0) + limits.LEAST_GAIN * now.inflation
