@@ -55,8 +55,9 @@ const BENT: f64 = 2e-3;
 /// position stays within a micrometre over seconds, where steep friction leaves three with 1e-9.
 const STEEP_ERROR: f64 = 1e-10;
 const SMOOTH_ERROR: f64 = 1e-7;
-/// Acceleration that the drive makes at most in that test, m/s^2. What moves faster errs by as much
-/// more: an arm at 90 rad/s^2 by 35 micrometres' worth, a fortieth of what its encoder resolves.
+/// Acceleration that the drive makes at most in that test, m/s^2. Where it makes more, errors may be
+/// larger in the same ratio: 35 microradians for an arm at 90 rad/s^2, a fortieth of a step of its
+/// encoder.
 const ACCELERATION: f64 = 2.5;
 /// Longest way of a step as a share of the wavelength of friction along the track. A step that
 /// spans a wave can miss it, and so can the estimate of its error. Set by

@@ -102,3 +102,18 @@ def test_fewer_parameters_are_as_good_with_somewhat_more_error(more: float, name
     assert cause is not None
     assert len(cause.names) == named
     assert cause.names[0] == ("viscous_friction" if named == 2 else "stribeck_friction")
+
+
+@pytest.mark.parametrize("size", [0.05, 0.3])
+def test_of_two_ends_of_one_effect_the_better_one_is_named(size: float) -> None:
+    search = search_of(rig({}, hidden=0.002), "viscous_friction")
+    fit = singles(search).single("viscous_friction")
+    now = compare_beside_rest(search, RestForce(search.problem), search.none, [])
+    error = size * motion_size(now.problem) * np.ones(8)
+    base = Candidate(search.none, 5000.0, (4.0 * error) ** 2)
+    better = Candidate(fit, 0.0, error**2)
+    worse = Candidate(fit, 5.0, (1.05 * error) ** 2)
+    for others in ([better, worse], [worse, better]):
+        cause = next_cause(replace(now, base=base, others=others, inflation=1.0), search.none, base)
+        assert cause is not None
+        assert cause.chosen is better

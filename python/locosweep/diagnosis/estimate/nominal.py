@@ -28,7 +28,7 @@ _NOMINAL = 9
 def fit_nominal(problem: Problem, nuisances: Nuisances, near: Fit | None = None) -> Fit:
     """Fit the nominal model: its uncertain values from several starts.
 
-    Or from their file and from a fit `near` it, to other data of the same runs.
+    With a fit to other data of the same runs, `near`, from its values and from those of the file.
     """
     uncertain = nuisances.uncertain
     spread = np.array([nuisances.spread[i] for i in uncertain])

@@ -34,7 +34,7 @@ class Cause:
     """A cause that unseen runs confirm, and the model with it and those before it."""
 
     names: tuple[str, ...]
-    """Effects that the runs cannot tell from one another, the likeliest first."""
+    """Effects that the runs cannot tell from one another, the one that is named first."""
     chosen: Candidate
     before: Candidate
     """The model without it."""
@@ -59,7 +59,9 @@ def next_cause(now: Compared, base: Fit, none: Candidate) -> Cause | None:
         ranked = _by_prediction(able)
     else:
         ranked = _by_likelihood(able, limits.TIE * now.inflation, limits.TEMPER * now.inflation)
-    own = {_added(one.fit, base): one for one in ranked.alike}
+    # Of two ends of one effect, the better one.
+    best_last = sorted(ranked.alike, key=ranked.order, reverse=True)
+    own = {_added(one.fit, base): one for one in best_last}
     own |= _narrower(own, {_added(one.fit, base): one for one in able})
     # A law that has another one as its limit is no rival of it.
     names = [
