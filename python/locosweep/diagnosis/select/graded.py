@@ -16,10 +16,11 @@ import numpy as np
 
 from locosweep.diagnosis.estimate.least_squares import evaluate, fit_all, point_of, start_fits
 from locosweep.diagnosis.estimate.rest import Rest, RestForce
+from locosweep.diagnosis.estimate.spread_between_runs import covariance_between_runs
 from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.beside_rest import STEPS, TOLERANCE, Candidate, compare_beside_rest
 from locosweep.diagnosis.select.extension import extend
-from locosweep.diagnosis.select.next_cause import Cause, next_cause
+from locosweep.diagnosis.select.next_cause import Cause, next_cause, weights_of
 from locosweep.diagnosis.select.search import Collection, Found
 from locosweep.diagnosis.select.unlisted_beside import unlisted_beside
 
@@ -40,9 +41,9 @@ class Graded:
     causes: tuple[Cause, ...]
     none: Candidate
     ranked: tuple[Candidate, ...]
-    """Single effects, the likeliest first."""
-    inflation: float = 1.0
-    """Factor by which differences in deviance of `ranked` count for less."""
+    """Single effects, the one with the largest weight first."""
+    weights: tuple[float, ...] = ()
+    """Weights of these, together 1."""
     unlisted: str = ""
     """Variable of a force that no effect stands for and that does better than any, if any."""
 
@@ -62,9 +63,12 @@ def graded(search: Search, known: Collection, most: int) -> Graded:
     base, unlisted = search.none, ""
     causes: list[Cause] = []
     now = compare_beside_rest(search, force, base, _more(search, known, base))
-    first, ranked = now, sorted(now.others, key=lambda c: c.deviance)
+    none = now.base
+    weights = weights_of(now, none)
+    first = np.argsort(-weights, kind="stable")
+    ranked = tuple(now.others[i] for i in first)
     while len(causes) < most:
-        cause = next_cause(now, base, first.base)
+        cause = next_cause(now, base, none)
         unlisted = unlisted_beside(now, cause) if cause else ""
         if cause is None or unlisted:
             break
@@ -73,14 +77,14 @@ def graded(search: Search, known: Collection, most: int) -> Graded:
         if len(causes) < most:
             beside = replace(search, problem=now.problem, judges=False)
             added = [*_extended(beside, base), *_more(search, known, base)]
-            now = compare_beside_rest(search, force, base, added, first.base.error)
+            now = compare_beside_rest(search, force, base, added, none.error)
     return Graded(
         now.rest,
         now.problem,
         tuple(causes),
-        first.base,
-        tuple(ranked),
-        first.inflation,
+        none,
+        ranked,
+        tuple(weights[first].tolist()),
         unlisted,
     )
 
@@ -88,7 +92,8 @@ def graded(search: Search, known: Collection, most: int) -> Graded:
 def refitted(search: Search, found: Graded) -> Found:
     """Fit the models of causes, and the single effects, to other runs.
 
-    Each plainly or beside the rest of these runs, as it was found.
+    Each plainly or beside the rest of these runs, as it was found. How well a plain fit knows its
+    parameters, runs say by how they disagree.
     """
     models = [*(cause.chosen for cause in found.causes), *found.ranked]
     starts = [
@@ -103,7 +108,8 @@ def refitted(search: Search, found: Graded) -> Found:
     for problem, plainly in ((search.problem, True), (force.beside_one(rest), False)):
         own = [s for s, one in zip(starts, models, strict=True) if one.plainly == plainly]
         for fit in fit_all(problem, own, steps=STEPS, tolerance=TOLERANCE):
-            fits.setdefault(frozenset(fit.model.names), fit)
+            known = covariance_between_runs(problem, fit) if plainly else fit.covariance
+            fits.setdefault(frozenset(fit.model.names), replace(fit, covariance=known))
     return fits
 
 

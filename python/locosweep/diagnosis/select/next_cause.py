@@ -54,11 +54,7 @@ def next_cause(now: Compared, base: Fit, none: Candidate) -> Cause | None:
     able = [one for one in now.others if is_confirmed(now, one, none)]
     if not able:
         return None
-    likeliest = min(able, key=lambda one: one.deviance)
-    if likeliest.error > REACH * motion_size(now.problem):
-        ranked = _by_prediction(able)
-    else:
-        ranked = _by_likelihood(able, limits.TIE * now.inflation, limits.TEMPER * now.inflation)
+    ranked = (_by_prediction if _far(now, able) else _by_likelihood)(now, able)
     # Of two ends of one effect, the better one.
     best_last = sorted(ranked.alike, key=ranked.order, reverse=True)
     own = {_added(one.fit, base): one for one in best_last}
@@ -85,35 +81,54 @@ class _Ranked:
     """Of those alike among all."""
 
 
-def _by_likelihood(able: Sequence[Candidate], tie: float, temper: float) -> _Ranked:
+def weights_of(now: Compared, none: Candidate) -> Floats:
+    """Return the weights of the models with one cause more, in the way in which they are ranked."""
+    able = [one for one in now.others if is_confirmed(now, one, none)]
+    return _weights(now, now.others, far=bool(able) and _far(now, able))
+
+
+def _far(now: Compared, able: Sequence[Candidate]) -> bool:
+    """Return whether even the likeliest cause leaves errors not small beside the motion."""
+    likeliest = min(able, key=lambda one: one.deviance)
+    return likeliest.error > REACH * motion_size(now.problem)
+
+
+def _weights(now: Compared, models: Sequence[Candidate], *, far: bool) -> Floats:
+    """Return the weights of models, together 1: by their errors on unseen runs, or by deviance."""
+    if far:
+        # Errors of blocks as normal values of one unknown size.
+        errors = np.array([max(one.error, 1e-300) for one in models])
+        behind = 2.0 * np.array([one.squares.size for one in models]) * np.log(errors)
+    else:
+        behind = np.array([one.deviance for one in models]) / now.inflation
+    weights = np.exp(-0.5 * (behind - behind.min(initial=np.inf)) / limits.TEMPER)
+    found: Floats = weights / max(float(weights.sum()), 1e-300)
+    return found
+
+
+def _by_likelihood(now: Compared, able: Sequence[Candidate]) -> _Ranked:
     """Rank causes by how likely they are beside the rest."""
     least = min(one.deviance for one in able)
-    behind = np.array([one.deviance - least for one in able])
-    weights = np.exp(-0.5 * behind / temper)
-    alike = [one for one, off in zip(able, behind, strict=True) if off < tie]
-    inside = float(weights[behind < tie].sum() / weights.sum())
-    return _Ranked(alike, lambda one: (one.deviance, 0.0), inside)
+    near = np.array([one.deviance - least < limits.TIE * now.inflation for one in able])
+    inside = float(_weights(now, able, far=False)[near].sum())
+    return _Ranked(_picked(able, near), lambda one: (one.deviance, 0.0), inside)
 
 
-def _by_prediction(able: Sequence[Candidate]) -> _Ranked:
+def _by_prediction(now: Compared, able: Sequence[Candidate]) -> _Ranked:
     """Rank causes by their errors on unseen runs alone.
 
     Of what errs so far, the rest is not known to first order, and says nothing of which is likely.
     As good as the best one is what errs little more, and what errs somewhat more with fewer
     parameters; of these, the one with the fewest parameters goes first.
     """
-
-    def order(one: Candidate) -> tuple[float, float]:
-        return len(one.fit.model.free), one.error
-
     best = min(able, key=lambda one: one.error)
-    # Errors of blocks as normal values of one unknown size.
-    behind = np.array([2.0 * one.squares.size * np.log(one.error / best.error) for one in able])
-    weights = np.exp(-0.5 * behind / limits.TEMPER)
     near = np.array([one.error <= _as_good(one, best) * best.error for one in able])
-    alike = [one for one, as_good in zip(able, near, strict=True) if as_good]
-    inside = float(weights[near].sum() / weights.sum())
-    return _Ranked(alike, order, inside)
+    inside = float(_weights(now, able, far=True)[near].sum())
+    return _Ranked(_picked(able, near), lambda one: (len(one.fit.model.free), one.error), inside)
+
+
+def _picked(able: Sequence[Candidate], near: NDArray[np.bool_]) -> list[Candidate]:
+    return [one for one, as_good in zip(able, near.tolist(), strict=True) if as_good]
 
 
 def _as_good(one: Candidate, best: Candidate) -> float:

@@ -117,12 +117,9 @@ def partial_choice(first: Choice, found: Graded, fits: Found) -> Choice:
     """
     known = first.known.adding(fits)
     last = fits[frozenset(found.causes[-1].fit.model.names)]
-    deviances = np.array([one.deviance for one in found.ranked])
-    scale = limits.TEMPER * found.inflation
-    weights = np.exp(-0.5 * (deviances - deviances.min()) / scale)
     ranked = [
         (known.fits[frozenset(one.fit.model.names)], weight)
-        for one, weight in zip(found.ranked, (weights / weights.sum()).tolist(), strict=True)
+        for one, weight in zip(found.ranked, found.weights, strict=True)
         if frozenset(one.fit.model.names) in known.fits
     ]
     return replace(
