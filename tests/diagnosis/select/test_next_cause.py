@@ -62,6 +62,31 @@ def test_a_limit_that_predicts_as_well_stands_for_its_wider_law() -> None:
 
 
 @pytest.mark.parametrize(
+    ("size", "likely", "named"),
+    [
+        (0.3, False, ("viscous_friction",)),
+        (0.3, True, ("coulomb_error",)),
+        (0.05, False, ()),
+    ],
+)
+def test_beside_a_rest_that_nobody_knows_what_halves_the_error_need_not_be_likely(
+    size: float, likely: bool, named: tuple[str, ...]
+) -> None:
+    """Unless something that halves it is: that stands in its place."""
+    search = search_of(rig({}, hidden=0.002), "viscous_friction", "coulomb_error")
+    known = singles(search)
+    now = compare_beside_rest(search, RestForce(search.problem), search.none, [])
+    error = size * motion_size(now.problem) * np.ones(8)
+    base = Candidate(search.none, 0.0, error**2)
+    others = [
+        Candidate(known.single("viscous_friction"), 500.0, (0.3 * error) ** 2),
+        Candidate(known.single("coulomb_error"), -500.0, ((0.45 if likely else 0.9) * error) ** 2),
+    ]
+    cause = next_cause(replace(now, base=base, others=others, inflation=1.0), search.none, base)
+    assert (cause.names if cause else ()) == named
+
+
+@pytest.mark.parametrize(
     ("size", "named"),
     [(0.05, ("drive_lag",)), (0.3, ("viscous_friction", "stribeck_friction"))],
 )

@@ -51,10 +51,10 @@ class Cause:
 
 def next_cause(now: Compared, base: Fit, none: Candidate) -> Cause | None:
     """Return the next cause beside those of a model, if unseen runs confirm one."""
-    able = [one for one in now.others if is_confirmed(now, one, none)]
+    able, far = _able(now, none)
     if not able:
         return None
-    ranked = (_by_prediction if _far(now, able) else _by_likelihood)(now, able)
+    ranked = (_by_prediction if far else _by_likelihood)(now, able)
     # Of two ends of one effect, the better one.
     best_last = sorted(ranked.alike, key=ranked.order, reverse=True)
     own = {_added(one.fit, base): one for one in best_last}
@@ -70,6 +70,22 @@ def next_cause(now: Compared, base: Fit, none: Candidate) -> Cause | None:
     return Cause(tuple(names), chosen, now.base, agrees=agrees, weight=ranked.weight)
 
 
+def _able(now: Compared, none: Candidate) -> tuple[list[Candidate], bool]:
+    """Return the models whose further cause unseen runs confirm, and whether prediction ranks them.
+
+    It does where even the likeliest leaves errors that are not small beside the motion: the rest is
+    not known to first order then. Where the model before leaves such errors, what halves them need
+    not be likelier beside the rest, unless something that halves them is.
+    """
+    able = [one for one in now.others if is_confirmed(now, one, none)]
+    if is_far(now, now.base) and not any(_is_clear(now, one) for one in able):
+        clear = [one for one in now.others if _is_clear(now, one)]
+        if clear:
+            return clear, True
+    likeliest = min(able, key=lambda one: one.deviance, default=now.base)
+    return able, bool(able) and is_far(now, likeliest)
+
+
 @dataclass(frozen=True)
 class _Ranked:
     """Causes that unseen runs confirm, and which of them the runs cannot tell from the first."""
@@ -83,14 +99,12 @@ class _Ranked:
 
 def weights_of(now: Compared, none: Candidate) -> Floats:
     """Return the weights of the models with one cause more, in the way in which they are ranked."""
-    able = [one for one in now.others if is_confirmed(now, one, none)]
-    return _weights(now, now.others, far=bool(able) and _far(now, able))
+    return _weights(now, now.others, far=_able(now, none)[1])
 
 
-def _far(now: Compared, able: Sequence[Candidate]) -> bool:
-    """Return whether even the likeliest cause leaves errors not small beside the motion."""
-    likeliest = min(able, key=lambda one: one.deviance)
-    return likeliest.error > REACH * motion_size(now.problem)
+def is_far(now: Compared, one: Candidate) -> bool:
+    """Return whether the errors of a model on unseen runs are not small beside the motion."""
+    return one.error > REACH * motion_size(now.problem)
 
 
 def _weights(now: Compared, models: Sequence[Candidate], *, far: bool) -> Floats:
@@ -167,8 +181,7 @@ def is_confirmed(now: Compared, one: Candidate, none: Candidate) -> bool:
     and by a share of the nominal model's error that is worth a name. Where that error halves, what
     is correlated in the rest does not count against it.
     """
-    before = now.base
-    clear = one.error < limits.CLEAR_FALL * before.error
+    before, clear = now.base, _is_clear(now, one)
     if before.deviance - one.deviance < limits.LEAST_GAIN * (1.0 if clear else now.inflation):
         return False
     least = limits.LEAST_SHARE if before.fit.model.names else limits.MAIN_SHARE
@@ -182,6 +195,10 @@ def is_confirmed(now: Compared, one: Candidate, none: Candidate) -> bool:
     spread = float(np.std(fall, ddof=1)) / np.sqrt(fall.size)
     sure = float(stdtrit(fall.size - 1, limits.SURE_UNSEEN))
     return bool(float(fall.mean()) > sure * spread)
+
+
+def _is_clear(now: Compared, one: Candidate) -> bool:
+    return one.error < limits.CLEAR_FALL * now.base.error
 
 
 def _agrees(problem: Problem, fit: Fit) -> bool | None:

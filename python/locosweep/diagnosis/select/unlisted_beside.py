@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING
 
 from locosweep.diagnosis.effects.catalogue import own_variables
 from locosweep.diagnosis.estimate.least_squares import evaluate
-from locosweep.diagnosis.estimate.window_plan import REACH
 from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.by_place import ALONG, BY_PLACE, by_place_ahead
 from locosweep.diagnosis.select.force_law import force_law
 from locosweep.diagnosis.select.law_mismatch import UNLISTED
-from locosweep.diagnosis.select.next_cause import motion_size
+from locosweep.diagnosis.select.next_cause import is_far
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.replayed_force import acts, settled, under_force
 from locosweep.diagnosis.select.unseen_errors import seen_error
@@ -31,8 +30,7 @@ def unlisted_beside(now: Compared, cause: Cause) -> str:
     is replayed as well.
     """
     problem = now.problem
-    far = now.base.error > REACH * motion_size(problem)
-    if far and cause.chosen.error < limits.CLEAR_FALL * now.base.error:
+    if is_far(now, now.base) and cause.chosen.error < limits.CLEAR_FALL * now.base.error:
         return BY_PLACE if _place_does_better(replace(problem, rest=()), now.base, cause) else ""
     before, after = evaluate(problem, [now.base.fit.unfitted(), cause.fit.unfitted()])
     more = len(after.model.free) - len(before.model.free)
