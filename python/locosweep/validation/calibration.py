@@ -42,7 +42,7 @@ _FOLLOWED = 6
 _STEPS = 40
 _ROUNDS = 3
 """Fits, each in the windows that a diagnosis of the model before cuts: a raw model that errs much
-gets short ones, in which friction and mass are hardly told apart. Of four measured rigs none had
+gets short ones, in which friction and mass are hardly told apart. Of five measured rigs none had
 other windows after the second."""
 _APART = 0.95
 """Share of the error with one of mass and gain that both together have to come below, to be told
