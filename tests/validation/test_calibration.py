@@ -56,13 +56,21 @@ def test_windows_grow_with_the_model(runs: list[Run]) -> None:
     assert "uncertainty.mass" not in model.other
 
 
-def test_a_level_that_the_rig_lacks_becomes_zero(runs: list[Run]) -> None:
-    """Fits may end below zero by what they resolve; a model has no negative friction."""
-    model, found = calibrate(runs, robot(1.0, 1e-7, 0.8))
-    assert found["viscous"] >= 0.0
-    bare = robot(1.0, 0.0, 0.8)
-    read = replay_runs(bare, runs)["x"].to_numpy().reshape(len(runs), -1)
-    slid = [replace(r, channels={"x": x}) for r, x in zip(runs, read, strict=True)]
-    model, found = calibrate(slid, robot(1.0, 1e-4, 0.8))
-    assert model.parameters["viscous"] == found["viscous"]
-    assert 0.0 <= found["viscous"] < 1e-4
+def test_friction_that_the_rig_lacks_ends_at_zero(runs: list[Run]) -> None:
+    """Where less than none would fit better still, as under a sensor that reads too much."""
+    slippery = robot(0.0, 0.5, 0.8)
+    read = replay_runs(slippery, runs)["x"].to_numpy().reshape(len(runs), -1)
+    slid = [replace(r, channels={"x": 1.01 * x}) for r, x in zip(runs, read, strict=True)]
+    raw = robot(1e-5, 0.5, 0.8)
+    model, found = calibrate(slid, raw)
+    assert model.other["surface.coulomb_force"] == found["coulomb_force"]
+    assert 0.0 <= found["coulomb_force"] < 1e-5
+
+
+def test_commands_beyond_the_limit_of_the_drive_are_calibrated_too(runs: list[Run]) -> None:
+    """A log may hold what was asked for: only planting into it minds the limit."""
+    strongest = max(float(np.abs(run.drive).max()) for run in runs)
+    raw = robot(1.2, 0.4, 0.8)
+    limited = replace(raw, parameters={**raw.parameters, "drive_limit": 0.999 * strongest})
+    _, found = calibrate(runs, limited)
+    assert found["coulomb_force"] / found["gain"] == pytest.approx(1.0, rel=0.01)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from locosweep.diagnosis.effects.catalogue import starts_of
+from locosweep.diagnosis.effects.catalogue import parameters_of, starts_of
 from locosweep.diagnosis.effects.scale import level_of, scale_of
 from locosweep.files.robot import Robot
 from locosweep.files.runs import Run
@@ -40,6 +40,20 @@ def test_an_uncertain_level_may_be_lower():
     uncertain = Robot(ROBOT.parameters, {"uncertainty.mu_coulomb": 0.1, "uncertainty.mass": 0.05})
     scale = scale_of(uncertain, [RUN])
     assert scale.least_level == pytest.approx(scale.level * (1.0 - 3.0 * 0.15))
+
+
+@pytest.mark.parametrize(
+    ("robot", "level"),
+    [
+        (Robot({"mass": 0.5}, {"surface.coulomb_force": 1e-5}), 1e-5),
+        (Robot({"mass": 0.5, "mu_coulomb": 1e-6}), 1e-6),
+        (Robot({"mass": 0.5, "mu_coulomb": 0.2, "slope_deg": 0.0}), 0.2),
+    ],
+)
+def test_no_error_makes_friction_negative(robot, level):
+    """However small it is beside the forces: what drives the head is no friction."""
+    (error,) = parameters_of("coulomb_error", scale_of(robot, [RUN]), ("coulomb_error",))
+    assert error.low == pytest.approx(-0.999 * level)
 
 
 def test_a_run_without_positions_leaves_sizes_above_zero():

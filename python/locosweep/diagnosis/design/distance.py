@@ -132,9 +132,11 @@ class PlannedRuns:
         force = max(float(np.abs(self.readings["force"]).max(initial=0.0)), tiny)
         x = np.split(self.readings["x"][0], np.cumsum(self.lengths)[:-1])
         seconds = max(float(t[-1] - t[0]) for t, _, _ in self.runs)
-        level = max(level_of(nominal), 1e-3 * force)
+        nominal_level = level_of(nominal)
+        level = max(nominal_level, 1e-3 * force)
         return Scale(
             mass=nominal["mass"],
+            nominal_level=nominal_level,
             level=level,
             least_level=level,
             force=force,

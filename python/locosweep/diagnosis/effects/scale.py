@@ -24,8 +24,10 @@ class Scale:
     """Sizes of a rig and of its runs, none negative, SI; formulas of effects know their names."""
 
     mass: float
-    level: float
+    nominal_level: float
     """Coulomb level at the nominal slope."""
+    level: float
+    """The same, but at least a thousandth of the forces: a size of friction is never 0."""
     least_level: float
     """Least Coulomb level that the uncertainty of the nominal file allows."""
     force: float
@@ -83,6 +85,7 @@ def scale_of(robot: Robot, runs: Sequence[Run]) -> Scale:
     fast = float(np.median(speed)) if speed else 1e-3
     return Scale(
         mass=mass,
+        nominal_level=level,
         level=max(level, 1e-3 * force),
         least_level=max(level, 1e-3 * force) * max(0.0, 1.0 - _DOUBT * sum(map(float, doubts))),
         force=force,

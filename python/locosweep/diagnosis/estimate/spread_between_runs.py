@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _BLOCKS = 12
-"""Parts of one run. Not derived: as many as there are blocks of unseen runs."""
+"""Parts of one run: their spread is known to about a fifth, 1 / sqrt(2 (12 - 1)), and each lasts as
+long as it can then. Not derived beyond that."""
 
 
 def covariance_between_runs(problem: Problem, fit: Fit) -> Floats:

@@ -73,9 +73,10 @@ def next_cause(now: Compared, base: Fit, none: Candidate) -> Cause | None:
 def _able(now: Compared, none: Candidate) -> tuple[list[Candidate], bool]:
     """Return the models whose further cause unseen runs confirm, and whether prediction ranks them.
 
-    It does where even the likeliest leaves errors that are not small beside the motion: the rest is
-    not known to first order then. Where the model before leaves such errors, what halves them need
-    not be likelier beside the rest, unless something that halves them is.
+    Where errors are not small beside the motion, the rest is not known to first order, and says
+    little of what is likely. If the model before errs so much, and none of those that halve its
+    error is likelier than it, these are confirmed without; prediction ranks them. It also ranks
+    where even the likeliest model errs so much.
     """
     able = [one for one in now.others if is_confirmed(now, one, none)]
     if is_far(now, now.base) and not any(_is_clear(now, one) for one in able):

@@ -10,8 +10,9 @@
 //! |---|---|---|
 //! | `mass`, `weight` | kg, N | of the head |
 //! | `grip` | N | weight of the anchored body on the ground |
-//! | `level` | N | Coulomb level at the nominal slope |
-//! | `least_level` | N | what it may be where it is uncertain |
+//! | `nominal_level` | N | Coulomb level at the nominal slope |
+//! | `level` | N | the same, but at least a thousandth of `force` |
+//! | `least_level` | N | what `level` may be where it is uncertain |
 //! | `mu` | 1 | Coulomb coefficient (rivals of the blind check) |
 //! | `force` | N | large drive force |
 //! | `peak` | N | largest drive force, which a single run may hold |

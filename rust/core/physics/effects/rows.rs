@@ -621,7 +621,7 @@ effects! {
                 param: param("d_mu", r"\Delta\mu", "1", (-1e3, 1e3), "error of the coefficient"),
                 only: Some(LevelForm::Coefficient),
                 unit: "level / weight",
-                low: "-(1 - 0.001) * level / weight",
+                low: "-(1 - 0.001) * nominal_level / weight",
                 at: "u * (level / weight)",
                 rival: "s * mu",
                 ..PARAM
@@ -630,7 +630,7 @@ effects! {
                 param: param("d_force", r"\Delta F", "N", (-1e9, 1e9), "the same as a force, where the model gives coulomb_force"),
                 only: Some(LevelForm::Force),
                 unit: "level",
-                low: "0.001 * level - level",
+                low: "0.001 * nominal_level - nominal_level",
                 at: "u * level",
                 rival: "s * level",
                 ..PARAM
