@@ -191,12 +191,19 @@ fn behind_link<L: Lane>(
     read: impl FnMut(usize, Reading<L>),
 ) {
     let state = samples.start(segment);
+    let first = match link {
+        Link::Lag(_) => {
+            let drive = self::segment(plant, &plant.path, samples, (state.x, state.v)).drive;
+            drive.force(state.t, &drive.clock(state.t))
+        }
+        Link::Joint(_) => segment.commanded(state.t, &state.clock),
+    };
     let longest = if plant.is_steep() { STEEP } else { BENT };
     let longest = (!plant.is_linear()).then_some(longest.min(samples.interval));
     let times = (samples.interval, longest);
     let method = state.x.outlined(
         #[inline(always)]
-        || ElasticDrive::new(segment, plant.friction, link, &state, (times, go_on)),
+        || ElasticDrive::new(segment, plant.friction, link, (&state, first), (times, go_on)),
     );
     over_samples(
         plant,

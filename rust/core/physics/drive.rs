@@ -123,6 +123,10 @@ pub struct Drive<'a, L> {
     pub path: Option<&'a Path<L>>,
 }
 
+/// Time constants after which a lag has forgotten what was before, to the last digit of what it
+/// holds: e^-37 < 2^-53.
+const FORGOTTEN: f64 = 37.0;
+
 /// Where a trajectory is in its drive.
 #[derive(Clone, Copy)]
 pub struct Clock<L> {
@@ -324,9 +328,30 @@ impl<'a, L: Lane> Drive<'a, L> {
         }
     }
 
-    /// The clock of a run that begins at `start`.
+    /// The clock of a run or a window that begins at `start`. Behind a lag the samples before it
+    /// still act.
     #[inline(always)]
     pub fn clock(&self, start: L) -> Clock<L> {
+        let lag = self.path.filter(|path| path.lags && self.kind == DriveKind::Table);
+        let Some(path) = lag else {
+            return self.settled_clock(start);
+        };
+        let first = start.splat(self.table.times[0]);
+        let remembered = (start - start.splat(FORGOTTEN) / path.per_lag).max(first);
+        let mut clock = self.settled_clock(remembered.frozen());
+        loop {
+            let end = self.piece_end(clock.piece);
+            let over = end.le(start);
+            if !L::any(over) {
+                return clock;
+            }
+            self.turn_over(&mut clock, end, over);
+        }
+    }
+
+    /// The clock at `start`, where the drive has had the same value for long.
+    #[inline(always)]
+    fn settled_clock(&self, start: L) -> Clock<L> {
         let mut clock = Clock { piece: start.splat(0.0), since: start, from: start.splat(0.0) };
         if self.kind == DriveKind::Table {
             let delay = self.path.map_or(start.splat(0.0), |path| path.delay);

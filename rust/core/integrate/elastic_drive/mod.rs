@@ -123,19 +123,18 @@ impl<L: Lane, F: FnMut() -> bool> Advance<L> for ElasticDrive<'_, '_, L, F> {
 }
 
 impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
-    /// `interval` is the usual time between samples, `longest` the longest step where
-    /// friction or gravity bend with the motion.
+    /// The link gives the force `first` at the start. `interval` is the usual time between
+    /// samples, `longest` the longest step where friction or gravity bend with the motion.
     #[inline(always)]
     pub fn new(
         segment: &'b Segment<'a, L>,
         law: Coefficients<L>,
         link: Link<L>,
-        start: &State<L>,
+        (start, first): (&State<L>, L),
         ((interval, longest), go_on): ((f64, Option<f64>), F),
     ) -> Self {
         let zero = start.x.splat(0.0);
         let one = zero.splat(1.0);
-        let first = segment.commanded(start.t, &start.clock);
         let mut rates = Rates {
             per_mass: segment.per_mass,
             viscous: law.viscous * segment.per_mass,

@@ -30,8 +30,9 @@ const STIFF: Off = Off::At(INF);
 /// thousandth of the level is always left.
 const MOST_LOST: &str = "-(1 - 0.001)";
 const LEAST_LEFT: &str = "0.001 * level";
-/// Delays are looked for from a third of a sample to a tenth of a run.
-const FAST: &str = "max(interval * 0.3, replayed * [5e-4, 2e-3, 5e-3, 0.01, 0.03, 0.1])";
+/// Lags are looked for from a third of a sample to a tenth of a run, also in windows: these know
+/// what the samples before them have left in a lag. Delays up to a tenth of what is replayed at once.
+const FAST: &str = "max(interval * 0.3, duration * [5e-4, 2e-3, 5e-3, 0.01, 0.03, 0.1])";
 const DELAYS: &str =
     "both(max(interval * 0.3, replayed * [5e-4, 2e-3, 5e-3, 0.01, 0.03, 0.1])) / (0.1 * replayed)";
 const SLOWLY: Shape = Shape {
@@ -391,7 +392,7 @@ effects! {
             log: true,
             starts: FAST,
             low: "0.003 * interval",
-            high: "replayed",
+            high: "duration",
             at: "u * duration",
             rival: "max(s, 1e-5)",
             ..PARAM
