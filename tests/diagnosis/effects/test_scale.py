@@ -56,6 +56,14 @@ def test_no_error_makes_friction_negative(robot, level):
     assert error.low == pytest.approx(-0.999 * level)
 
 
+def test_a_lag_may_last_as_long_as_a_run_where_a_delay_ends_with_its_window():
+    windows = replace(scale_of(ROBOT, [RUN]), replayed=0.1)
+    (lag,) = parameters_of("drive_lag", windows, ("drive_lag",))
+    (delay,) = parameters_of("drive_delay", windows, ("drive_delay",))
+    assert lag.high == pytest.approx(2.0)
+    assert delay.high == pytest.approx(0.03)
+
+
 def test_a_run_without_positions_leaves_sizes_above_zero():
     silent = Run("0", T, np.zeros(T.size), {"x": np.full(T.size, np.nan)})
     scale = scale_of(ROBOT, [silent])
