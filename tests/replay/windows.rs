@@ -39,6 +39,7 @@ fn a_window_is_the_rest_of_the_run() {
             let off = largest(&found.v, &full.v[from..to]);
             let name = effect.info().name;
             assert_eq!(found.x.len(), to - from);
+            // What rounding makes of seconds of motion.
             assert!(miss < 1e-12 && off < 1e-12, "{name} {from}..{to}: {miss:e} {off:e}");
         }
     }

@@ -192,6 +192,7 @@ fn behind_link<L: Lane>(
 ) {
     let state = samples.start(segment);
     let first = match link {
+        // The link stands for the lag, so the drive of `segment` has none.
         Link::Lag(_) => {
             let drive = self::segment(plant, &plant.path, samples, (state.x, state.v)).drive;
             drive.force(state.t, &drive.clock(state.t))

@@ -30,9 +30,10 @@ const STIFF: Off = Off::At(INF);
 /// thousandth of the level is always left.
 const MOST_LOST: &str = "-(1 - 0.001)";
 const LEAST_LEFT: &str = "0.001 * level";
-/// Lags are looked for from a third of a sample to a tenth of a run, also in windows: these know
-/// what the samples before them have left in a lag. Delays up to a tenth of what is replayed at once.
-const FAST: &str = "max(interval * 0.3, duration * [5e-4, 2e-3, 5e-3, 0.01, 0.03, 0.1])";
+/// Lags are looked for from a third of a sample to a tenth of a run, also in windows: a window
+/// knows from the samples before it what stands behind a lag.
+const LAGS: &str = "max(interval * 0.3, duration * [5e-4, 2e-3, 5e-3, 0.01, 0.03, 0.1])";
+/// Delays, of either sign, are looked for up to a tenth of what is replayed at once.
 const DELAYS: &str =
     "both(max(interval * 0.3, replayed * [5e-4, 2e-3, 5e-3, 0.01, 0.03, 0.1])) / (0.1 * replayed)";
 const SLOWLY: Shape = Shape {
@@ -390,7 +391,7 @@ effects! {
         params: &[EffectParam {
             param: param("T", "T", "s", (0.0, 1e6), "time constant"),
             log: true,
-            starts: FAST,
+            starts: LAGS,
             low: "0.003 * interval",
             high: "duration",
             at: "u * duration",
