@@ -39,6 +39,16 @@ class TestCandidates:
         assert figure is not None
         assert "unknown" in [text.get_text() for text in figure.axes[1].texts]
 
+    def test_weights_say_what_they_are_given(self, own: Diagnosis) -> None:
+        for status, given in (
+            ("explained", "leaves only noise"),
+            ("partial", "nobody has explained"),
+        ):
+            own.report["verdict"]["status"] = status
+            figure = candidates(own)
+            assert figure is not None
+            assert given in figure.axes[0].get_xlabel()
+
     def test_none_without_candidates(self, own: Diagnosis) -> None:
         own.report["candidates"] = []
         assert candidates(own) is None

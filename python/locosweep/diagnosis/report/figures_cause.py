@@ -54,7 +54,9 @@ def candidates(diagnosis: Diagnosis) -> Figure | None:
         right.plot(row["shrink"], y, "o", color="black", markersize=5)
     left.set_yticks(range(len(rows)), names, fontsize=8)
     left.set_ylim(len(rows) - 0.4, -0.6)
-    left.set(xlim=(0, 1.15), xlabel="weight, if one of these leaves only noise [1]", ylabel="cause")
+    partial = diagnosis.status == "partial"
+    given = "beside what nobody has explained" if partial else "if one of these leaves only noise"
+    left.set(xlim=(0, 1.15), xlabel=f"weight, {given} [1]", ylabel="cause")
     right.set_xlabel("error reduction on runs kept from the fit [1]")
     low, high = right.get_xlim()
     right.set_xlim(max(min(low, -0.02), -1.0), max(high, 1.02))
