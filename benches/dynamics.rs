@@ -207,6 +207,7 @@ fn columns(effect: Option<Effect>, runs: &[Run]) -> Vec<Column> {
             values,
             shares: [1.0, 1.0, 1.0, 0.0],
             start: (0.0, 0.0),
+            sliding_distance: 0.0,
         }
     };
     (0..runs.len()).flat_map(|run| (0..CANDIDATES).map(move |i| column(run, i))).collect()

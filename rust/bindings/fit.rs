@@ -195,7 +195,7 @@ impl Experiment {
     /// beyond the last, factor on the mass, and whether the robot was turned round.
     /// `begins` has a row for each: position and speed; or, of a window, the position,
     /// speed and acceleration that were seen there, seconds since the start of its run,
-    /// and the position there. `motor` is resistance and force constant.
+    /// the position there, and the distance moved forward since the last rest or turn. `motor` is resistance and force constant.
     #[new]
     #[pyo3(signature = (job, spans, begins, motor=None))]
     fn new(
@@ -206,9 +206,9 @@ impl Experiment {
         motor: Option<(f64, f64)>,
     ) -> PyResult<Experiment> {
         let begins = begins.as_array();
-        if begins.nrows() != spans.len() || ![2, 5].contains(&begins.ncols()) {
+        if begins.nrows() != spans.len() || ![2, 6].contains(&begins.ncols()) {
             let message = format!(
-                "begins has shape {:?}: allowed are ({}, 2) and ({}, 5)",
+                "begins has shape {:?}: allowed are ({}, 2) and ({}, 6)",
                 begins.dim(),
                 spans.len(),
                 spans.len()
@@ -228,7 +228,12 @@ impl Experiment {
             let begin = if row.len() == 2 {
                 Begin::Run { position: row[0], speed: row[1] }
             } else {
-                Begin::Seen { state: [row[0], row[1], row[2]], since: row[3], base: row[4] }
+                Begin::Seen {
+                    state: [row[0], row[1], row[2]],
+                    since: row[3],
+                    base: row[4],
+                    sliding_distance: row[5],
+                }
             };
             made.push(Span { run, window: (first, last), begin, payload, reversed });
         }

@@ -205,6 +205,7 @@ impl Replay {
                 values: std::array::from_fn(|k| values[[i, k]]),
                 shares: std::array::from_fn(|k| shares[[i, k]]),
                 start: (starts[[i, 0]], starts[[i, 1]]),
+                sliding_distance: 0.0,
             });
         }
         Ok(made)

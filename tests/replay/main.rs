@@ -114,6 +114,7 @@ fn column(active: Active, values: [f64; EFFECT_PARAMS], count: usize) -> Column 
         values,
         shares: [1.0, 1.0, 1.0, 0.0],
         start: (0.0, 0.0),
+        sliding_distance: 0.0,
     }
 }
 

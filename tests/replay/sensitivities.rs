@@ -32,7 +32,8 @@ fn column(effects: &[Effect], count: usize) -> Column {
         values[effect.first()..last].copy_from_slice(&own[effect.first()..last]);
     }
     let shares = [1.0, 1.0, 1.0, 3.7e-4];
-    Column { run: 0, window: (0, count), active, values, shares, start: (0.01, 0.02) }
+    let window = (0, count);
+    Column { run: 0, window, active, values, shares, start: (0.01, 0.02), sliding_distance: 0.03 }
 }
 
 fn derived(runs: &[Run], column: &Column, directions: &[usize], level: Level) -> [Readings; 2] {

@@ -45,6 +45,45 @@ fn a_window_is_the_rest_of_the_run() {
     }
 }
 
+/// What is pushed ahead since the last rest is there when a window begins.
+#[test]
+fn a_window_begins_behind_its_heap() {
+    let run = run(1000, 2e-3);
+    let level = Level::current().unwrap();
+    for others in [&[][..], &[Effect::DriveLag], &[Effect::FrictionDrift]] {
+        let heap = Effect::LubricantBuildup;
+        let mut values = on(heap);
+        let mut active = Active::default().with(heap);
+        for other in others {
+            active = active.with(*other);
+            let own = on(*other);
+            let last = other.first() + other.info().params.len();
+            values[other.first()..last].copy_from_slice(&own[other.first()..last]);
+        }
+        let whole = column(active, values, 1000);
+        let full = &all(std::slice::from_ref(&whole), &run, level)[0];
+        let mut behind = 0;
+        for from in (100..1000).step_by(23) {
+            let rest = (0..=from).rfind(|i| full.v[*i] <= 0.0).unwrap();
+            // A turn between two samples is at no sample's place.
+            if full.v[rest] < 0.0 {
+                continue;
+            }
+            let sliding_distance = full.x[from] - full.x[rest];
+            behind += usize::from(sliding_distance > 1e-3);
+            let start = (full.x[from], full.v[from]);
+            let part = Column { window: (from, 1000), start, sliding_distance, ..whole.clone() };
+            let found = &all(std::slice::from_ref(&part), &run, level)[0];
+            let miss = largest(&found.x, &full.x[from..]);
+            assert!(miss < 1e-12, "{others:?} {from}: {miss:e}");
+            let anew = &all(&[Column { sliding_distance: 0.0, ..part }], &run, level)[0];
+            let off = largest(&anew.x, &full.x[from..]);
+            assert!(off > 1e-6 || sliding_distance < 1e-3, "{others:?} {from}: {off:e}");
+        }
+        assert!(behind >= 2, "{behind} windows begin behind a heap");
+    }
+}
+
 /// Small swings of a pendulum without friction: period 2 pi sqrt(J/M).
 #[test]
 fn a_pendulum_swings_at_its_period() {

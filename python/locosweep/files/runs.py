@@ -78,6 +78,11 @@ class Run:
         return since
 
     @property
+    def sliding_distance(self) -> float:
+        """Distance moved forward since the last rest or turn at the first sample."""
+        return 0.0
+
+    @property
     def start(self) -> tuple[float, float]:
         """Position and speed at which a replay begins.
 

@@ -170,8 +170,8 @@ def _left(
 ) -> float:
     """Error of the new model with the effect, in what the calibrated one leaves: 1 if all is well.
 
-    A window begins in a measured state, which says nothing of a heap that was swept up before, or
-    of a reading that is later than the window's lead.
+    A window begins in a measured state, which says nothing of a reading that is later than the
+    window's lead.
     """
     problem = see(planted, source.seen).problem
     (errors,) = rms_of(problem, [with_effect(problem, name, values)])

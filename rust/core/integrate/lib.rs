@@ -55,7 +55,7 @@ impl<L: Lane> State<L> {
             x: segment.x,
             v: segment.v,
             direction: segment.v.sign(),
-            sliding_distance: zero,
+            sliding_distance: L::select(zero.lt(segment.v), segment.sliding_distance, zero),
             clock: segment.drive.clock(zero),
             z: [zero; MOST_STATES],
         }

@@ -3,7 +3,7 @@
 //! so no error of a model feeds back into its motion, and a model costs no search for events.
 
 use super::driven_side::DrivenSide;
-use super::replay::{Samples, segment};
+use super::replay::{Samples, Start, segment};
 use crate::lane::Lane;
 use crate::physics::effects::{Measured, Plant};
 use crate::physics::friction::{ContactState, Dry};
@@ -38,7 +38,8 @@ pub fn displacements<L: Lane>(
 ) {
     let zero = plant.mass.splat(0.0);
     let times = samples.times;
-    let segment = &segment(plant, &plant.path, samples, (zero, zero));
+    let nowhere = Start { x: zero, v: zero, sliding_distance: zero };
+    let segment = &segment(plant, &plant.path, samples, nowhere);
     let drive = &segment.drive;
     let mut t = zero.splat(times[0]);
     let mut clock = drive.clock(t);

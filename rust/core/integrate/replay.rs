@@ -76,6 +76,15 @@ pub struct Reading<L> {
     pub x_rear: L,
 }
 
+/// State of a head where its replay begins.
+#[derive(Debug, Clone, Copy)]
+pub struct Start<L> {
+    pub x: L,
+    pub v: L,
+    /// Distance moved forward since the last rest or turn.
+    pub sliding_distance: L,
+}
+
 /// A drive that only holds the samples; everything else is in the path.
 struct Plain<L>(L);
 
@@ -95,8 +104,9 @@ pub(super) fn segment<'a, L: Lane>(
     plant: &Plant<L>,
     path: &'a Path<L>,
     samples: Samples<'a>,
-    (x, v): (L, L),
+    start: Start<L>,
 ) -> Segment<'a, L> {
+    let Start { x, v, sliding_distance } = start;
     let zero = x.splat(0.0);
     let one = zero.splat(1.0);
     let table = Table { times: samples.times, values: samples.drive };
@@ -116,6 +126,7 @@ pub(super) fn segment<'a, L: Lane>(
         contact: Contact { normal: zero, coulomb: zero, break_away: zero, viscous: zero },
         x,
         v,
+        sliding_distance,
         duration: zero.splat(samples.times.last().copied().unwrap_or(0.0)),
         step: zero.splat(samples.interval),
         tolerance: zero.splat(TOLERANCE),
@@ -129,7 +140,7 @@ pub(super) fn segment<'a, L: Lane>(
 pub fn head<L: Lane>(
     plant: &Plant<L>,
     samples: Samples,
-    start: (L, L),
+    start: Start<L>,
     go_on: impl FnMut() -> bool + Copy,
     read: impl FnMut(usize, Reading<L>),
 ) {
@@ -143,7 +154,7 @@ pub fn head<L: Lane>(
     let lags = plant.path.lags && !matches!(link, Some(Link::Lag(_)));
     let path = Path { lags, ..plant.path };
     let segment = &segment(plant, &path, samples, start);
-    let zero = start.0.splat(0.0);
+    let zero = start.x.splat(0.0);
     if let (Some(joint), true) = (plant.joint, bristles) {
         zero.outlined(
             #[inline(always)]
@@ -194,7 +205,9 @@ fn behind_link<L: Lane>(
     let first = match link {
         // The link stands for the lag, so the drive of `segment` has none.
         Link::Lag(_) => {
-            let drive = self::segment(plant, &plant.path, samples, (state.x, state.v)).drive;
+            let State { x, v, sliding_distance, .. } = state;
+            let start = Start { x, v, sliding_distance };
+            let drive = self::segment(plant, &plant.path, samples, start).drive;
             drive.force(state.t, &drive.clock(state.t))
         }
         Link::Joint(_) => segment.commanded(state.t, &state.clock),

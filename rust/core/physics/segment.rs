@@ -26,6 +26,8 @@ pub struct Segment<'a, L> {
     pub contact: Contact<L>,
     pub x: L,
     pub v: L,
+    /// Distance moved forward since the last rest or turn, where the motion begins.
+    pub sliding_distance: L,
     pub duration: L,
     pub step: L,
     pub tolerance: L,
@@ -52,6 +54,7 @@ impl<'a, L: Lane> Segment<'a, L> {
             contact: Contact::of(params),
             x,
             v: params.get(ParamId::StartSpeed),
+            sliding_distance: mass.splat(0.0),
             duration: params.get(ParamId::Duration),
             step: params.get(ParamId::TimeStep),
             tolerance: params.get(ParamId::Tolerance),

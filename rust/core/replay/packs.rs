@@ -1,7 +1,7 @@
 //! Replays of packs of columns (candidates, perturbed parameters, restarts), a column
 //! per lane.
 
-use crate::integrate::replay::{Samples, head, sensed};
+use crate::integrate::replay::{Samples, Start, head, sensed};
 use crate::lane::{Level, Pack, Task, run};
 use crate::physics::effects::{Active, EFFECT_PARAMS, Nominal, Plant};
 use std::ops::Range;
@@ -29,6 +29,8 @@ pub struct Column {
     pub shares: [f64; 4],
     /// Position and speed at the window's start.
     pub start: (f64, f64),
+    /// Distance moved forward there since the last rest or turn.
+    pub sliding_distance: f64,
 }
 
 /// Readings of one column: x, v, x_rear, force; empty where nobody asks for them.
@@ -149,8 +151,11 @@ impl Task for Group<'_, '_, '_> {
             let column = |lane: usize| part[lane.min(part.len() - 1)].0;
             let values = std::array::from_fn(|k| like.fill(|lane| column(lane).values[k]));
             let shares: [P; 4] = std::array::from_fn(|k| like.fill(|lane| column(lane).shares[k]));
-            let start =
-                (like.fill(|lane| column(lane).start.0), like.fill(|lane| column(lane).start.1));
+            let start = Start {
+                x: like.fill(|lane| column(lane).start.0),
+                v: like.fill(|lane| column(lane).start.1),
+                sliding_distance: like.fill(|lane| column(lane).sliding_distance),
+            };
             let interval = intervals[first.run];
             let window = (from, to);
             let samples = Samples { times: &run.times, drive: &run.drive, window, interval };

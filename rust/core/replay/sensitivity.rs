@@ -2,7 +2,7 @@
 //! by parameters, nuisances and start state, exact through stops and break-aways.
 
 use super::packs::{Column, Part, Run, bounded, divergence};
-use crate::integrate::replay::{Samples, head, sensed};
+use crate::integrate::replay::{Samples, Start, head, sensed};
 use crate::lane::{Dual, Lane, Level, Pack, Task, run};
 use crate::physics::effects::{EFFECT_PARAMS, Nominal, Plant};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -68,11 +68,12 @@ impl Task for Sensitivity<'_, '_> {
                 std::array::from_fn(|k| seeded(column.values[k], k, &mut unit));
             let shares: [Dual<P>; 4] =
                 std::array::from_fn(|k| seeded(column.shares[k], EFFECT_PARAMS + k, &mut unit));
-            let start = (
-                seeded(column.start.0, EFFECT_PARAMS + 4, &mut unit),
-                seeded(column.start.1, EFFECT_PARAMS + 5, &mut unit),
-            );
             let like = Dual::new(0.0, none);
+            let start = Start {
+                x: seeded(column.start.0, EFFECT_PARAMS + 4, &mut unit),
+                v: seeded(column.start.1, EFFECT_PARAMS + 5, &mut unit),
+                sliding_distance: like.splat(column.sliding_distance),
+            };
             let [mass, level, gain, clock] = shares;
             let shares = ([mass, level, gain], clock);
             let plant = like.outlined(

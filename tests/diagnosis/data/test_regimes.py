@@ -54,6 +54,21 @@ def _starts(found: list[str], kind: str) -> list[int]:
     return [k for k, name in enumerate(found) if name == kind and found[k - 1] != kind]
 
 
+def test_distance_counts_from_the_last_rest_or_turn() -> None:
+    """It grows forward only; a head that moves when the readings begin brings its own along."""
+    run = known()
+    distance = motion(run).sliding_distance()
+    since = run.channels["x"] - run.channels["x"][0]
+    forward = slice(REST + 12, REST + FORWARD - 12)
+    assert np.abs(distance[forward] - since[forward]).max() < 0.002
+    assert not distance[: REST - 12].any()
+    assert not distance[REST + FORWARD + 12 :].any()
+    late = Run("1", run.t[150:], run.drive[150:], {"x": run.channels["x"][150:]})
+    brought = motion(late).sliding_distance(before=0.5)
+    assert brought[20] == pytest.approx(0.5 + 20 * 0.05 / RATE)
+    assert not brought[FORWARD - 50 + 12 :].any()
+
+
 def test_a_head_at_rest_is_at_rest_whatever_the_noise() -> None:
     x = NOISE * np.random.default_rng(1).standard_normal(400)
     run = Run("0", np.arange(400) / RATE, np.zeros(400), {"x": x})

@@ -22,6 +22,7 @@ from locosweep.files.runs import Run
         ("sensor_delay", {"T": 0.01}),
         ("drive_delay", {"T": 0.02}),
         ("friction_drift", {"a": 0.3, "T": 5.0}),
+        ("lubricant_buildup", {"k_b": 0.2}),
     ],
 )
 def test_the_truth_leaves_noise(robot, name, values):

@@ -38,6 +38,14 @@ class MeasuredMotion:
         """Speed up to which the head counts as at rest, m/s."""
         return 3.0 * self.deviation + 0.01 * float(np.abs(self.v).max(initial=0.0))
 
+    def sliding_distance(self, before: float = 0.0) -> Floats:
+        """Return the distance moved forward since the last rest or turn; `before` at the start."""
+        forward = self.v > self.resting_speed
+        last = np.maximum.accumulate(np.where(forward, -1, np.arange(self.x.size)))
+        base = np.where(last < 0, self.x[0] - before, self.x[last])
+        found: Floats = np.where(forward, np.maximum(self.x - base, 0.0), 0.0)
+        return found
+
 
 def measured_motion(run: Run, noise: Noise, accuracy: float = _SLOPES) -> MeasuredMotion:
     """Smooth the measured position of a run as wide as the noise of x asks for.

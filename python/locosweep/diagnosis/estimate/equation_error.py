@@ -90,8 +90,8 @@ class EquationError:
     def core(self) -> _core.EquationError:
         """The engine with the measured motion of every run."""
         motions = [
-            (m.x, m.v, _distance_forward(m, slides), slides)
-            for m, slides in zip(self.motions, self.slides, strict=True)
+            (m.x, m.v, m.sliding_distance(run.sliding_distance), slides)
+            for m, run, slides in zip(self.motions, self.problem.runs, self.slides, strict=True)
         ]
         return _core.EquationError(self.problem.experiment, motions, self.block, *self._blocks)
 
@@ -139,12 +139,3 @@ def slides_of(motion: MeasuredMotion, last: int, least: int) -> list[tuple[int, 
         for a, b in pairwise(edges)
         if b - a - 2 * half >= least and sign[a] != 0.0
     ]
-
-
-def _distance_forward(motion: MeasuredMotion, slides: Sequence[tuple[int, int]]) -> Floats:
-    """Return the distance moved forward since a slide began."""
-    distance = np.zeros_like(motion.x)
-    for a, b in slides:
-        if motion.v[a] > 0.0:
-            distance[a:b] = np.maximum(motion.x[a:b] - motion.x[a], 0.0)
-    return distance

@@ -79,8 +79,9 @@ def motion_of(problem: Problem, fit: Fit) -> Motion:
     bare = replace(point, names=names)
     head = problem.replay([bare], problem.fitted)["x"][0] if sensors else x
     swept, turned = np.zeros_like(x), np.zeros_like(x)
-    for i in range(1, x.size):
-        if number[i] != number[i - 1]:
+    for i in range(x.size):
+        if i == 0 or number[i] != number[i - 1]:
+            swept[i] = runs[number[i]].sliding_distance if v[i] > 0.0 else 0.0
             continue
         step = x[i] - x[i - 1]
         swept[i] = swept[i - 1] + step if v[i] > 0.0 else 0.0

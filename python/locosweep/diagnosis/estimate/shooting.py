@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from locosweep.diagnosis.data.regimes import measured_motion
 from locosweep.diagnosis.estimate.problem import LOST, Problem
 from locosweep.files.channels import CHANNELS
 from locosweep.files.runs import Run
@@ -61,6 +62,8 @@ class Window(Run):
     """Position, speed and acceleration at the window's start."""
     spread: tuple[float, float] = (1.0, 1.0)
     """Deviations of position and speed."""
+    sliding_distance: float = 0.0
+    """Distance moved forward at the window's start since the last rest or turn before it."""
 
     @property
     def since_start(self) -> Floats:
@@ -158,11 +161,13 @@ def cut(
     """
     found = []
     around: dict[int, _Around] = {}
+    moved: dict[int, Floats] = {}
     for r, a, b in windows:
         run = runs[r]
         if r not in around:
             x = run.channels["x"]
             around[r] = _Around(run.t, x, run.channels.get("v"), noise, half)
+            moved[r] = measured_motion(run, noise["x"]).sliding_distance()
         state, spread = around[r].state(float(run.t[a]))
         known = run.channels["x"][np.isfinite(run.channels["x"])]
         found.append(
@@ -180,6 +185,7 @@ def cut(
                 drive_deviation=None if run.drive_deviation is None else run.drive_deviation[a:b],
                 state=state,
                 spread=spread,
+                sliding_distance=float(moved[r][a]),
             )
         )
     return found
@@ -231,8 +237,10 @@ class WindowProblem(Problem):
 
     @property
     def _begins(self) -> Floats:
-        """State seen, time since the run's start and position there of each window."""
-        return np.array([(*w.state, w.since_start[0], w.base) for w in self.windows])
+        """State seen, time since the run's start, position there and distance moved forward."""
+        return np.array(
+            [(*w.state, w.since_start[0], w.base, w.sliding_distance) for w in self.windows]
+        )
 
     @property
     def starts_vary(self) -> bool:

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from locosweep.diagnosis.data.regimes import MeasuredMotion
     from locosweep.diagnosis.estimate.problem import Point, Problem
     from locosweep.diagnosis.report.comparison import Comparison
 
@@ -176,17 +175,6 @@ def regime_shares(squares: list[Floats], regimes: list[NDArray[np.int64]]) -> li
     return [{"regime": name, "share": share} for name, share in found if share > 0.0]
 
 
-def _swept(motion: MeasuredMotion) -> Floats:
-    """Return the distance swept forward since the head last rested or turned."""
-    x = motion.x
-    forward = motion.v > motion.resting_speed
-    starts = np.where(forward, np.nan, x)
-    last = np.maximum.accumulate(np.where(forward, 0, np.arange(x.size)))
-    base = np.where(np.isnan(starts[last]), x[0], starts[last])
-    swept: Floats = np.where(forward, x - base, 0.0)
-    return swept
-
-
 def force_view(problem: Problem, point: Point, mass: float) -> dict[str, Any]:
     """Return the force that the model lacks, over each variable it may depend on.
 
@@ -195,7 +183,10 @@ def force_view(problem: Problem, point: Point, mass: float) -> dict[str, Any]:
     """
     count = int(np.clip(problem.count / (len(problem.runs) * 25), 10, 60))
     cuts = equal_cuts(problem, count)
-    swept = [_swept(motion) for motion in problem.motions]
+    swept = [
+        motion.sliding_distance(run.sliding_distance)
+        for motion, run in zip(problem.motions, problem.runs, strict=True)
+    ]
     rows = []
     for (r, a, b), e in zip(cuts, free_errors(problem, point, cuts), strict=True):
         run, x, v = problem.runs[r], problem.motions[r].x, problem.motions[r].v

@@ -152,7 +152,7 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
             v: start.v,
             direction: start.direction,
             joined: one,
-            sliding_distance: zero,
+            sliding_distance: start.sliding_distance,
         };
         // Steps are per lane, their halvings the same for all: no lane's result hangs on
         // its neighbours.

@@ -11,8 +11,9 @@ pub enum Begin {
     /// With the run: position, and the speed where a model does not say another one.
     Run { position: f64, speed: f64 },
     /// Within it, in the state that the position sensor saw: position, speed, acceleration,
-    /// seconds since the run's start, and the position there.
-    Seen { state: [f64; 3], since: f64, base: f64 },
+    /// seconds since the run's start, the position there, and the distance moved forward since
+    /// the last rest or turn.
+    Seen { state: [f64; 3], since: f64, base: f64, sliding_distance: f64 },
 }
 
 /// What is replayed at a time, a run or a window of one.
@@ -123,9 +124,12 @@ impl Experiment {
     /// What is replayed, and what the sensor adds to its position.
     pub(super) fn column(&self, number: usize, spot: &Spot) -> (Column, f64) {
         let span = &self.spans[number];
-        let (start, added) = match span.begin {
-            Begin::Run { position, .. } => ((position + spot.offset, spot.speed), 0.0),
-            Begin::Seen { state, since, base } => before_sensor(spot, state, since, base),
+        let (start, added, sliding_distance) = match span.begin {
+            Begin::Run { position, .. } => ((position + spot.offset, spot.speed), 0.0, 0.0),
+            Begin::Seen { state, since, base, sliding_distance } => {
+                let (start, added) = before_sensor(spot, state, since, base);
+                (start, added, sliding_distance)
+            }
         };
         let (mut values, mut shares) = (spot.values, spot.shares);
         shares[0] *= span.payload;
@@ -133,7 +137,8 @@ impl Experiment {
             values[Effect::SlopeError.first()] *= -1.0;
         }
         let Span { run, window, .. } = *span;
-        (Column { run, window, active: spot.active, values, shares, start }, added)
+        let active = spot.active;
+        (Column { run, window, active, values, shares, start, sliding_distance }, added)
     }
 }
 
