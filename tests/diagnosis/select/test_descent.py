@@ -10,9 +10,15 @@ import pytest
 from diagnosis_search import fit_of, search_for
 from locosweep.diagnosis.estimate.least_squares import evaluate, fit_all, start_fits
 from locosweep.diagnosis.select import descent
-from locosweep.diagnosis.select.descent import _with_limits, apart, beyond_ridges, descend
+from locosweep.diagnosis.select.descent import (
+    _with_limits,
+    apart,
+    beyond_ridges,
+    descend,
+    takes_place,
+)
 from locosweep.diagnosis.select.search import Collection
-from locosweep.diagnosis.select.thresholds import LEAST_GAIN_FITTED, PENALTY
+from locosweep.diagnosis.select.thresholds import LEAST_GAIN_FITTED, PENALTY, TIE
 
 NAMES = ("viscous_friction", "drive_delay")
 
@@ -82,7 +88,7 @@ def test_a_known_fit_that_is_better_stays() -> None:
     assert descend(search, known, [], [0, 1], search.none) == {}
 
 
-def test_a_set_of_two_has_to_gain_over_the_best_one_but_an_exchange_has_not() -> None:
+def test_a_set_of_two_has_to_gain_over_the_best_one_and_an_exchange_over_its_rival() -> None:
     """Drag makes the gap; a second effect beside the poorer delay is of no use short of that."""
     both = {"viscous_friction": {"c": 0.06}, "sensor_drift": {"b": 2e-4}}
     search = search_for(both, *NAMES, "sensor_drift")
@@ -93,8 +99,22 @@ def test_a_set_of_two_has_to_gain_over_the_best_one_but_an_exchange_has_not() ->
     (start,) = start_fits(search.nuisances, model, np.array([[0.001, 1e-5]]))
     (limited,) = _with_limits(search, known, [start], at_noise=False)
     assert limited.limit == search.score(one) - LEAST_GAIN_FITTED - 2.0 * PENALTY
-    (free,) = _with_limits(search, known, [start], at_noise=False, rival=one)
-    assert free.limit == np.inf
+    (exchanged,) = _with_limits(search, known, [start], at_noise=False, rival=one)
+    # One parameter more has its price.
+    assert exchanged.limit == pytest.approx(takes_place(search, one) - PENALTY)
+    noise = search.problem.degrees()
+    assert takes_place(search, one) - noise == pytest.approx(0.5 * (one.chi2 - noise), rel=0.05)
+    pair = fit_all(search.problem, [replace(start, theta=start.theta * 1.1)], steps=3)
+    known = known.adding({frozenset(model.names): pair[0]})
+    (better,) = _with_limits(search, known, [start], at_noise=False)
+    assert better.limit <= search.score(pair[0]) - 2.0 * PENALTY
+
+
+def test_what_is_at_noise_gives_its_place_to_whatever_ties_no_more() -> None:
+    search = search_for({"viscous_friction": {"c": 0.06}}, *NAMES)
+    best = fit_of(search, "viscous_friction")
+    low = replace(best, chi2=0.5 * search.problem.degrees())
+    assert takes_place(search, low) == low.chi2 - TIE
 
 
 def test_of_fits_that_came_to_one_end_one_is_followed() -> None:

@@ -10,7 +10,13 @@ import numpy as np
 from locosweep.diagnosis.estimate.least_squares import chi2_of, evaluate, fit_all
 from locosweep.diagnosis.select.effort import FEW, PARTNERS, SHARE, SLACK
 from locosweep.diagnosis.select.score import total
-from locosweep.diagnosis.select.thresholds import LEAST_GAIN_FITTED, PENALTY, TIE
+from locosweep.diagnosis.select.thresholds import (
+    LEAST_GAIN_FITTED,
+    PENALTY,
+    TAKES_PLACE,
+    TIE,
+)
+from locosweep.diagnosis.select.whiteness import noise_level
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -78,6 +84,12 @@ def follow_limit(beside: Fit, least: float) -> float:
     return float(max(beside.chi2 - SHARE * (beside.chi2 - least), least + SLACK))
 
 
+def takes_place(search: Search, fit: Fit) -> float:
+    """Return the chi2 below which another set takes the place of one that leaves too much."""
+    noise = search.problem.degrees() * noise_level(search.problem, fit.residual)
+    return float(min(noise + TAKES_PLACE * (fit.chi2 - noise), fit.chi2 - TIE))
+
+
 def beyond_ridges(search: Search, fit: Fit) -> Fit:
     """Return a fit from points along the axes of its covariance, if one comes further.
 
@@ -138,16 +150,22 @@ def _with_limits(
     """Return fits with the chi2 that they have to reach to change a verdict.
 
     Where some fit leaves little but noise, that is about what it leaves: beside a model that is
-    `at_noise` itself nothing ties, so a further effect has to gain. Sets of several effects have
-    to gain over the best smaller one, if they are no exchange for a `rival`.
+    `at_noise` itself nothing ties, so a further effect has to gain. Far above the noise it is what
+    the best set of as many effects leaves or, of an exchange for a `rival`, what takes its place.
+    Sets of several effects that are no exchange have to gain over the best smaller one.
     """
     best = min([*known.fits.values(), *others], key=search.score)
     most = np.inf
     if search.is_noise(best):
         tie = TIE if rival is not None else SLACK
         most = search.score(best) + (0.0 if at_noise else tie)
+    elif rival is not None:
+        most = takes_place(search, rival) + PENALTY * len(rival.model.free)
     if rival is None:
         count = min((len(fit.model.names) for fit in fits), default=0)
+        alike = known.of_size(count) if count > 1 else []
+        if not np.isfinite(most):
+            most = min(map(search.score, alike), default=np.inf)
         fewer = [fit for names, fit in known.fits.items() if 0 < len(names) < count]
         if fewer:
             smaller = min(fewer, key=lambda fit: total(search, fit))

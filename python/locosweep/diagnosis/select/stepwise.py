@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all
+from locosweep.diagnosis.select.descent import takes_place
 from locosweep.diagnosis.select.effort import LEAST_ERROR, LEVEL_WORK, PARTNERS
 from locosweep.diagnosis.select.extension import extend, extend_each, pairs
 from locosweep.diagnosis.select.score import gains, remaining, total
@@ -47,12 +48,11 @@ def forward(
     pair = len(found.model.names) == 1
     along = pairs_along(search, PARTNERS) if pair else []
     larger = pairs(search, known, along) if pair else {}
-    if larger and _is_hopeless(search, found, along):
+    if larger and (
+        _is_hopeless(search, found, along) or not remaining(search.problem, _best(search, larger))
+    ):
+        # What may do as well as the best pair is looked for where its effects are exchanged.
         return known.adding(larger)
-    if larger and not remaining(search.problem, _best(search, larger)):
-        # Beside the best of them, what may do as well; its effects are exchanged with its rivals.
-        seeds = [fit for fit in level if fit.model.names[0] in _best(search, larger).model.names]
-        return known.adding(larger | extend_each(search, known.adding(larger), seeds))
     larger |= extend_each(search, known.adding(larger), _seeds(level))
     known = known.adding(larger)
     return exchanged(search, known, _best(search, larger))[1] if pair and larger else known
@@ -102,8 +102,8 @@ def exchanged(search: Search, known: Collection, best: Fit) -> tuple[Fit, Collec
             if names - {name} in known.extended or search.problem.meter.work > end:
                 continue
             base = without(search, best, name)
-            others = [n for n in search.names if n != name]
-            swaps |= extend(search, known.adding(swaps), base, others, rival=best)
+            # The same effect too: beside the others as they are, it may have another valley.
+            swaps |= extend(search, known.adding(swaps), base, search.names, rival=best)
             known = known.having_extended(names - {name})
         known = known.adding(swaps)
         new = _best(search, {names: best, **swaps})
@@ -118,7 +118,7 @@ def _takes_the_place(search: Search, old: Fit, new: Fit) -> bool:
     One with fewer parameters does if it scores better at all.
     """
     if remaining(search.problem, old):
-        return new.chi2 < 0.5 * old.chi2
+        return new.chi2 < takes_place(search, old)
     margin = 0.0 if len(new.model.free) < len(old.model.free) else TIE
     return total(search, new) < total(search, old) - margin
 

@@ -80,6 +80,9 @@ AT_AN_END = 0.02
 STALLED = 0.5
 """Share of a rest, in chi2 beyond noise, that a second effect may leave for a third one to be
 tried: with more left, the cause is not in the list. Not derived."""
+TAKES_PLACE = 0.5
+"""Share of a rest, in chi2 beyond noise, that a set of as many effects may leave at most to take
+the place of one that leaves it: with more left, neither is the cause. Not derived."""
 
 TOSS_UP = 0.5
 """Probability of a verdict that stands right at its threshold: either side is as likely."""
