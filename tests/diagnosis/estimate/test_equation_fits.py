@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from diagnosis_search import fit_of, search_for
-from locosweep.diagnosis.estimate.equation_fits import evaluated, refined
+from locosweep.diagnosis.estimate.equation_fits import evaluated, refined, uncertainties
 from locosweep.diagnosis.estimate.least_squares import start_fits
 
 BOTH = {"viscous_friction": {"c": 0.06}, "drive_lag": {"T": 0.03}}
@@ -53,6 +53,12 @@ def test_derivatives_agree_with_wider_differences() -> None:
         above, below = SEARCH.along.displacements([here.unfitted(there), here.unfitted(back)])
         wide = (above - below) / (2.0 * width)
         np.testing.assert_allclose(rows[j], wide, atol=0.02 * np.abs(wide).max())
+
+
+def test_what_is_well_known_has_no_valley() -> None:
+    assert SEARCH.along is not None
+    assert uncertainties(SEARCH.along, start(0.06, 0.03)) is None
+    assert uncertainties(SEARCH.along, SEARCH.none) is None
 
 
 def test_fits_do_not_hang_on_their_neighbours() -> None:

@@ -12,6 +12,7 @@ from diagnosis_search import fit_of, search_for, search_of
 from diagnosis_small import driven, measured
 from locosweep.diagnosis.estimate.least_squares import evaluate, jacobian_of, start_fits
 from locosweep.diagnosis.select.screen import (
+    along_valley,
     cancelling_pairs,
     informative_runs,
     pairs_along,
@@ -118,6 +119,20 @@ def test_pairs_of_replays_are_the_true_one_first_at_its_strengths() -> None:
         assert value == pytest.approx(true[name], rel=0.1)
     assert [fit.chi2 for fit in others] == sorted(fit.chi2 for fit in others)
     assert first.chi2 < others[0].chi2
+
+
+def test_a_valley_is_walked_where_a_parameter_is_hardly_known() -> None:
+    assert SEARCH.along is not None
+    (sure,) = starts("viscous_friction", 0.05)
+    assert along_valley(SEARCH.along, sure) == []
+    model = SEARCH.model(("stribeck_friction",))
+    level = model.free[0].off
+    (unsure,) = start_fits(SEARCH.nuisances, model, np.array([[1.01 * level, 0.01, 1.0]]))
+    further = along_valley(SEARCH.along, unsure)
+    assert len(further) == 4
+    for fit in further:
+        for free, value in zip(model.free, fit.parameters, strict=True):
+            assert free.low * (1 - 1e-9) <= value <= free.high * (1 + 1e-9)
 
 
 def test_runs_that_hold_most_of_what_is_left_are_informative() -> None:

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 _STEPS, _TOLERANCE = 8, 0.1
 """Steps of a fit, at most, and the fall of chi2 that ends it: what it finds is a start for
 replays, whose steps have all digits."""
+_BENT, _WIDEST = 0.02, 1.0
+"""Deviation of a fit, in sizes of its parameters, from which its valley may bend, and the most
+that is taken for one."""
 
 
 def refined(along: EquationError, fits: Sequence[Fit], steps: int = _STEPS) -> list[Fit]:
@@ -35,3 +38,19 @@ def refined(along: EquationError, fits: Sequence[Fit], steps: int = _STEPS) -> l
 def evaluated(along: EquationError, fits: Sequence[Fit]) -> list[Fit]:
     """Return fits with the chi2 of their equation error."""
     return refined(along, fits, steps=0)
+
+
+def uncertainties(along: EquationError, fit: Fit) -> Floats | None:
+    """Return the deviation along which a fit is known least; None where that is a small change.
+
+    It changes the entries of theta that are not about the start of a run.
+    """
+    if not fit.model.free:
+        return None
+    jacobian = along.jacobian(fit)
+    spread = (fit.nuisances.spread[i] for i in fit.nuisances.uncertain)
+    size = np.array([*(free.size for free in fit.model.free), *spread])
+    scaled = jacobian * size[:, None]
+    values, vectors = np.linalg.eigh(scaled @ scaled.T)
+    deviation = min(1.0 / np.sqrt(max(float(values[0]), 1e-12)), _WIDEST)
+    return None if deviation < _BENT else size * vectors[:, 0] * deviation

@@ -33,8 +33,8 @@ SLACK = 200.0
 of it also along a valley that bends."""
 FEW = 3
 """Steps after which starts that lie far behind are left; starts of an effect that are followed by
-replays where the equation error is not sure; fits that go first; effects whose further valleys
-or thresholds are looked into, and values that a threshold is fitted again from."""
+replays where the equation error is not sure; fits that go first; effects whose bent or further
+valleys or thresholds are looked into, and values that a threshold is fitted again from."""
 LEVEL_WORK = 5e3
 """Work, in replays of all runs through the nominal model, after which no further set of a level
 is extended, nor exchanged."""

@@ -21,6 +21,7 @@ from locosweep.diagnosis.select.effort import (
 )
 from locosweep.diagnosis.select.screen import (
     Screened,
+    along_valley,
     distinct,
     informative_runs,
     mean_square,
@@ -120,6 +121,9 @@ def extend(
         ]
         if not at_noise:
             followed.append(min((s.fit for s in own), key=chi2_of))
+    if base is None:
+        likely = sorted(along, key=lambda name: along[name][0].chi2)[:FEW]
+        followed += [end for name in likely for end in _valley_end(search, along[name][0], runs)]
     found = descend(search, known, followed, runs, beside, at_noise=at_noise, rival=rival)
     if base is None and not at_noise:
         found |= _thresholds_found(search, found, along)
@@ -208,6 +212,16 @@ def _is_unknown(fit: Fit, i: int) -> bool:
     return bool(fit.covariance.size and fit.covariance[i, i] > (high[i] - low[i]) ** 2)
 
 
+def _valley_end(search: Search, fit: Fit, runs: Sequence[int]) -> list[Fit]:
+    """Return the best end of starts along a fit's valley, if it has one.
+
+    Each is followed alone: beside better ones, slow steps along a valley that bends would end.
+    """
+    starts = along_valley(search.along, fit) if search.along else []
+    ends = [fit_all(search.problem, [s], runs=runs, steps=search.steps)[0] for s in starts]
+    return [min(ends, key=chi2_of).unfitted()] if ends else []
+
+
 def _starts_beside(
     search: Search,
     beside: Fit,
@@ -231,6 +245,8 @@ def _starts_beside(
         # With those at the ends: the strongest ones.
         spread = np.unique(np.linspace(0, len(rows) - 1, min(most, len(rows))).round().astype(int))
         starts = [fit.unfitted() for fit in best] + [rows[i] for i in spread]
+        if best and search.along:
+            starts += along_valley(search.along, best[0])
         model = starts[0].model
         for row in search.hinted(model):
             starts += start_fits(search.nuisances, model, row[None], beside.nuisance)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.diagnosis.effects.catalogue import goes_with, starts_of
-from locosweep.diagnosis.estimate.equation_fits import evaluated, refined
+from locosweep.diagnosis.estimate.equation_fits import evaluated, refined, uncertainties
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, jacobian_of, start_fits
 from locosweep.diagnosis.select.effort import (
     INFORMATIVE_RUNS,
@@ -259,6 +259,25 @@ def distinct(starts: Sequence[Screened], count: int) -> list[Screened]:
         if len(chosen) == count:
             break
     return chosen
+
+
+def along_valley(along: EquationError, fit: Fit) -> list[Fit]:
+    """Return further starts along the direction in which the equation error says least of a fit.
+
+    They lie one and three deviations to either side, where a deviation is no small change.
+    """
+    direction = uncertainties(along, fit)
+    if direction is None:
+        return []
+    found = []
+    for share in (-3.0, -1.0, 1.0, 3.0):
+        theta = fit.theta.copy()
+        theta[: direction.size] += share * direction
+        for i, free in enumerate(fit.model.free):
+            low, high = (np.log(v) if free.log else v for v in (free.low, free.high))
+            theta[i] = np.clip(theta[i], low, high)
+        found.append(fit.unfitted(theta))
+    return found
 
 
 def cancelling_pairs(
