@@ -225,11 +225,15 @@ def figures(judged: Sequence[Judged]) -> list[Figure]:
         share("two effects: both correct", (c.right for c in pairs), at_least(0.85)),
         share("two effects: at least one correct", (c.one_right for c in pairs), at_least(0.98)),
         share(
-            "cause outside the list: `unexplained`",
-            (c.status == "unexplained" for c in outside),
+            "outside the list: `unexplained`, what copies the cause, or the fault of the readings",
+            (c.right for c in outside),
             at_least(0.9),
         ),
-        share("cause outside the list: a wrong name", (c.named for c in outside), at_most(0.05)),
+        share(
+            "outside the list: a wrong name",
+            (c.named and not c.right for c in outside),
+            at_most(0.05),
+        ),
         share(
             "a single name given although a rival is nearer than 2 standard deviations",
             (c.single_name for c in judged if c.twin),

@@ -42,6 +42,22 @@ def test_two_causes_are_both_named() -> None:
     assert set(choice.known.fits) > {frozenset(both), frozenset()}
 
 
+@pytest.mark.parametrize("of_the_effect", [True, False])
+def test_a_law_that_is_none_of_its_effect_is_no_reason_against_two_causes(
+    monkeypatch: pytest.MonkeyPatch, of_the_effect: bool
+) -> None:
+    """Two causes leave but noise, and what one bends to is about as likely."""
+    both = {"viscous_friction": {"c": 0.01}, "sensor_drift": {"b": 1e-4}}
+    search = search_for(both, *NAMES)
+    drag = fit_of(search, "viscous_friction")
+    monkeypatch.setattr(verdict, "best_with_other_law", lambda *_: (0.0, drag))
+    monkeypatch.setattr(verdict, "several_do_better", lambda *_: False)
+    monkeypatch.setattr(verdict, "is_law_of", lambda *_: of_the_effect)
+    choice = choose(search, 3)
+    assert choice.law_mismatch == of_the_effect
+    assert (set(choice.fit.model.names) == set(both)) is not of_the_effect
+
+
 def test_a_set_that_leaves_little_more_than_noise_is_followed_out_of_its_valley(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -246,7 +246,7 @@ def _grown(search: Search, known: Collection, level: list[Fit], most: int) -> _G
             larger = [fit for fit in ordered if gains(search, found, fit)]
         if mismatched:
             score, fit = mismatched
-            if not larger or not several_do_better(search, fit, larger[:_COMPARED]):
+            if not larger or not _are_causes(search, larger, fit):
                 # The gain of further effects is the misfit of the law.
                 return _Grown(known, level, fit, mismatch_score=score)
         if not larger:
@@ -256,6 +256,17 @@ def _grown(search: Search, known: Collection, level: list[Fit], most: int) -> _G
         if len(found.model.names) < count and not remaining(problem, found):
             break
     return _Grown(known, level, found, near, law=law)
+
+
+def _are_causes(search: Search, sets: Sequence[Fit], law: Fit) -> bool:
+    """Return whether sets of several effects explain a gap rather than another law of one does.
+
+    They have to do better; to leave but noise is enough where what the law bends to is none of its
+    effect.
+    """
+    if several_do_better(search, law, sets[:_COMPARED]):
+        return True
+    return not (remaining(search.problem, sets[0]) or is_law_of(search, law))
 
 
 def kept_may_show_a_gap(search: Search, choice: Choice) -> bool:
