@@ -302,7 +302,8 @@ class Experiment:
         beyond the last, factor on the mass, and whether the robot was turned round.
         `begins` has a row for each: position and speed; or, of a window, the position,
         speed and acceleration that were seen there, seconds since the start of its run,
-        the position there, and the distance moved forward since the last rest or turn. `motor` is resistance and force constant.
+        the position there, and the distance moved forward since the last rest or turn.
+        `motor` is resistance and force constant.
         """
     def read(self, /, points: SupportsGetItem[int, Incomplete], spans: SupportsGetItem[int, SupportsIndex], threads: SupportsIndex, moved: Incomplete | None = None) -> Incomplete:
         """

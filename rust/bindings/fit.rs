@@ -195,7 +195,8 @@ impl Experiment {
     /// beyond the last, factor on the mass, and whether the robot was turned round.
     /// `begins` has a row for each: position and speed; or, of a window, the position,
     /// speed and acceleration that were seen there, seconds since the start of its run,
-    /// the position there, and the distance moved forward since the last rest or turn. `motor` is resistance and force constant.
+    /// the position there, and the distance moved forward since the last rest or turn.
+    /// `motor` is resistance and force constant.
     #[new]
     #[pyo3(signature = (job, spans, begins, motor=None))]
     fn new(

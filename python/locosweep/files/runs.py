@@ -79,7 +79,7 @@ class Run:
 
     @property
     def sliding_distance(self) -> float:
-        """Distance moved forward since the last rest or turn at the first sample."""
+        """Distance moved forward since the last rest or turn at the first sample: none is known."""
         return 0.0
 
     @property

@@ -99,6 +99,15 @@ impl<L: Lane> Parameters<L> for Plain<L> {
     }
 }
 
+/// A drive that holds the samples, behind `path`.
+#[inline(always)]
+fn driven<'a, L: Lane>(path: &'a Path<L>, samples: Samples<'a>, zero: L) -> Drive<'a, L> {
+    let table = Table { times: samples.times, values: samples.drive };
+    let mut drive = Drive::new(DriveKind::Table, table, &Plain(zero));
+    drive.path = Some(path);
+    drive
+}
+
 #[inline(always)]
 pub(super) fn segment<'a, L: Lane>(
     plant: &Plant<L>,
@@ -109,9 +118,6 @@ pub(super) fn segment<'a, L: Lane>(
     let Start { x, v, sliding_distance } = start;
     let zero = x.splat(0.0);
     let one = zero.splat(1.0);
-    let table = Table { times: samples.times, values: samples.drive };
-    let mut drive = Drive::new(DriveKind::Table, table, &Plain(zero));
-    drive.path = Some(path);
     Segment {
         mass: plant.mass,
         per_mass: one / plant.mass,
@@ -122,7 +128,7 @@ pub(super) fn segment<'a, L: Lane>(
         spring: zero,
         damper: zero,
         pull: zero,
-        drive,
+        drive: driven(path, samples, zero),
         contact: Contact { normal: zero, coulomb: zero, break_away: zero, viscous: zero },
         x,
         v,
@@ -205,9 +211,7 @@ fn behind_link<L: Lane>(
     let first = match link {
         // The link stands for the lag, so the drive of `segment` has none.
         Link::Lag(_) => {
-            let State { x, v, sliding_distance, .. } = state;
-            let start = Start { x, v, sliding_distance };
-            let drive = self::segment(plant, &plant.path, samples, start).drive;
+            let drive = driven(&plant.path, samples, state.x.splat(0.0));
             drive.force(state.t, &drive.clock(state.t))
         }
         Link::Joint(_) => segment.commanded(state.t, &state.clock),

@@ -110,7 +110,7 @@ def test_a_set_of_two_has_to_gain_over_the_best_one_and_an_exchange_over_its_riv
     assert better.limit <= search.score(pair[0]) - 2.0 * PENALTY
 
 
-def test_what_is_at_noise_gives_its_place_to_whatever_ties_no_more() -> None:
+def test_what_leaves_less_than_noise_gives_its_place_only_to_what_leaves_still_less() -> None:
     search = search_for({"viscous_friction": {"c": 0.06}}, *NAMES)
     best = fit_of(search, "viscous_friction")
     low = replace(best, chi2=0.5 * search.problem.degrees())

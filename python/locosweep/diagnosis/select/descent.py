@@ -13,7 +13,7 @@ from locosweep.diagnosis.select.score import total
 from locosweep.diagnosis.select.thresholds import (
     LEAST_GAIN_FITTED,
     PENALTY,
-    TAKES_PLACE,
+    STALLED,
     TIE,
 )
 from locosweep.diagnosis.select.whiteness import noise_level
@@ -87,7 +87,7 @@ def follow_limit(beside: Fit, least: float) -> float:
 def takes_place(search: Search, fit: Fit) -> float:
     """Return the chi2 below which another set takes the place of one that leaves too much."""
     noise = search.problem.degrees() * noise_level(search.problem, fit.residual)
-    return float(min(noise + TAKES_PLACE * (fit.chi2 - noise), fit.chi2 - TIE))
+    return float(min(noise + STALLED * (fit.chi2 - noise), fit.chi2 - TIE))
 
 
 def beyond_ridges(search: Search, fit: Fit) -> Fit:
@@ -155,17 +155,17 @@ def _with_limits(
     Sets of several effects that are no exchange have to gain over the best smaller one.
     """
     best = min([*known.fits.values(), *others], key=search.score)
-    most = np.inf
+    count = min((len(fit.model.names) for fit in fits), default=0)
     if search.is_noise(best):
         tie = TIE if rival is not None else SLACK
         most = search.score(best) + (0.0 if at_noise else tie)
     elif rival is not None:
         most = takes_place(search, rival) + PENALTY * len(rival.model.free)
-    if rival is None:
-        count = min((len(fit.model.names) for fit in fits), default=0)
+    else:
+        # Single effects are all ranked, whatever the best one leaves.
         alike = known.of_size(count) if count > 1 else []
-        if not np.isfinite(most):
-            most = min(map(search.score, alike), default=np.inf)
+        most = min(map(search.score, alike), default=np.inf)
+    if rival is None:
         fewer = [fit for names, fit in known.fits.items() if 0 < len(names) < count]
         if fewer:
             smaller = min(fewer, key=lambda fit: total(search, fit))

@@ -78,11 +78,9 @@ cause of its own."""
 AT_AN_END = 0.02
 """Share of a shape's range, in its logarithm, within which it counts as at the end. Not derived."""
 STALLED = 0.5
-"""Share of a rest, in chi2 beyond noise, that a second effect may leave for a third one to be
-tried: with more left, the cause is not in the list. Not derived."""
-TAKES_PLACE = 0.5
-"""Share of a rest, in chi2 beyond noise, that a set of as many effects may leave at most to take
-the place of one that leaves it: with more left, neither is the cause. Not derived."""
+"""Share of a rest, in chi2 beyond noise. With more left by a second effect, no third one is tried;
+with more left by another set of as many effects, it does not take the place of the one that leaves
+the rest. So much is left where the cause is not in the list. Not derived."""
 
 TOSS_UP = 0.5
 """Probability of a verdict that stands right at its threshold: either side is as likely."""
