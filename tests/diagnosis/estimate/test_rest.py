@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from diagnosis_small import NOISE, driven, measured, problem
+from diagnosis_small import NOISE, ROBOT, driven, measured, problem
 from locosweep.diagnosis.estimate.least_squares import Fit, Model, Nuisances, point_of
 from locosweep.diagnosis.estimate.rest import RestForce
+from locosweep.files.runs import Run
 
 
 def pushed(size: float, count: int = 4):
@@ -96,3 +97,18 @@ def test_a_run_that_no_model_follows_counts_for_less() -> None:
     assert max(rest.noise[0], rest.noise[2]) < 1.5
     weights = np.split(force.beside_one(rest).weights["x"], own.starts_at[1:-1])
     assert weights[1].max() < 0.06 * weights[0].max()
+
+
+def test_a_force_far_above_the_noise_takes_no_more_than_there_is() -> None:
+    # Behind a hole in the readings the head is anywhere: the gap is millions of deviations.
+    t = np.arange(0.0, 30.0, 0.02)
+    drive = np.where(np.sin(1.4 * np.pi * t) > 0.0, 1.2, -1.1)
+    drive[:5] = 0.0
+    (run,) = measured({"coulomb_error": {"d_mu": 0.015}}, [Run("0", t, drive)], noise=0.0)
+    run.channels["x"][200:1300] = np.nan
+    own = problem([run], replace(ROBOT, other={"sensor.position_noise": 1e-6}))
+    force = RestForce(own)
+    (rest,) = force.beside([nothing()])
+    e = (own.measured["x"] - own.replay([point_of(own, nothing())])["x"][0]) * own.weights["x"]
+    assert rest.deviance > 0.0
+    assert force.log_bayes_factor(nothing()) < np.nansum(np.square(e))

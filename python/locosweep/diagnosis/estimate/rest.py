@@ -76,8 +76,7 @@ class RestForce:
         for time, (values, along) in self._spectra.items():
             parts = np.einsum("rkj,frj->frk", along, moments) ** 2
             signal = np.square(sizes)[:, None, None] * values
-            share = np.square(sizes)[:, None, None] / (1.0 + signal)
-            left = squares[:, None] - np.einsum("srk,frk->fsr", share, parts)
+            left = squares[:, None] - np.einsum("srk,frk->fsr", signal / (1.0 + signal), parts)
             noise = np.maximum(left / count, 1.0)
             deviance = (left / noise + count * np.log(noise)).sum(axis=2)
             deviance += np.log1p(signal).sum(axis=(1, 2))
@@ -192,32 +191,42 @@ class RestForce:
         return found
 
     @cached_property
-    def _without_starts(self) -> list[tuple[Floats, Floats, Floats]]:
-        """Rows of the start of each fitted run, their covariance, and knots less what starts do."""
+    def _bases(self) -> list[tuple[Floats, Floats, Floats]]:
+        """Orthonormal directions in the readings of each fitted run, a column each.
+
+        What its start can do, within its prior; what the knots do beside that; and the root of the
+        products of the knots: their rows are its transpose in these directions. Both sorts of rows
+        move readings by millions of deviations, so that their products would hold few digits.
+        """
         found: list[tuple[Floats, Floats, Floats]] = []
         for starts, force in self._rows:
-            precision: Floats = np.asarray(np.linalg.inv(np.eye(len(starts)) + starts @ starts.T))
-            found.append((starts, precision, force - (force @ starts.T) @ precision @ starts))
+            shifts, count = starts.shape
+            # A prior is a reading of the shift itself.
+            of_start = np.linalg.qr(np.hstack([starts, np.eye(shifts)]).T)[0]
+            force = np.hstack([force, np.zeros((self._knots, shifts))])
+            of_force, root = np.linalg.qr((force - (force @ of_start) @ of_start.T).T)
+            # A run of few readings has fewer directions than knots.
+            missing = self._knots - len(root)
+            of_force = np.pad(of_force, ((0, 0), (0, missing)))
+            root = np.pad(root, ((0, missing), (0, 0)))
+            found.append((of_start[:count], of_force[:count], root))
         return found
 
     @cached_property
     def _spectra(self) -> dict[float, tuple[Floats, Floats]]:
         """Squared singular values of the force in each fitted run, and their directions.
 
-        By correlation time; directions are those in the moments of the knots. Shapes
-        (runs, knots) and (runs, knots, knots).
+        By correlation time; directions are those in the moments. Shapes (runs, knots) and
+        (runs, knots, knots).
         """
         longest = max(float(times[-1]) for times in self._times)
         found = {}
         for time in (longest * share for share in _TIMES):
             values, along = [], []
-            for r, (_, force), (_, _, left) in zip(
-                self.problem.fitted, self._rows, self._without_starts, strict=True
-            ):
-                root = _root(self._times[r], time)
-                one, vectors = np.linalg.eigh(root.T @ (left @ force.T) @ root)
-                values.append(np.maximum(one, 0.0))
-                along.append(vectors.T @ root.T)
+            for r, (_, _, root) in zip(self.problem.fitted, self._bases, strict=True):
+                _, one, vectors = np.linalg.svd(_root(self._times[r], time).T @ root.T)
+                values.append(np.square(one))
+                along.append(vectors)
             found[time] = np.array(values), np.array(along)
         return found
 
@@ -235,16 +244,15 @@ class RestForce:
         return [np.concatenate([part[:, own] for part in parts], axis=1) for own in spans]
 
     def _moments(self, residuals: Sequence[Floats]) -> tuple[Floats, Floats]:
-        """Return products of knots and residuals, and squares of residuals.
+        """Return residuals along the directions of the knots, and squares of residuals.
 
         Shapes (models, runs, knots) and (models, runs).
         """
         moments, squares = [], []
-        for e, (starts, precision, left) in zip(residuals, self._without_starts, strict=True):
-            along = e @ starts.T
-            whole = np.einsum("ij,ij->i", e, e)
-            squares.append(whole - np.einsum("ij,jk,ik->i", along, precision, along))
-            moments.append(e @ left.T)
+        for e, (of_start, of_force, _) in zip(residuals, self._bases, strict=True):
+            started = e @ of_start
+            squares.append(np.einsum("ij,ij->i", e, e) - np.einsum("ij,ij->i", started, started))
+            moments.append(e @ of_force)
         return np.stack(moments, axis=1), np.stack(squares, axis=1)
 
 
