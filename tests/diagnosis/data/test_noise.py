@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from locosweep.diagnosis.data.noise import Noise, noise_of, noise_warnings, stretches
+from locosweep.diagnosis.data.noise import Noise, noise_of, noise_warnings, stretches, weights_of
 from locosweep.files.runs import Run
 
 T = np.linspace(0.0, 2.0, 4001)
@@ -105,3 +105,15 @@ class TestStretches:
 
     def test_nothing(self) -> None:
         assert stretches(np.zeros(0), 1.0).size == 0
+
+
+def test_rows_without_a_reading_change_the_weight_of_none() -> None:
+    step = 1e-4
+    noise = Noise(step / np.sqrt(12.0), 0.0, step, stated=True)
+    read = step * np.round(np.linspace(0.0, 0.02, 401) / step)
+    alone = weights_of(read, noise, np.array([0, read.size]))
+    rare = np.full(10 * read.size, np.nan)
+    rare[::10] = read
+    beside = weights_of(rare, noise, np.array([0, rare.size]))
+    np.testing.assert_allclose(beside[::10], alone)
+    assert alone.min() < alone[0] * 1.01 < noise.sd**-1

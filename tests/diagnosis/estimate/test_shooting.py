@@ -42,3 +42,13 @@ def test_a_start_is_known_where_enough_was_read_around_it():
     run = Run("0", t, np.zeros(100), {"x": x})
     assert knows_start(run, 20, 0.05)
     assert not knows_start(run, 50, 0.05)
+
+
+def test_windows_are_replayed_under_drives_of_their_own():
+    windows = in_windows(whole(SLED, measured(SLED, {}, drives(SLED))))
+    plain, every = [windows.plain()], range(len(windows.runs))
+    before = windows.replay(plain, every)["x"]
+    same = windows.driven_by([run.drive for run in windows.runs])
+    np.testing.assert_array_equal(same.replay(plain, every)["x"], before)
+    more = windows.driven_by([run.drive + 0.5 for run in windows.runs])
+    assert np.abs(more.replay(plain, every)["x"] - before).max() > 1e-3

@@ -91,6 +91,14 @@ def test_thinning_keeps_the_impulse():
     assert decimated(run, 0.0015) is run
 
 
+def test_thinning_keeps_how_far_the_impulse_of_a_gap_may_be_off():
+    run = drives(SLED, 1, 4.0, 1e-3)[0]
+    bounds = np.where((run.t > 1.0) & (run.t < 1.0995), 0.1, 0.0)
+    few = decimated(replace(run, drive_deviation=bounds), 0.005)
+    assert few.drive_deviation is not None
+    assert np.sum(few.drive_deviation * 5e-3) == pytest.approx(np.sum(bounds * 1e-3))
+
+
 def test_a_hole_in_the_readings_makes_windows_no_shorter():
     frame = measured(SLED, {"viscous_friction": {"c": 0.15}}, drives(SLED, 1, 30.0))
     hole = pl.when(pl.col("t").is_between(10.0, 16.0)).then(None)

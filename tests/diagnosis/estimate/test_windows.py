@@ -59,3 +59,13 @@ def test_numbers_are_spread_evenly() -> None:
     assert spread(3, 5) == [0, 1, 2]
     assert spread(10, 2) == [2, 7]
     assert spread(10, 0) == []
+
+
+def test_each_of_many_runs_shows_motion_and_one_window_in_eight_rests() -> None:
+    t = np.arange(0.0, 12.0, 0.01)
+    moves = np.where(t < 2.0, 0.0, np.sin(t - 2.0))
+    runs = [Run(str(k), t, np.where(t < 2.0, 0.0, 1.0), {"x": moves}) for k in range(16)]
+    every = {r: [(r, a, a + 100) for a in range(0, 1200, 100)] for r in range(16)}
+    found = chosen_windows(runs, every, 1600, 1e-4)
+    assert len(found) == 16
+    assert sum(b <= 200 for _, _, b in found) == 2

@@ -134,3 +134,17 @@ def test_jumps_have_to_do_better_than_another_law_where_one_was_found(
         )
         assert len(stepped_readings(problem, none, fit, other_law=True)[1]) == slips
         assert len(stepped_readings(problem, none, fit)[1]) == 8
+
+
+@pytest.mark.parametrize("origin", [0.0, 2.0])
+def test_a_coarse_encoder_slips_wherever_its_zero_lies(origin: float) -> None:
+    step, noise = 1e-4, 3e-5
+    sensor = {"sensor.position_noise": noise, "sensor.position_resolution": step}
+    runs, random = [], np.random.default_rng(3)
+    for run in measured():
+        x = run.channels["x"] + origin + random.normal(0.0, noise, T.size)
+        x = step * np.round(x / step) + 2.0 * step * np.floor(T / 0.7)
+        runs.append(replace(run, channels={"x": x}))
+    problem = Problem(replace(ROBOT, other=sensor), runs, 1)
+    (fit,) = evaluate(problem, start_fits(Nuisances(), Model((), ()), np.zeros((1, 0))))
+    assert len(stepped_readings(problem, fit, fit)[1]) > 6

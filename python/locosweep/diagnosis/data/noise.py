@@ -160,7 +160,8 @@ def weights_of(y: Floats, noise: Noise, starts_at: NDArray[np.intp]) -> Floats:
         # count for as many as have the variance of their mean.
         for a, b in pairwise(starts_at):
             number = stretches(y[a:b], noise.step * 1.01 + 4.0 * noise.gaussian)
-            counts = np.bincount(number)[number].astype(float)
+            read = np.isfinite(y[a:b])
+            counts = np.maximum(np.bincount(number, read), 1.0)[number]
             effective = noise.sd**2 / (noise.sd**2 / counts + noise.stuck**2)
             weight[a:b] *= np.sqrt(np.minimum(1.0, effective / counts))
     return weight

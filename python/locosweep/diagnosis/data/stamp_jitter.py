@@ -75,5 +75,7 @@ def _moving(t: Floats, x: Floats) -> Floats:
     sizes = [np.abs(scaled_differences(t, x, order)[:count]) for order in _ORDERS]
     speed = np.abs(x[width:] - x[:-width]) / (t[width:] - t[:-width])
     rows = np.stack([speed, *sizes])[:, speed > 0.0]
-    rank = np.argsort(np.argsort(rows[0])) / max(rows.shape[1], 1)
+    # Speeds of a coarse encoder tie by the hundred.
+    order = np.argsort(rows[0], kind="stable")
+    rank = np.argsort(order, kind="stable") / max(rows.shape[1], 1)
     return np.vstack([rows, rank])

@@ -372,6 +372,11 @@ class Problem:
         ]
         return offsets + self.gap_shifts.in_core(self.channels, self.seen)
 
+    def driven_by(self, drives: Sequence[Floats]) -> Problem:
+        """Return the problem with other drive columns, a row a run."""
+        pairs = zip(self.runs, drives, strict=True)
+        return replace(self, runs=[replace(run, drive=drive) for run, drive in pairs])
+
     def _span(self, run: int) -> tuple[int, int, int]:
         """Return what is replayed: the engine's run, first sample, one beyond the last."""
         return run, 0, int(self.lengths[run])

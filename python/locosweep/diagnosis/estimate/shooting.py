@@ -6,7 +6,7 @@ exceed the motion itself. Over a short window they stay in proportion to their c
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -278,6 +278,17 @@ class WindowProblem(Problem):
         starts = [[(number[c], change * self.weights[c]) for c, change in kind.items()]
                   for kind in kinds]  # fmt: skip
         return starts + self.gap_shifts.in_core(self.channels, self.seen)
+
+    def driven_by(self, drives: Sequence[Floats]) -> WindowProblem:
+        """Return the problem with other drive columns, a row a window.
+
+        Each window is then a record of its own: where two overlap, their drives may differ.
+        """
+        windows = tuple(
+            replace(window, drive=drive, record=r, span=(0, window.t.size))
+            for r, (window, drive) in enumerate(zip(self.windows, drives, strict=True))
+        )
+        return replace(self, runs=windows, records=windows)
 
     def _span(self, run: int) -> tuple[int, int, int]:
         return (self.windows[run].record, *self.windows[run].span)

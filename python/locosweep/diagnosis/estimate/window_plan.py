@@ -222,8 +222,8 @@ def decimated(run: Run, interval: float) -> Run:
                 for c, y in run.channels.items()}  # fmt: skip
     bounds = run.drive_deviation
     if bounds is not None:
-        bounds = np.sqrt(np.add.reduceat((bounds * width) ** 2, starts))
-        bounds = bounds / np.add.reduceat(width, starts)
+        # Rows of one gap err together.
+        bounds = np.add.reduceat(bounds * width, starts) / np.add.reduceat(width, starts)
     return Run(run.label, run.t[starts], mean(run.drive), channels, run.slope_deg, bounds)
 
 

@@ -73,26 +73,31 @@ def chosen_windows(
     """Pick windows from every run alike, over its drive levels, speeds and times."""
     left = most
     chosen = []
+    # Of many runs each has few windows: rests are counted over all, and rounded.
+    due = 0.5
     order = sorted(windows, key=lambda r: sum(b - a for _, a, b in windows[r]))
     for k, r in enumerate(order):
         mine = windows[r]
         size = float(np.mean([b - a for _, a, b in mine]))
         count = max(1, int(left / (len(order) - k) / size))
-        picked = _varied(runs[r], mine, count, noise)
+        due += count / _RESTING
+        picked = _varied(runs[r], mine, count, int(due), noise)
+        due -= int(due)
         left -= sum(b - a for _, a, b in picked)
         chosen += picked
     return sorted(chosen)
 
 
 def _varied(
-    run: Run, windows: list[tuple[int, int, int]], count: int, noise: float
+    run: Run, windows: list[tuple[int, int, int]], count: int, rests_due: int, noise: float
 ) -> list[tuple[int, int, int]]:
+    """Pick windows over drive levels and travels; so many of rest, more if few others move."""
     x = run.channels["x"]
     travel = np.array([np.nanmax(x[a:b]) - np.nanmin(x[a:b]) for _, a, b in windows])
     drive = np.array([np.sqrt(np.mean(run.drive[a:b] ** 2)) for _, a, b in windows])
     rests = travel <= 8.0 * noise
     moving, resting = np.flatnonzero(~rests), np.flatnonzero(rests)
-    few = min(resting.size, max(1, count // _RESTING), count) if moving.size else count
+    few = min(max(rests_due, count - moving.size), count)
     picks = [resting[i] for i in spread(resting.size, few)]
     if moving.size:
         # Even steps through windows in order of drive, then travel, then time meet

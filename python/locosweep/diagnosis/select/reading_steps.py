@@ -81,9 +81,10 @@ def stepped_readings(
     for r in every:
         a, b = int(problem.starts_at[r]), int(problem.starts_at[r + 1])
         at = np.flatnonzero(problem.weights["x"][a:b] > 0.0)
-        own = _levels(at, left[first + a + at])
-        nominal = problem.measured["x"][a:b][at] * problem.weights["x"][a:b][at]
-        resting += _at_rest(own, nominal - left[first + a + at])
+        errors, weights = left[first + a + at], problem.weights["x"][a:b][at]
+        own = _levels(at, errors)
+        nominal = problem.measured["x"][a:b][at] - errors / weights
+        resting += _at_rest(own, nominal, weights)
         for low, high, mean in zip(own.cuts, own.cuts[1:], own.means, strict=False):
             left[first + a + at[low:high]] -= mean
         found.append(own)
@@ -136,12 +137,16 @@ def _levels(at: NDArray[np.intp], errors: Floats) -> _Levels:
     return _Levels(at, cuts, means)
 
 
-def _at_rest(own: _Levels, nominal: Floats) -> int:
-    """Count the jumps beside which the nominal head, in deviations of a reading, does not move."""
+def _at_rest(own: _Levels, nominal: Floats, weights: Floats) -> int:
+    """Count the jumps beside which the nominal head does not move.
+
+    In metres: readings of a coarse encoder differ in how much they count, and a position times
+    their weights would move where the head rests.
+    """
     count = 0
     for cut, (before, after) in zip(own.cuts[1:-1], pairwise(own.means), strict=True):
         way = np.ptp(nominal[max(cut - _NEAR, 0) : cut + _NEAR])
-        count += bool(way < _STILL * abs(after - before))
+        count += bool(way < _STILL * abs(after - before) / weights[cut])
     return count
 
 

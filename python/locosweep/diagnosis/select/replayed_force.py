@@ -119,11 +119,11 @@ def under_force(law: ForceLaw, problem: Problem, fit: Fit) -> Problem | None:
         if not np.isfinite(x).all():
             return None
         force = np.split(np.interp(x, law.at, law.size), problem.starts_at[1:-1])
-        runs = [
-            replace(run, drive=(np.clip(gain * run.drive, -limit, limit) + own) / gain)
+        drives = [
+            (np.clip(gain * run.drive, -limit, limit) + own) / gain
             for run, own in zip(problem.runs, force, strict=True)
         ]
-        now = replace(problem, robot=free, runs=runs, known=problem.noise)
+        now = replace(problem, robot=free, known=problem.noise).driven_by(drives)
         last, x = x, now.replay([point], every)["x"][0]
         if np.abs(x - last).max() < problem.noise["x"].sd:
             return now
