@@ -110,10 +110,13 @@ def _others(record: Any, shown: set[str]) -> list[tuple[str, str]]:
     """Return the other public fields that hold something, as text."""
     keys = [key for key in dir(record) if not key.startswith("_") and key not in shown]
     found = [(key, getattr(record, key)) for key in keys]
-    return [(k, _said(v)) for k, v in found if not callable(v) and v not in (None, "", [], ())]
+    nothing = (None, "", [], (), False)
+    return [(k, _said(v)) for k, v in found if not callable(v) and v not in nothing]
 
 
 def _said(value: Any) -> str:
+    if value is True:
+        return "yes"
     if isinstance(value, str | int | float):
         return f"{value:g}" if isinstance(value, float) else str(value)
     return ", ".join(map(_said, value)) if isinstance(value, list | tuple) else str(value)
@@ -124,6 +127,7 @@ _WORDS = {
     "error_of": "error of the value",
     "excludes": "stands in the place of",
     "further": "further variable of another functional form",
+    "monotone": "any functional form rises or falls all along",
     "shown": "motion of the head that shows it",
     "variable": "variable of another functional form",
 }

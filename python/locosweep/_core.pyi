@@ -109,6 +109,11 @@ class Effect:
     @property
     def meaning(self, /) -> str: ...
     @property
+    def monotone(self, /) -> bool:
+        """
+        Whether its law in `variable` rises all along, or falls, by whatever formula.
+        """
+    @property
     def name(self, /) -> str: ...
     @property
     def needs(self, /) -> list[str]:

@@ -27,6 +27,8 @@ pub struct EffectRecord {
     variable: Option<&'static str>,
     /// A second variable of another law, which no other effect follows.
     further: Option<&'static str>,
+    /// Whether its law in `variable` rises all along, or falls, by whatever formula.
+    monotone: bool,
     /// What a rig must have for it: body, rear_sensor, slope.
     needs: Vec<&'static str>,
     /// Motion of the head without which it cannot show: at_rest (none), moving,
@@ -181,6 +183,7 @@ pub fn effects(py: Python<'_>) -> PyResult<Vec<EffectRecord>> {
             fits: fits.collect::<PyResult<_>>()?,
             variable: info.variable.map(Variable::name),
             further: info.further.map(Variable::name),
+            monotone: info.monotone,
             needs: info.needs.iter().copied().map(Need::name).collect(),
             shown: info.shown.name(),
             contains: info.contains.to_vec(),

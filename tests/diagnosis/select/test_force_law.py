@@ -7,7 +7,8 @@ import pytest
 
 from diagnosis_search import fit_of, search_of
 from diagnosis_small import STIFFNESS, driven, measured, tethered
-from locosweep.diagnosis.select.force_law import force_law
+from locosweep.diagnosis.select.force_law import force_law, monotone_loss
+from locosweep.diagnosis.select.thresholds import LEAST_GAIN
 
 
 def test_a_tether_pulls_back_in_proportion_to_the_way() -> None:
@@ -40,3 +41,12 @@ def test_what_a_fit_explains_is_no_law() -> None:
 def test_some_variables_have_no_curve(variable: str) -> None:
     search = search_of(measured({}, driven(2)), "viscous_friction")
     assert force_law(search.problem, search.none, variable) is None
+
+
+def test_a_law_that_rises_takes_no_less_than_a_curve_and_one_that_swings_less() -> None:
+    rising = measured({"quadratic_drag": {"c2": 0.002}}, driven(4))
+    search = search_of(rising, "quadratic_drag")
+    assert monotone_loss(search.problem, search.none, "speed") < LEAST_GAIN
+    wave = {"position_dependent_friction": {"a": 0.001, "L": 0.05, "p": 0.0}}
+    search = search_of(measured(wave, driven(4)), "position_dependent_friction")
+    assert monotone_loss(search.problem, search.none, "place") > 10.0 * LEAST_GAIN

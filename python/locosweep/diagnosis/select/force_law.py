@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.optimize import nnls
 
 from locosweep.diagnosis.estimate.least_squares import evaluate, jacobian_of
 from locosweep.diagnosis.estimate.motion import READINGS, Regressor, motion_of, regressors, response
@@ -68,20 +69,10 @@ def force_law(
     Where the drives of the problem hold a force by place already, `acting`, it is the law that
     they and what the model still lacks make together.
     """
-    (fit,) = evaluate(problem, [fit.unfitted()])
-    one = _whole_law(variable, motion := motion_of(problem, fit))
-    if one is None:
+    if (acted := _acting(problem, fit, variable)) is None:
         return None
-    low, high = one.values[one.where].min(), one.values[one.where].max()
-    at = np.linspace(low, high, _KNOTS)
-    rows = _responses(
-        problem, one.hats(at), motion, fit.residual.size, reading=variable in READINGS
-    )
-    beside = jacobian_of(problem, fit)[fit.inside]
-    if len(beside):
-        rows = rows - (rows @ (fitted := np.linalg.qr(beside.T)[0])) @ fitted.T
-    noise = noise_level(problem, fit.residual)
-    gap = fit.residual
+    at, rows, gap = acted
+    noise = noise_level(problem, gap)
     if acting is not None:
         gap = gap + np.interp(at, acting.at, acting.size) @ rows
     log_factor, size, _ = _likeliest_curve(at, rows, gap, noise)
@@ -101,6 +92,47 @@ def force_law(
         found = None if found is None else replace(found, sizes=-found.sizes)
     deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     return ForceLaw(variable, at, size, deviation, found, log_factor, carried)
+
+
+def monotone_loss(problem: Problem, fit: Fit, variable: str) -> float:
+    """Return how much less a law that only rises, or falls, takes of a gap than one that bends.
+
+    In chi2, in units of what the law that bends leaves; 0 where the motion shows no law. The one
+    that only rises may do so in steps: where the cause is such a law, it takes about as much.
+    """
+    if (acted := _acting(problem, fit, variable)) is None:
+        return 0.0
+    at, rows, gap = acted
+    left = gap - _likeliest_curve(at, rows, gap, noise_level(problem, gap))[1] @ rows
+    noise = max(noise_level(problem, left), float(left @ left) / max(problem.degrees(), 1))
+    left = gap - _likeliest_curve(at, rows, gap, noise)[1] @ rows
+    basis, root = np.linalg.qr(rows.T)
+    along = basis.T @ gap
+    level, rises = np.ones((at.size, 1)), np.tri(at.size)[:, 1:]
+    # Steps are positive, a level is either.
+    rests = [nnls(root @ np.hstack([level, -level, way * rises]), along)[1] for way in (1.0, -1.0)]
+    monotone = float(gap @ gap - along @ along) + min(rests) ** 2
+    return float(monotone - left @ left) / noise
+
+
+def _acting(problem: Problem, fit: Fit, variable: str) -> tuple[Floats, Floats, Floats] | None:
+    """Return values of a variable, what a unit law at each changes, and the gap that a fit leaves.
+
+    The changes are those that the fit's own parameters cannot make.
+    """
+    (fit,) = evaluate(problem, [fit.unfitted()])
+    one = _whole_law(variable, motion := motion_of(problem, fit))
+    if one is None:
+        return None
+    low, high = one.values[one.where].min(), one.values[one.where].max()
+    at = np.linspace(low, high, _KNOTS)
+    rows = _responses(
+        problem, one.hats(at), motion, fit.residual.size, reading=variable in READINGS
+    )
+    beside = jacobian_of(problem, fit)[fit.inside]
+    if len(beside):
+        rows = rows - (rows @ (fitted := np.linalg.qr(beside.T)[0])) @ fitted.T
+    return at, rows, fit.residual
 
 
 def _likeliest_curve(

@@ -16,8 +16,11 @@ from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.all_runs import fitted_to_all, of_all_runs, with_all_starts
 from locosweep.diagnosis.select.by_place import ALONG, BY_PLACE, by_place_ahead
 from locosweep.diagnosis.select.effort import LEAST_ERROR
+from locosweep.diagnosis.select.force_law import monotone_loss
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
+from locosweep.diagnosis.select.stepwise import without
 from locosweep.diagnosis.select.whiteness import noise_level, whiteness_test
+from locosweep.simulation.replay import effect
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -129,8 +132,25 @@ def _score_with_other_law(search: Search, fit: Fit) -> tuple[tuple[bool, float] 
         return None, most
     if terms.predictive_gain(own, noise) <= 0.0 or not _holds(problem, fit, own, noise):
         return None, most
+    if not _is_monotone(search, fit):
+        return None, most
     behind = best - log_factor > limits.LEAST_GAIN
     return (behind, search.score(fit) - log_factor * noise), most
+
+
+def _is_monotone(search: Search, fit: Fit) -> bool:
+    """Return whether laws in place of formulas rise or fall all along where any law of them does.
+
+    A ground that rocks is no drift of friction, whatever its motion looks like: the registry says
+    of which effects this holds (`monotone`).
+    """
+    for name in fit.model.names:
+        if effect(name).monotone:
+            several = len(fit.model.names) > 1
+            base = without(search, fit, name) if several else search.none
+            if monotone_loss(search.problem, base, VARIABLES[name]) > limits.LEAST_GAIN:
+                return False
+    return True
 
 
 def several_do_better(search: Search, law: Fit, sets: Sequence[Fit]) -> bool:

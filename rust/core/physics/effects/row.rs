@@ -169,6 +169,8 @@ pub struct EffectInfo {
     pub variable: Option<Variable>,
     /// A second variable that another law may follow, and no other effect.
     pub further: Option<Variable>,
+    /// Whether its law in `variable` rises all along, or falls, by whatever formula.
+    pub monotone: bool,
     pub needs: &'static [Need],
     pub shown: Shown,
     /// Effects with fewer parameters that this one contains as a limit.
@@ -259,6 +261,7 @@ pub(super) const EFFECT: EffectInfo = EffectInfo {
     params: &[],
     variable: None,
     further: None,
+    monotone: false,
     needs: &[],
     shown: Shown::Moving,
     contains: &[],
