@@ -148,3 +148,11 @@ def test_a_coarse_encoder_slips_wherever_its_zero_lies(origin: float) -> None:
     problem = Problem(replace(ROBOT, other=sensor), runs, 1)
     (fit,) = evaluate(problem, start_fits(Nuisances(), Model((), ()), np.zeros((1, 0))))
     assert len(stepped_readings(problem, fit, fit)[1]) > 6
+
+
+@pytest.mark.parametrize(("jump", "rests"), [(0.5, 0), (5.0, 1)])
+def test_a_jump_below_the_noise_may_lie_where_the_head_still_moved(jump: float, rests: int) -> None:
+    # It moves fifteen readings before the cut: only a large jump is known not to be there.
+    nominal = np.where(np.arange(200) < 85, 0.0, 1e-3)
+    levels = reading_steps._Levels(np.arange(200), [0, 100, 200], [0.0, jump])
+    assert reading_steps._at_rest(levels, nominal, np.full(200, 1e5)) == rests

@@ -35,9 +35,11 @@ if TYPE_CHECKING:
 
 _PRICE = 2.0 * PENALTY
 """Of a jump in chi2: its time and its size."""
-_NEAR = 4
-"""Readings before a jump and behind it in which the nominal head may move: the place of a jump of
-the size of the noise is known to a few readings."""
+_FEW = 4
+"""Readings before a jump and behind it, at least, in which the nominal head must rest."""
+_PLACE = 11.0
+"""The same over the square of the jump in deviations: 95 % of the places at which a jump in noise
+is found lie no further from where it is (Yao 1987, two-sided Brownian motion with drift)."""
 _STILL = 0.25
 """Way of the nominal head in these, over the jump, up to which it rests: what moves by so little
 does not make the jump."""
@@ -145,8 +147,10 @@ def _at_rest(own: _Levels, nominal: Floats, weights: Floats) -> int:
     """
     count = 0
     for cut, (before, after) in zip(own.cuts[1:-1], pairwise(own.means), strict=True):
-        way = np.ptp(nominal[max(cut - _NEAR, 0) : cut + _NEAR])
-        count += bool(way < _STILL * abs(after - before) / weights[cut])
+        jump = abs(after - before)
+        near = max(_FEW, int(np.ceil(_PLACE / max(jump, 1e-3) ** 2)))
+        way = np.ptp(nominal[max(cut - near, 0) : cut + near])
+        count += bool(way < _STILL * jump / weights[cut])
     return count
 
 
