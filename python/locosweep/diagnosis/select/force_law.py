@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.optimize import nnls
+from scipy.optimize import lsq_linear
 
 from locosweep.diagnosis.estimate.least_squares import evaluate, jacobian_of
 from locosweep.diagnosis.estimate.motion import READINGS, Regressor, motion_of, regressors, response
@@ -108,10 +108,12 @@ def monotone_loss(problem: Problem, fit: Fit, variable: str) -> float:
     left = gap - _likeliest_curve(at, rows, gap, noise)[1] @ rows
     basis, root = np.linalg.qr(rows.T)
     along = basis.T @ gap
+    # A level has either sign, steps have one.
+    low = np.array([-np.inf, *np.zeros(at.size - 1)])
     level, rises = np.ones((at.size, 1)), np.tri(at.size)[:, 1:]
-    # Steps are positive, a level is either.
-    rests = [nnls(root @ np.hstack([level, -level, way * rises]), along)[1] for way in (1.0, -1.0)]
-    monotone = float(gap @ gap - along @ along) + min(rests) ** 2
+    laws = [root @ np.hstack([level, way * rises]) for way in (1.0, -1.0)]
+    rests = [2.0 * lsq_linear(law, along, (low, np.inf), method="bvls").cost for law in laws]
+    monotone = float(gap @ gap - along @ along) + min(rests)
     return float(monotone - left @ left) / noise
 
 
