@@ -156,3 +156,17 @@ def test_a_jump_below_the_noise_may_lie_where_the_head_still_moved(jump: float, 
     nominal = np.where(np.arange(200) < 85, 0.0, 1e-3)
     levels = reading_steps._Levels(np.arange(200), [0, 100, 200], [0.0, jump])
     assert reading_steps._at_rest(levels, nominal, np.full(200, 1e5)) == rests
+
+
+def test_the_place_of_a_jump_is_as_uncertain_as_it_is_taken_to_be() -> None:
+    random = np.random.default_rng(2)
+    jump, count = 0.7, 400
+    steps = jump * (np.arange(count) >= count // 2)
+    middle = np.arange(1, count)
+    off = []
+    for _ in range(2000):
+        sums = np.cumsum(random.standard_normal(count) + steps)
+        apart = sums[:-1] / middle - (sums[-1] - sums[:-1]) / (count - middle)
+        off.append(middle[np.argmax(apart**2 * middle * (count - middle))] - count // 2)
+    within = np.mean(np.abs(off) <= reading_steps._PLACE / jump**2)
+    assert within == pytest.approx(0.95, abs=0.02)

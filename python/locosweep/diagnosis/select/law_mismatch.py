@@ -139,10 +139,10 @@ def _score_with_other_law(search: Search, fit: Fit) -> tuple[tuple[bool, float] 
 
 
 def _is_monotone(search: Search, fit: Fit) -> bool:
-    """Return whether laws in place of formulas rise or fall all along where any law of them does.
+    """Return whether the laws found in place of formulas only rise or only fall, where they must.
 
-    A ground that rocks is no drift of friction, whatever its motion looks like: the registry says
-    of which effects this holds (`monotone`).
+    The registry says of which effects (`monotone`). A ground that rocks makes a force that rises
+    and falls: it is no drift of friction.
     """
     for name in fit.model.names:
         if effect(name).monotone:

@@ -36,10 +36,12 @@ if TYPE_CHECKING:
 _PRICE = 2.0 * PENALTY
 """Of a jump in chi2: its time and its size."""
 _FEW = 4
-"""Readings before a jump and behind it, at least, in which the nominal head must rest."""
+"""Readings before a jump and behind it, at least, in which the nominal head must rest. Not
+derived."""
 _PLACE = 11.0
-"""The same over the square of the jump in deviations: 95 % of the places at which a jump in noise
-is found lie no further from where it is (Yao 1987, two-sided Brownian motion with drift)."""
+"""The same readings, times the square of the jump in deviations: a jump in noise is found within so
+many readings of where it is, 95 times in 100 (Yao 1987). `pytest
+tests/diagnosis/select/test_reading_steps.py -k place` draws such jumps."""
 _STILL = 0.25
 """Way of the nominal head in these, over the jump, up to which it rests: what moves by so little
 does not make the jump."""
@@ -148,7 +150,7 @@ def _at_rest(own: _Levels, nominal: Floats, weights: Floats) -> int:
     count = 0
     for cut, (before, after) in zip(own.cuts[1:-1], pairwise(own.means), strict=True):
         jump = abs(after - before)
-        near = max(_FEW, int(np.ceil(_PLACE / max(jump, 1e-3) ** 2)))
+        near = int(np.clip(_PLACE / max(jump**2, 1e-300), _FEW, nominal.size))
         way = np.ptp(nominal[max(cut - near, 0) : cut + near])
         count += bool(way < _STILL * jump / weights[cut])
     return count
