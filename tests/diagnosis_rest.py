@@ -11,9 +11,9 @@ from diagnosis_small import driven, measured
 NAMES = ("viscous_friction", "drive_gain_error", "drive_lag", "sensor_scale", "coulomb_error")
 
 
-def rig(effects, *, hidden: float, count: int = 5):
+def rig(effects, *, hidden: float, count: int = 5, runs=None):
     """Runs with an effect and with a force of their own, another one in each run."""
-    runs = driven(count)
+    runs = driven(count) if runs is None else runs
     random = np.random.default_rng(11)
     knots = np.linspace(0.0, 2.0, 8)
     real = [

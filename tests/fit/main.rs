@@ -8,7 +8,7 @@ use locosweep::physics::effects::{Active, EFFECT_PARAMS, Effect, Nominal};
 use locosweep::sweep::Control;
 use locosweep::sweep::fit::{
     Asked, Begin, Compared, Coordinate, DVector, Experiment, FINE, Fit, How, Misfit, Objective,
-    OverSpans, Point, Replayed, Rule, Signal, Source, Span, What, evaluate, fit, jacobian,
+    OverSpans, Point, Replayed, Rule, Shift, Signal, Source, Span, What, evaluate, fit, jacobian,
     readings, residuals,
 };
 use locosweep::sweep::replay::Run;
@@ -78,6 +78,10 @@ fn misfit() -> Misfit {
 /// The same with readings that are all `off`, and start positions that are known to so many
 /// deviations of a sample.
 fn misfit_beside(off: f64, known: f64) -> Misfit {
+    misfit_with(off, &[vec![(0, vec![known; RUNS * SAMPLES])]])
+}
+
+fn misfit_with(off: f64, shifts: &[Shift]) -> Misfit {
     let experiment = experiment();
     let count = RUNS * SAMPLES;
     let mut read = vec![vec![0.0; count]; 4];
@@ -92,7 +96,7 @@ fn misfit_beside(off: f64, known: f64) -> Misfit {
         measured: read[0].iter().enumerate().map(uneven).collect(),
         weights: vec![1.0 / DEVIATION; count],
     };
-    Misfit::new(experiment, &[signal], &[vec![(0, vec![known; count])]])
+    Misfit::new(experiment, &[signal], shifts)
 }
 
 fn start(damping: f64) -> Fit {
@@ -254,6 +258,39 @@ fn squares_are_those_of_the_residuals_however_much_shifts_take_out() {
         let squares: f64 = kept.residual.unwrap().iter().map(|e| e * e).sum();
         assert_eq!(kept.chi2, bare.chi2);
         assert!((bare.chi2 - squares).abs() < 1e-9 * squares, "{off}: {} {squares}", bare.chi2);
+    }
+}
+
+/// A start and the knots of a force move readings by millions of deviations, and by nearly the
+/// same ones: what they can do is a line here, whatever their order and their lengths.
+#[test]
+fn long_shifts_that_differ_little_are_taken_out_together() {
+    let control = Control::default();
+    let how = how(Level::current().unwrap(), 1, &control);
+    let ramp = |i: usize| (i % SAMPLES) as f64 / SAMPLES as f64;
+    let long = |share: f64| -> Shift {
+        vec![(0, (0..RUNS * SAMPLES).map(|i| 1e7 * (1.0 + share * ramp(i))).collect())]
+    };
+    let rows = |shifts: &[Shift]| {
+        let misfit = misfit_with(1e-3, shifts);
+        let mut rows = vec![0.0; misfit.residuals(&SPANS)];
+        residuals(&misfit, &[truth()], &SPANS, f64::INFINITY, &how, &mut rows).unwrap();
+        rows
+    };
+    let bare = rows(&[]);
+    for shifts in [[long(0.0), long(1e-3)], [long(1e-3), long(0.0)]] {
+        let found = rows(&shifts);
+        for run in SPANS {
+            let own = run * SAMPLES..(run + 1) * SAMPLES;
+            let mean = bare[own.clone()].iter().sum::<f64>() / SAMPLES as f64;
+            let middle = (SAMPLES - 1) as f64 / 2.0 / SAMPLES as f64;
+            let along: f64 = own.clone().map(|i| bare[i] * (ramp(i) - middle)).sum();
+            let slope = along / own.clone().map(|i| (ramp(i) - middle).powi(2)).sum::<f64>();
+            for i in own {
+                let line = mean + slope * (ramp(i) - middle);
+                assert!((found[i] - (bare[i] - line)).abs() < 1e-6, "{i}: {}", found[i]);
+            }
+        }
     }
 }
 

@@ -14,7 +14,7 @@ from locosweep.diagnosis.estimate.rest import RestForce
 from locosweep.files.runs import Run
 
 
-def pushed(size: float, count: int = 4):
+def pushed(size: float, count: int = 4, noise: float = NOISE):
     """Runs in which a force acts that their drive column does not tell of."""
     runs = driven(count)
     random = np.random.default_rng(3)
@@ -23,7 +23,7 @@ def pushed(size: float, count: int = 4):
     real = [replace(run, drive=run.drive + f) for run, f in zip(runs, hidden, strict=True)]
     return [
         replace(run, drive=told.drive)
-        for run, told in zip(measured({}, real), runs, strict=True)
+        for run, told in zip(measured({}, real, noise=noise), runs, strict=True)
     ]  # fmt: skip
 
 
@@ -61,29 +61,32 @@ def test_noise_above_the_stated_one_is_no_merit_of_the_force() -> None:
     assert -20.0 < force.log_bayes_factor(nothing()) < 20.0
 
 
-def test_its_deviance_is_that_of_a_normal_distribution() -> None:
-    """The covariance of all readings of a run, written out, gives the same likelihood."""
-    own = problem(pushed(0.05, 2))
+@pytest.mark.parametrize("noise", [NOISE, 3.0 * NOISE])
+def test_its_deviance_is_that_of_a_normal_distribution(noise: float) -> None:
+    """The covariance of all readings of a run, written out, gives the same likelihood.
+
+    Written out from the rows that fits beside the rest use, so that both mean the same rest.
+    """
+    own = problem(pushed(0.05, 2, noise))
     force = RestForce(own)
     (rest,) = force.beside([nothing()])
-    beside = force.beside_one(replace(rest, noise=(1.0,) * 2))
+    # A factor above 1 shows whether both scale the force and the starts with it.
+    assert max(rest.noise) > 5.0
+    beside = force.beside_one(rest)
     deviance = 0.0
     e = own.measured["x"] - own.replay([point_of(own, nothing())])["x"][0]
     for r in range(2):
         at = slice(own.starts_at[r], own.starts_at[r + 1])
-        rows = np.array([dict(s)[0][at] for s in [*own.start_shifts, *beside.rest]])
-        weights = own.weights["x"][at]
+        rows = np.array([dict(s)[0][at] for s in [*beside.start_shifts, *beside.rest]])
         covariance = np.eye(rows.shape[1]) + rows.T @ rows
         density = multivariate_normal(np.zeros(rows.shape[1]), covariance, allow_singular=True)
-        deviance -= 2.0 * density.logpdf(e[at] * weights)
+        deviance -= 2.0 * density.logpdf(e[at] * beside.weights["x"][at])
+        deviance += rows.shape[1] * np.log(rest.noise[r])
         starts = np.array([dict(s)[0][at] for s in own.start_shifts])
         # What does not depend on the rest is left out.
         deviance -= np.linalg.slogdet(np.eye(len(starts)) + starts @ starts.T)[1]
         deviance -= rows.shape[1] * np.log(2.0 * np.pi)
-    if max(rest.noise) == 1.0:
-        assert rest.deviance == pytest.approx(deviance, rel=1e-6)
-    else:
-        assert rest.deviance < deviance
+    assert rest.deviance == pytest.approx(deviance, rel=1e-6)
 
 
 def test_a_run_that_no_model_follows_counts_for_less() -> None:

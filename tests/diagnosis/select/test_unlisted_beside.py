@@ -10,7 +10,7 @@ import pytest
 
 from diagnosis_rest import NAMES, rig
 from diagnosis_search import search_of
-from diagnosis_small import driven, measured, tethered
+from diagnosis_small import driven, tethered
 from locosweep.diagnosis.estimate.rest import RestForce
 from locosweep.diagnosis.select.beside_rest import Candidate, compare_beside_rest
 from locosweep.diagnosis.select.extension import singles
@@ -22,7 +22,7 @@ def against(runs, name: str, size: float) -> str:
     """What stands against an effect that leaves a quarter of an error of some size."""
     search = search_of(runs, *NAMES, "position_dependent_friction")
     fit = singles(search).single(name)
-    now = compare_beside_rest(search, RestForce(search.problem), search.none, [])
+    now = compare_beside_rest(search, RestForce(search.problem), search.none, [fit])
     error = size * motion_size(now.problem) * np.ones(8)
     base = Candidate(search.none, 5000.0, error**2)
     cause = Cause((name,), Candidate(fit, 0.0, (0.25 * error) ** 2), base, agrees=True, weight=1.0)
@@ -44,6 +44,7 @@ def test_drag_stays_drag(size: float) -> None:
 def test_friction_along_a_way_that_is_driven_once_is_no_more_than_a_force_by_place(
     way: Callable[[np.ndarray], np.ndarray], found: str
 ) -> None:
-    runs = [replace(run, drive=way(run.drive)) for run in driven(4)]
-    bumpy = {"position_dependent_friction": {"a": 0.3, "L": 0.4, "p": 1.0}}
-    assert against(measured(bumpy, runs), "position_dependent_friction", 0.05) == found
+    runs = [replace(run, drive=way(run.drive)) for run in driven(5)]
+    bumpy = {"position_dependent_friction": {"a": 0.03, "L": 0.4, "p": 1.0}}
+    runs = rig(bumpy, hidden=0.003, runs=runs)
+    assert against(runs, "position_dependent_friction", 0.05) == found

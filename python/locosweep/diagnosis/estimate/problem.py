@@ -113,7 +113,7 @@ class Problem:
     wider: tuple[float, ...] = ()
     """Factors on the deviations of single runs, if what models leave differs from run to run."""
     known_shifts: Sequence[Shift] | None = None
-    """Start shifts, if they are known, of runs without factors on their deviations."""
+    """Start shifts, if they are known, in deviations: factors on those count for priors, too."""
     rest: Sequence[Shift] = ()
     """Parts of a force that no effect stands for, which models may leave."""
 
@@ -357,11 +357,9 @@ class Problem:
         return np.stack([self.starts.position, self.starts.speed], axis=1)
 
     @cached_property
-    def start_shifts(self) -> list[Shift]:
+    def start_shifts(self) -> Sequence[Shift]:
         """What may differ in how runs start, a deviation of each."""
-        if self.known_shifts is None:
-            return self._found_shifts()
-        return [[(c, u / self.widening) for c, u in shift] for shift in self.known_shifts]
+        return self._found_shifts() if self.known_shifts is None else self.known_shifts
 
     def _found_shifts(self) -> list[Shift]:
         """Return the shifts of start offsets, and of drives that were missed."""

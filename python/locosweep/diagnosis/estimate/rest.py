@@ -50,7 +50,8 @@ class Rest:
     """The likeliest rest beside a fit."""
 
     size: float
-    """Standard deviation of the force, N."""
+    """Standard deviation of the force where a run has the stated noise, N: a run that has more has
+    as much more of the force, and starts that are as much less sure."""
     time: float
     """Correlation time, s."""
     noise: tuple[float, ...]
@@ -117,7 +118,8 @@ class RestForce:
                 row[:, own] = root.T @ response[c]
         number = {c: i for i, c in enumerate(problem.channels)}
         shifts: list[Shift] = [
-            [(number[c], row[k] * wider.weights[c] * wider.seen)
+            # In deviations of the stated noise: what a factor widens, it widens as a whole.
+            [(number[c], row[k] * problem.weights[c] * problem.seen)
              for c, row in rows.items() if c in number]
             for k in range(self._knots)
         ]  # fmt: skip

@@ -1,7 +1,7 @@
 //! What was measured, in the form in which models are compared with it.
 
 use super::experiment::Experiment;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
 /// Numbers that sums run over side by side: those of the widest pack, so that the order of
@@ -39,10 +39,81 @@ pub(super) struct Measured {
     pub(super) padded: usize,
     pub(super) readings: Vec<f64>,
     pub(super) weights: Vec<f64>,
-    /// Where the shift acts in a row, and how.
-    pub(super) shifts: Vec<(usize, Vec<f64>)>,
-    /// Of the shifts, given that their deviations are 1 before a model is seen.
-    pub(super) covariance: DMatrix<f64>,
+    pub(super) shifts: Directions,
+}
+
+/// What shifts do to a row, in orthonormal directions.
+///
+/// Of a row e, shifts U and sizes m the least |e - U m|^2 + |m|^2 is what is left of (e, 0) beside
+/// the columns of (U, I) = Q R. Shifts can be millions of deviations long: their products would
+/// hold few digits.
+pub(super) struct Directions {
+    /// The part of each column of Q that lies in the row: where it begins, and its numbers.
+    pub(super) rows: Vec<(usize, Vec<f64>)>,
+    /// Triangular: from sizes of shifts to sizes along the columns.
+    root: DMatrix<f64>,
+    /// Which shift each column of the root stands for.
+    order: Vec<usize>,
+}
+
+impl Directions {
+    /// Of shifts, where each begins in a row and its numbers.
+    fn new(shifts: &[(usize, Vec<f64>)]) -> Directions {
+        let count = shifts.len();
+        if count == 0 {
+            return Directions { rows: vec![], root: DMatrix::zeros(0, 0), order: vec![] };
+        }
+        let length = shifts.iter().map(|(at, u)| at + u.len()).max().unwrap_or(0);
+        // A column is a sum of the shifts up to it: it begins no earlier than they do.
+        let mut order: Vec<usize> = (0..count).collect();
+        order.sort_by_key(|k| std::cmp::Reverse(shifts[*k].0));
+        // The prior lies on top, so that it holds the pivots, and zeros of the shifts stay zeros.
+        let mut columns = DMatrix::zeros(count + length, count);
+        for (j, k) in order.iter().enumerate() {
+            let (at, shift) = &shifts[*k];
+            columns[(j, j)] = 1.0;
+            columns.view_mut((count + at, j), (shift.len(), 1)).copy_from_slice(shift);
+        }
+        let decomposed = columns.qr();
+        let (basis, root) = (decomposed.q(), decomposed.r());
+        let rows = order
+            .iter()
+            .enumerate()
+            .map(|(j, k)| {
+                let at = shifts[*k].0;
+                let end = order[..=j].iter().map(|k| shifts[*k].0 + shifts[*k].1.len()).max();
+                let column = basis.column(j);
+                (
+                    at,
+                    column
+                        .rows_range(count + at..count + end.unwrap_or(at))
+                        .iter()
+                        .copied()
+                        .collect(),
+                )
+            })
+            .collect();
+        Directions { rows, root, order }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.order.len()
+    }
+
+    /// Sizes of the shifts in deviations, each at most `most`, of a row that has such products
+    /// with the directions; these become the sizes along them that are left.
+    pub(super) fn sizes(&self, along: &mut [f64], most: f64, to: &mut [f64]) {
+        let mut sizes = DVector::from_column_slice(along);
+        // Its diagonal is 1 or more: a deviation is never worth less than itself.
+        self.root.solve_upper_triangular_mut(&mut sizes);
+        if sizes.iter().any(|size| size.abs() > most) {
+            sizes.iter_mut().for_each(|size| *size = size.clamp(-most, most));
+            along.copy_from_slice((&self.root * &sizes).as_slice());
+        }
+        for (k, size) in self.order.iter().zip(&sizes) {
+            to[*k] = *size;
+        }
+    }
 }
 
 impl Measured {
@@ -105,8 +176,7 @@ impl Misfit {
                         y.iter().zip(w).map(counts).collect()
                     }),
                     weights: joined(&|channel| channel.weights[own.clone()].to_vec()),
-                    covariance: covariance(&shifts),
-                    shifts,
+                    shifts: Directions::new(&shifts),
                 }
             })
             .collect();
@@ -150,16 +220,4 @@ impl Misfit {
             to[at + shift * spans.len() + rank] = row[from + shift];
         }
     }
-}
-
-fn covariance(shifts: &[(usize, Vec<f64>)]) -> DMatrix<f64> {
-    let along = |(a, u): &(usize, Vec<f64>), (b, v): &(usize, Vec<f64>)| -> f64 {
-        let (first, last) = (*a.max(b), (a + u.len()).min(b + v.len()));
-        (first..last).map(|i| u[i - a] * v[i - b]).sum()
-    };
-    let count = shifts.len();
-    let normal = DMatrix::identity(count, count)
-        + DMatrix::from_fn(count, count, |i, j| along(&shifts[i], &shifts[j]));
-    // One plus a sum of squares is positive definite; numbers beyond all bounds are not.
-    normal.cholesky().map_or_else(|| DMatrix::zeros(count, count), |factor| factor.inverse())
 }

@@ -1,6 +1,6 @@
 //! Weighted errors of replays over one span, and the products of them that fits need.
 
-use super::misfit::{MOST_SHIFTS, Measured, Source, WIDE};
+use super::misfit::{Measured, Source, WIDE};
 use crate::lane::{Level, Pack, Task, run};
 use crate::physics::robot::Motor;
 
@@ -100,15 +100,15 @@ impl Whiten<'_> {
     }
 }
 
-/// Products of the shifts with rows, those of each row in turn. Each shift is read once for
-/// three rows.
+/// Products of the directions of shifts with rows, those of each row in turn. Each direction is
+/// read once for three rows.
 #[inline(always)]
 fn along_shifts<P: Pack>(token: P::Token, own: &Measured, rows: &[f64], to: &mut Vec<f64>) {
     let (stride, count) = (own.stride(), own.shifts.len());
     let columns = rows.len() / stride;
     to.clear();
     to.resize(columns * count, 0.0);
-    for (k, (at, shift)) in own.shifts.iter().enumerate() {
+    for (k, (at, shift)) in own.shifts.rows.iter().enumerate() {
         let row = |i: usize| &rows[i * stride + at..i * stride + at + shift.len()];
         let mut i = 0;
         while i + 3 <= columns {
@@ -125,50 +125,32 @@ fn along_shifts<P: Pack>(token: P::Token, own: &Measured, rows: &[f64], to: &mut
     }
 }
 
-/// By how much each shift moves, in deviations, if a row has such products with them.
+/// Takes the shifts out of a row that has such products with their directions, and puts their
+/// sizes behind it, each at most `most` deviations.
 #[inline(always)]
-fn moves_of(own: &Measured, along: &[f64]) -> [f64; MOST_SHIFTS] {
-    let mut moves = [0.0; MOST_SHIFTS];
-    for (k, to) in moves.iter_mut().enumerate().take(along.len()) {
-        for (j, along) in along.iter().enumerate() {
-            *to += own.covariance[(j, k)] * along;
-        }
-    }
-    moves
-}
-
-/// Takes the shifts out of a row and puts them behind it, each at most `most` deviations.
-#[inline(always)]
-fn take_out(own: &Measured, moves: &[f64], most: f64, row: &mut [f64]) {
+fn take_out(own: &Measured, along: &mut [f64], most: f64, row: &mut [f64]) {
     let (body, behind) = row.split_at_mut(own.readings.len());
-    for ((at, shift), (size, to)) in own.shifts.iter().zip(moves.iter().zip(behind)) {
-        let size = size.min(most).max(-most);
-        let body = &mut body[*at..*at + shift.len()];
-        body.iter_mut().zip(shift).for_each(
+    own.shifts.sizes(along, most, behind);
+    for ((at, direction), size) in own.shifts.rows.iter().zip(along) {
+        let body = &mut body[*at..*at + direction.len()];
+        body.iter_mut().zip(direction).for_each(
             #[inline(always)]
-            |(e, u)| *e -= size * u,
+            |(e, u)| *e -= *size * u,
         );
-        *to = size;
     }
 }
 
 /// The sum of squares of a row that falls by so much as its shifts are taken out: of what is left
 /// of the row itself where that is little.
 #[inline(always)]
-fn square<P: Pack>(
-    token: P::Token,
-    own: &Measured,
-    row: &[f64],
-    fallen: f64,
-    moves: &[f64; MOST_SHIFTS],
-) -> f64 {
+fn square<P: Pack>(token: P::Token, own: &Measured, row: &[f64], along: &[f64]) -> f64 {
     let square = dot::<P>(token, row, row);
-    let left = square - fallen;
+    let left = square - along.iter().map(|a| a * a).sum::<f64>();
     if left >= LEAST_LEFT * square {
         return left;
     }
-    let mut row = row.to_vec();
-    take_out(own, &moves[..own.shifts.len()], f64::INFINITY, &mut row);
+    let (mut row, mut along) = (row.to_vec(), along.to_vec());
+    take_out(own, &mut along, f64::INFINITY, &mut row);
     dot::<P>(token, &row, &row)
 }
 
@@ -186,7 +168,7 @@ impl Task for Project<'_> {
     fn run<P: Pack>(self, token: P::Token) {
         let mut along = Vec::new();
         along_shifts::<P>(token, self.measured, self.row, &mut along);
-        take_out(self.measured, &moves_of(self.measured, &along), f64::INFINITY, self.row);
+        take_out(self.measured, &mut along, f64::INFINITY, self.row);
     }
 }
 
@@ -220,26 +202,22 @@ impl Task for Whiten<'_> {
         let shifts = self.measured.shifts.len();
         let mut along = Vec::new();
         along_shifts::<P>(token, self.measured, &rows, &mut along);
-        let moves: Vec<[f64; MOST_SHIFTS]> = (0..count)
-            .map(|i| moves_of(self.measured, &along[i * shifts..(i + 1) * shifts]))
-            .collect();
         // With the shifts taken out, the product of two rows falls by what they have along these:
         // rows themselves are read once.
-        let fallen = |j: usize, k: usize| -> f64 {
-            let along = &along[j * shifts..(j + 1) * shifts];
-            along.iter().zip(&moves[k]).map(|(a, b)| a * b).sum()
-        };
+        let of = |j: usize| &along[j * shifts..(j + 1) * shifts];
+        let fallen =
+            |j: usize, k: usize| -> f64 { of(j).iter().zip(of(k)).map(|(a, b)| a * b).sum() };
         let mut found = Vec::new();
         match self.product {
             Product::Rows | Product::Slopes(_) => {}
             Product::Squares { .. } => {
                 for (j, row) in rows.chunks_exact(stride).enumerate() {
-                    found.push(square::<P>(token, self.measured, row, fallen(j, j), &moves[j]));
+                    found.push(square::<P>(token, self.measured, row, of(j)));
                 }
             }
             Product::Normal(_) => {
                 let own = &rows[..stride];
-                found.push(square::<P>(token, self.measured, own, fallen(0, 0), &moves[0]));
+                found.push(square::<P>(token, self.measured, own, of(0)));
                 for j in 1..count {
                     let at = |i: usize| &rows[i * stride..(i + 1) * stride];
                     let row = at(j);
@@ -258,8 +236,9 @@ impl Task for Whiten<'_> {
             }
         }
         if self.product.needs_rows() {
-            for (row, moves) in rows.chunks_exact_mut(stride).zip(&moves) {
-                take_out(self.measured, &moves[..shifts], self.most, row);
+            for (i, row) in rows.chunks_exact_mut(stride).enumerate() {
+                let along = &mut along[i * shifts..(i + 1) * shifts];
+                take_out(self.measured, along, self.most, row);
             }
         }
         *self.rows = rows;
