@@ -11,13 +11,13 @@ from diagnosis_small import driven, measured
 NAMES = ("viscous_friction", "drive_gain_error", "drive_lag", "sensor_scale", "coulomb_error")
 
 
-def rig(effects, *, hidden: float, count: int = 5, runs=None):
+def rig(effects, *, hidden: float, count: int = 5, runs=None, knots: int = 8):
     """Runs with an effect and with a force of their own, another one in each run."""
     runs = driven(count) if runs is None else runs
     random = np.random.default_rng(11)
-    knots = np.linspace(0.0, 2.0, 8)
+    at = np.linspace(0.0, 2.0, knots)
     real = [
-        replace(run, drive=run.drive + np.interp(run.t, knots, hidden * random.standard_normal(8)))
+        replace(run, drive=run.drive + np.interp(run.t, at, hidden * random.standard_normal(knots)))
         for run in runs
     ]
     return [

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -50,3 +52,27 @@ def test_a_law_that_rises_takes_no_less_than_a_curve_and_one_that_swings_less() 
     wave = {"position_dependent_friction": {"a": 0.001, "L": 0.05, "p": 0.0}}
     search = search_of(measured(wave, driven(4)), "position_dependent_friction")
     assert monotone_loss(search.problem, search.none, "place") > 10.0 * LEAST_GAIN
+
+
+def test_what_falls_in_a_step_is_no_law_that_rises_and_its_formula_jumps() -> None:
+    runs = driven(4)
+    # A drive that acts less from the middle of a run on.
+    real = [replace(run, drive=run.drive * np.where(run.t > 1.0, 0.9998, 1.0)) for run in runs]
+    told = [
+        replace(one, drive=run.drive)
+        for one, run in zip(measured({}, real), runs, strict=True)
+    ]  # fmt: skip
+    search = search_of(told, "supply_sag")
+    assert monotone_loss(search.problem, search.none, "sag", "falling") < LEAST_GAIN
+    law = force_law(search.problem, search.none, "sag")
+    assert law is not None
+    assert law.found is not None
+    assert law.found.form.jumps
+    gained = [replace(run, drive=run.drive * np.where(run.t > 1.0, 1.0002, 1.0)) for run in runs]
+    told = [
+        replace(one, drive=run.drive)
+        for one, run in zip(measured({}, gained), runs, strict=True)
+    ]  # fmt: skip
+    search = search_of(told, "supply_sag")
+    assert monotone_loss(search.problem, search.none, "sag") < LEAST_GAIN
+    assert monotone_loss(search.problem, search.none, "sag", "falling") > 10.0 * LEAST_GAIN

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import pytest
+
 from diagnosis_rest import NAMES, rig
 from diagnosis_search import search_of
+from diagnosis_small import NOISE
+from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.extension import singles
 from locosweep.diagnosis.select.graded import confirmed_on_kept, graded, predicts_kept, refitted
 
@@ -26,6 +30,15 @@ def test_a_force_of_every_runs_own_is_no_cause() -> None:
     _, found = verdict(rig({}, hidden=0.05))
     assert not found.causes
     assert not found.unlisted
+
+
+def test_of_a_gap_near_the_noise_nothing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    runs = rig({"viscous_friction": {"c": 0.0014}}, hidden=3.5e-5)
+    _, found = verdict(runs)
+    assert 2.0 * NOISE < found.none.error < limits.LEAST_GRADED * NOISE
+    assert not found.causes
+    monkeypatch.setattr(limits, "LEAST_GRADED", 1.0)
+    assert verdict(runs)[1].causes
 
 
 def test_two_causes_in_the_order_of_what_they_take_away() -> None:

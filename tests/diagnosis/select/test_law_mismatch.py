@@ -109,7 +109,7 @@ def test_a_law_far_off_by_its_own_formula_is_found_behind_others() -> None:
     )
     found = best_with_other_law(search, level)
     assert found is not None
-    assert found[1].model.names == ("viscous_friction",)
+    assert found.fit.model.names == ("viscous_friction",)
 
 
 def test_no_effect_is_tried_twice_for_another_law(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -119,7 +119,7 @@ def test_no_effect_is_tried_twice_for_another_law(monkeypatch: pytest.MonkeyPatc
     search, level = fits_of(frame, "viscous_friction", *behind, "sensor_scale", "quadratic_drag")
     tried = []
 
-    def score(_: Search, fit: Fit) -> tuple[tuple[bool, float] | None, list[str]]:
+    def score(_: Search, fit: Fit) -> tuple[tuple[bool, bool, float] | None, list[str]]:
         tried.append(fit.model.names)
         return None, ["speed"]
 
@@ -138,7 +138,7 @@ def test_another_law_starts_from_where_a_formula_ends() -> None:
     assert left.chi2 > 2.0 * end.chi2
     found = best_with_other_law(search, [left])
     assert found is not None
-    assert found[1].chi2 == pytest.approx(end.chi2, rel=1e-3)
+    assert found.fit.chi2 == pytest.approx(end.chi2, rel=1e-3)
 
 
 @pytest.mark.parametrize("held", [(), (3,)])
@@ -350,14 +350,14 @@ def test_a_law_that_is_behind_comes_after_those_that_are_not(
 ) -> None:
     frame = measured({"quadratic_drag": {"c2": 0.05}}, drives(count=5))
     search, level = fits_of(frame, "viscous_friction", "drive_lag")
-    scored = {"viscous_friction": (True, 1.0), "drive_lag": (False, 2.0)}
+    scored = {"viscous_friction": (False, True, 1.0), "drive_lag": (False, False, 2.0)}
 
-    def score(_: Search, fit: Fit) -> tuple[tuple[bool, float] | None, list[str]]:
+    def score(_: Search, fit: Fit) -> tuple[tuple[bool, bool, float] | None, list[str]]:
         return scored.get("".join(fit.model.names)), []
 
     monkeypatch.setattr(law_mismatch, "_score_with_other_law", score)
     for least, name in ((2.0, "drive_lag"), (1.0, "viscous_friction")):
         found = best_with_other_law(search, level)
         assert found is not None
-        assert (found[0], found[1].model.names) == (least, (name,))
+        assert (found.score, found.fit.model.names) == (least, (name,))
         del scored[name]

@@ -14,7 +14,7 @@ from diagnosis_small import driven, tethered
 from locosweep.diagnosis.estimate.rest import RestForce
 from locosweep.diagnosis.select.beside_rest import Candidate, compare_beside_rest
 from locosweep.diagnosis.select.extension import singles
-from locosweep.diagnosis.select.next_cause import Cause, motion_size
+from locosweep.diagnosis.select.next_cause import Cause, is_far, motion_size
 from locosweep.diagnosis.select.unlisted_beside import unlisted_beside
 
 
@@ -48,3 +48,16 @@ def test_friction_along_a_way_that_is_driven_once_is_no_more_than_a_force_by_pla
     bumpy = {"position_dependent_friction": {"a": 0.03, "L": 0.4, "p": 1.0}}
     runs = rig(bumpy, hidden=0.003, runs=runs)
     assert against(runs, "position_dependent_friction", 0.05) == found
+
+
+def test_a_force_of_every_runs_own_does_not_do_better_by_place() -> None:
+    # Of three runs a law by place bends to the forces of all; none of them comes again in another.
+    told = [replace(run, drive=np.abs(run.drive)) for run in driven(3)]
+    runs = rig({"coulomb_error": {"d_mu": 0.03}}, hidden=0.03, runs=told, knots=20)
+    search = search_of(runs, *NAMES)
+    fit = singles(search).single("coulomb_error")
+    now = compare_beside_rest(search, RestForce(search.problem), search.none, [fit])
+    assert is_far(now, now.base)
+    cause = Cause(("coulomb_error",), now.others[0], now.base, agrees=True, weight=1.0)
+    assert cause.chosen.error < 0.2 * now.base.error
+    assert unlisted_beside(now, cause) == ""

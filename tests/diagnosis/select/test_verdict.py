@@ -11,7 +11,11 @@ from diagnosis_search import fit_of, search_for, search_of
 from diagnosis_small import driven, measured
 from locosweep.diagnosis.estimate.least_squares import evaluate
 from locosweep.diagnosis.select import verdict
-from locosweep.diagnosis.select.law_mismatch import score_with_other_law
+from locosweep.diagnosis.select.law_mismatch import (
+    OtherLaw,
+    best_with_other_law,
+    score_with_other_law,
+)
 from locosweep.diagnosis.select.score import remaining
 from locosweep.diagnosis.select.search import Collection
 from locosweep.diagnosis.select.verdict import choose, kept_may_show_a_gap
@@ -50,12 +54,29 @@ def test_a_law_that_is_none_of_its_effect_is_no_reason_against_two_causes(
     both = {"viscous_friction": {"c": 0.01}, "sensor_drift": {"b": 1e-4}}
     search = search_for(both, *NAMES)
     drag = fit_of(search, "viscous_friction")
-    monkeypatch.setattr(verdict, "best_with_other_law", lambda *_: (0.0, drag))
+    monkeypatch.setattr(
+        verdict, "best_with_other_law", lambda *_: OtherLaw(0.0, drag, of_none=False)
+    )
     monkeypatch.setattr(verdict, "several_do_better", lambda *_: False)
     monkeypatch.setattr(verdict, "is_law_of", lambda *_: of_the_effect)
     choice = choose(search, 3)
     assert choice.law_mismatch == of_the_effect
     assert (set(choice.fit.model.names) == set(both)) is not of_the_effect
+
+
+@pytest.mark.parametrize("of_none", [True, False])
+def test_where_a_law_of_no_effect_leaves_but_noise_nothing_is_named(
+    monkeypatch: pytest.MonkeyPatch, of_none: bool
+) -> None:
+    search = search_for({"quadratic_drag": {"c2": 0.05}}, "viscous_friction")
+    found = best_with_other_law(search, [fit_of(search, "viscous_friction")])
+    assert found is not None
+    assert not found.of_none
+    law = replace(found, of_none=of_none)
+    monkeypatch.setattr(verdict, "best_with_other_law", lambda *_: law)
+    choice = choose(search, 1)
+    assert choice.status == ("unexplained" if of_none else "explained")
+    assert (choice.outdone, choice.law_of_none) == (of_none, of_none)
 
 
 def test_a_set_that_leaves_little_more_than_noise_is_followed_out_of_its_valley(
@@ -86,7 +107,8 @@ def test_a_law_of_one_cause_stands_where_several_effects_leave_more_than_noise(
     score = score_with_other_law(search, law)
     assert score is not None
     known = Collection({frozenset(one.model.names): one for one in (search.none, law, pair)})
-    for other, told in (((score, law), ["viscous_friction"]), (None, [])):
+    accepted = OtherLaw(score, law, of_none=False)
+    for other, told in ((accepted, ["viscous_friction"]), (None, [])):
         grown = verdict._Grown(known, [pair], pair, law=other)
         monkeypatch.setattr(verdict, "_grown", lambda *_, found=grown: found)
         choice = choose(search, 2)

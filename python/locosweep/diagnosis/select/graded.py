@@ -67,6 +67,9 @@ def graded(search: Search, known: Collection, most: int) -> Graded:
     weights = weights_of(now, none)
     first = np.argsort(-weights, kind="stable")
     ranked = tuple(now.others[i] for i in first)
+    if none.error < limits.LEAST_GRADED * search.problem.noise["x"].sd:
+        # What a cause leaves of a gap so small, a cause that makes all of it would not.
+        most = 0
     while len(causes) < most:
         cause = next_cause(now, base, none)
         unlisted = unlisted_beside(now, cause) if cause else ""

@@ -44,6 +44,7 @@ class Form:
     the variable's symbol and its largest value (`end`)."""
     constant: bool = True
     """Whether a constant beside it makes sense."""
+    jumps: bool = False
 
 
 def _constant(u: Floats, s: Floats) -> Floats:
@@ -103,7 +104,7 @@ _FORMS = (
     Form(_above, ("place",), "{b} beyond {symbol} = {0}"),
     Form(_below, ("place",), "{b} below {symbol} = {0}"),
     Form(_outside, ("end", "end"), "{b} outside {symbol} = {0} to {1}"),
-    Form(_step, ("place",), "{a} beyond {symbol} = {0}"),
+    Form(_step, ("place",), "{a} beyond {symbol} = {0}", jumps=True),
     Form(_bump, ("place", "width"), "{a} around {symbol} = {0}, {1:wide} wide"),
     Form(_pair, ("place", "width"), "up to {a} beyond {symbol} = {0} and the reverse before, "
                                     "largest {1} away"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING
 
@@ -16,7 +17,7 @@ from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.all_runs import fitted_to_all, of_all_runs, with_all_starts
 from locosweep.diagnosis.select.by_place import ALONG, BY_PLACE, by_place_ahead
 from locosweep.diagnosis.select.effort import LEAST_ERROR
-from locosweep.diagnosis.select.force_law import monotone_loss
+from locosweep.diagnosis.select.force_law import force_law, monotone_loss
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.stepwise import without
 from locosweep.diagnosis.select.whiteness import noise_level, whiteness_test
@@ -47,11 +48,22 @@ BY_TIME = "push"
 """Variable of a force that no effect stands for, either: the time, other in each run."""
 
 
-def best_with_other_law(search: Search, level: Sequence[Fit]) -> tuple[float, Fit] | None:
+@dataclass(frozen=True)
+class OtherLaw:
+    """A fit that corrections in its own effects' variables bring down to noise."""
+
+    score: float
+    """A price on every term included."""
+    fit: Fit
+    of_none: bool
+    """True if laws of these effects do not go as the correction does: it is a law of no effect."""
+
+
+def best_with_other_law(search: Search, level: Sequence[Fit]) -> OtherLaw | None:
     """Find the fit that corrections in its own effects' variables bring down furthest, to noise.
 
     Tried are the best fits, and effects in the variables that correct most beside the nominal model
-    and beside them. Returns it with its score, a price on every term included.
+    and beside them. A law of no effect is returned only where there is no other.
     """
     tried = list(level[:_TRIED])
     # A formula far from the law leaves its effect behind many others.
@@ -73,8 +85,8 @@ def best_with_other_law(search: Search, level: Sequence[Fit]) -> tuple[float, Fi
             tried += islice(new, int(len(tried) < _MOST_TRIED))
     if not found:
         return None
-    _, score, i = min(found)
-    return score, tried[i]
+    of_none, _, score, i = min(found)
+    return OtherLaw(score, tried[i], of_none)
 
 
 def _is_hopeless(problem: Problem, fit: Fit) -> bool:
@@ -107,15 +119,17 @@ def _through(variable: str, level: Sequence[Fit]) -> Iterator[Fit]:
 def score_with_other_law(search: Search, fit: Fit) -> float | None:
     """Score of a fit with other laws of its effects; None if another variable does better."""
     own = own_variables(fit.model.names)
-    scored = _score_with_other_law(search, fit)[0] if own else None
-    return None if scored is None else scored[1]
+    of_none, _, score = (own and _score_with_other_law(search, fit)[0]) or (True, False, 0.0)
+    return None if of_none else score
 
 
-def _score_with_other_law(search: Search, fit: Fit) -> tuple[tuple[bool, float] | None, list[str]]:
+def _score_with_other_law(
+    search: Search, fit: Fit
+) -> tuple[tuple[bool, bool, float] | None, list[str]]:
     """Score of a fit with other laws, and what carries something beside it, the most first.
 
-    Before the score stands whether some other variable is clearly likelier, though by no more than
-    the distance of knots can make.
+    Before the score stand whether no effect has such a law, and whether some other variable is
+    clearly likelier, though by no more than the distance of knots can make.
     """
     own = own_variables(fit.model.names)
     problem = search.problem
@@ -132,23 +146,30 @@ def _score_with_other_law(search: Search, fit: Fit) -> tuple[tuple[bool, float] 
         return None, most
     if terms.predictive_gain(own, noise) <= 0.0 or not _holds(problem, fit, own, noise):
         return None, most
-    if not _is_monotone(search, fit):
-        return None, most
+    of_none = not _goes_as_it_may(search, fit)
     behind = best - log_factor > limits.LEAST_GAIN
-    return (behind, search.score(fit) - log_factor * noise), most
+    return (of_none, behind, search.score(fit) - log_factor * noise), most
 
 
-def _is_monotone(search: Search, fit: Fit) -> bool:
-    """Return whether the laws found in place of formulas only rise or only fall, where they must.
+def _goes_as_it_may(search: Search, fit: Fit) -> bool:
+    """Return whether the laws found in place of formulas go as laws of their effects may.
 
-    The registry says of which effects (`monotone`). A ground that rocks makes a force that rises
-    and falls: it is no drift of friction.
+    The registry says of which effects laws only rise, or fall (`trend`), and of which they never
+    jump (`continuous`). A ground that rocks makes a force that rises and falls: it is no drift of
+    friction. A mass that is dropped makes the drive act more from then on: no supply sags so.
     """
     for name in fit.model.names:
-        if effect(name).monotone:
-            several = len(fit.model.names) > 1
-            base = without(search, fit, name) if several else search.none
-            if monotone_loss(search.problem, base, VARIABLES[name]) > limits.LEAST_GAIN:
+        law = effect(name)
+        if not law.trend and not law.continuous:
+            continue
+        several, variable = len(fit.model.names) > 1, VARIABLES[name]
+        base = without(search, fit, name) if several else search.none
+        problem = search.problem
+        if law.trend and monotone_loss(problem, base, variable, law.trend) > limits.LEAST_GAIN:
+            return False
+        if law.continuous:
+            drawn = force_law(problem, base, variable)
+            if drawn is not None and drawn.found is not None and drawn.found.form.jumps:
                 return False
     return True
 

@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from locosweep.diagnosis.effects.catalogue import own_variables
-from locosweep.diagnosis.estimate.least_squares import evaluate
+from locosweep.diagnosis.estimate.least_squares import evaluate, point_of
+from locosweep.diagnosis.estimate.unseen import groups_of
 from locosweep.diagnosis.select import thresholds as limits
-from locosweep.diagnosis.select.by_place import ALONG, BY_PLACE, by_place_ahead
+from locosweep.diagnosis.select.by_place import ALONG, BY_PLACE, by_place_ahead, passes_both_ways
 from locosweep.diagnosis.select.force_law import force_law
 from locosweep.diagnosis.select.law_mismatch import UNLISTED
 from locosweep.diagnosis.select.next_cause import is_far
@@ -17,6 +20,9 @@ from locosweep.diagnosis.select.replayed_force import acts, settled, under_force
 from locosweep.diagnosis.select.unseen_errors import seen_error
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.estimate.problem import Problem
     from locosweep.diagnosis.select.beside_rest import Candidate, Compared
     from locosweep.diagnosis.select.next_cause import Cause
@@ -29,15 +35,17 @@ def unlisted_beside(now: Compared, cause: Cause) -> str:
     away whatever they are. A cause that halves them when replayed is refuted there by a force that
     is replayed as well.
     """
-    problem = now.problem
+    problem, along = now.problem, own_variables(cause.names) == [ALONG]
+    if along and not passes_both_ways(problem):
+        # Where the two are one, runs do not confirm the friction.
+        return BY_PLACE
     if is_far(now, now.base) and cause.chosen.error < limits.CLEAR_FALL * now.base.error:
         return BY_PLACE if _place_does_better(replace(problem, rest=()), now.base, cause) else ""
     before, after = evaluate(problem, [now.base.fit.unfitted(), cause.fit.unfitted()])
     more = len(after.model.free) - len(before.model.free)
     gain = before.chi2 - after.chi2 - limits.PENALTY * more
     terms = NonparametricCorrection(problem, before)
-    if own_variables(cause.names) == [ALONG] and by_place_ahead(terms, 1.0) >= 0.0:
-        # Where the two are one, runs do not confirm the friction.
+    if along and by_place_ahead(terms, 1.0) >= 0.0:
         return BY_PLACE
     factors = {v: terms.log_bayes_factor([v], 1.0) for v in UNLISTED}
     best = max(factors, key=lambda v: factors[v])
@@ -46,13 +54,36 @@ def unlisted_beside(now: Compared, cause: Cause) -> str:
 
 
 def _place_does_better(problem: Problem, base: Candidate, cause: Cause) -> bool:
-    """Return whether a force by place, replayed beside a model, halves what a cause leaves."""
+    """Return whether a force by place, replayed beside a model, halves what a cause leaves.
+
+    Both on runs that they were not found in: half of the runs at a time, as a law takes replays.
+    """
     if not acts(problem, base.fit, BY_PLACE):
         return False
-    (fit,) = evaluate(problem, [base.fit.unfitted()])
+    groups = groups_of(problem, problem.fitted)
+    if len(groups) < 2:
+        left = _left_by_place(problem, base.fit, problem.fitted)
+        (after,) = seen_error(problem, [cause.fit])
+        return left < limits.CLEAR_FALL * after
+    squares = []
+    for first in (0, 1):
+        unseen = [run for group in groups[first::2] for run in group]
+        others = replace(
+            problem,
+            held=(*problem.held, *unseen),
+            known=problem.noise,
+            initial=problem.initial_or_none,
+        )
+        squares.append(_left_by_place(others, base.fit, unseen) ** 2)
+    return float(np.sqrt(np.mean(squares))) < limits.CLEAR_FALL * cause.chosen.error
+
+
+def _left_by_place(problem: Problem, base: Fit, runs: Sequence[int]) -> float:
+    """Return the root mean square error of some runs under the force by place of fitted ones."""
+    (fit,) = evaluate(problem, [base.unfitted()])
     law = force_law(problem, fit, BY_PLACE)
     under = under_force(settled(law, problem, fit), problem, fit) if law else None
     if under is None:
-        return False
-    (by_place,), (left,) = seen_error(under, [fit]), seen_error(problem, [cause.fit])
-    return by_place < limits.CLEAR_FALL * left
+        return np.inf
+    errors = under.position_errors([point_of(under, fit)], list(runs))
+    return float(np.sqrt(np.nanmean(np.square(errors))))

@@ -15,6 +15,7 @@ from locosweep.diagnosis.select.descent import beyond_ridges
 from locosweep.diagnosis.select.equivalence import classes_of, is_limit, rivals_of
 from locosweep.diagnosis.select.extension import singles
 from locosweep.diagnosis.select.law_mismatch import (
+    OtherLaw,
     best_with_other_law,
     is_law_of,
     several_do_better,
@@ -71,6 +72,8 @@ class Choice:
     """The model beside which that force does so."""
     missed: bool = False
     """True if the fit leaves of the runs kept from it more than the others show."""
+    law_of_none: bool = False
+    """True if a law of an effect's variable leaves but noise, and goes as no law of that effect."""
 
     @property
     def refuted(self) -> bool:
@@ -79,10 +82,12 @@ class Choice:
 
     @property
     def outdone(self) -> bool:
-        """True if a single effect leaves but noise, and a force of no effect does better."""
-        return (
-            bool(self.unlisted) and len(self.fit.model.names) == 1 and not self.whiteness.rejected
-        )
+        """True if it is clear that the one cause is none of the list.
+
+        A law of no effect leaves but noise, or does better than a single effect that does.
+        """
+        single = len(self.fit.model.names) == 1 and not self.whiteness.rejected
+        return self.law_of_none or (bool(self.unlisted) and single)
 
     @property
     def says(self) -> tuple[str, bool, list[set[str]], list[list[str]]]:
@@ -146,8 +151,8 @@ class _Grown:
     """Gain of the best further effect: not enough."""
     mismatch_score: float | None = None
     """Score of `found` with other laws of its effects, where only these do."""
-    law: tuple[float, Fit] | None = None
-    """The best single effect with another law and its score, where several effects do better."""
+    law: OtherLaw | None = None
+    """The best single effect with another law, where several effects do better."""
 
 
 def choose(search: Search, most: int) -> Choice:
@@ -180,11 +185,12 @@ def choose(search: Search, most: int) -> Choice:
         found = beyond_ridges(search, found)
         known = known.adding({frozenset(found.model.names): found})
         rest = remaining(problem, found)
-    if rest and grown.law is not None:
+    law_of_none = grown.law is not None and grown.law.of_none
+    if rest and grown.law is not None and not law_of_none:
         # Several effects come nearer, but not to noise as a law does.
-        (score, found), mismatch, rest = grown.law, True, []
+        score, found, mismatch, rest = grown.law.score, grown.law.fit, True, []
     if rest:
-        choice = Choice("unexplained", found, known, whiteness, shape=rest)
+        choice = Choice("unexplained", found, known, whiteness, shape=rest, law_of_none=law_of_none)
         return _with_ranks(search, choice, tried)
     search.progress("rivals")
     if len(found.model.names) > 1:
@@ -225,14 +231,14 @@ def _grown(search: Search, known: Collection, level: list[Fit], most: int) -> _G
     """Add effects to the best single one, one by one, while they gain enough."""
     problem = search.problem
     before, found = search.none, level[0]
-    law: tuple[float, Fit] | None = None
+    law: OtherLaw | None = None
     near = 0.0
     for count in range(2, most + 2):
         rest = remaining(problem, found)
         # Other laws of several effects at once could fit anything.
         if rest and count == 2:
             law = best_with_other_law(search, level)
-        mismatched = law if count == 2 else None
+        mismatched = law if count == 2 and law and not law.of_none else None
         larger: list[Fit] = []
         if count <= most and not (count > 2 and is_stalled(problem, before, found)):
             search.progress(f"{count} effects at once")
@@ -244,11 +250,9 @@ def _grown(search: Search, known: Collection, level: list[Fit], most: int) -> _G
                 ordered = sorted(known.of_size(count), key=lambda fit: total(search, fit))
             near = total(search, found) - total(search, ordered[0]) if ordered else 0.0
             larger = [fit for fit in ordered if gains(search, found, fit)]
-        if mismatched:
-            score, fit = mismatched
-            if not larger or not _are_causes(search, larger, fit):
-                # The gain of further effects is the misfit of the law.
-                return _Grown(known, level, fit, mismatch_score=score)
+        if mismatched and (not larger or not _are_causes(search, larger, mismatched.fit)):
+            # The gain of further effects is the misfit of the law.
+            return _Grown(known, level, mismatched.fit, mismatch_score=mismatched.score)
         if not larger:
             break
         before, level, near = found, larger, 0.0

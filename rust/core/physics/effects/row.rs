@@ -156,6 +156,23 @@ impl Variable {
     }
 }
 
+/// How a law of an effect goes with its variable, by whatever formula.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Trend {
+    /// It rises all along, or falls all along.
+    Monotone,
+    Falling,
+}
+
+impl Trend {
+    pub fn name(self) -> &'static str {
+        match self {
+            Trend::Monotone => "monotone",
+            Trend::Falling => "falling",
+        }
+    }
+}
+
 /// A row of the registry.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EffectInfo {
@@ -169,8 +186,10 @@ pub struct EffectInfo {
     pub variable: Option<Variable>,
     /// A second variable that another law may follow, and no other effect.
     pub further: Option<Variable>,
-    /// Whether its law in `variable` rises all along, or falls, by whatever formula.
-    pub monotone: bool,
+    /// How its law in `variable` goes, by whatever formula, if not up and down,
+    pub trend: Option<Trend>,
+    /// and whether it never jumps.
+    pub continuous: bool,
     pub needs: &'static [Need],
     pub shown: Shown,
     /// Effects with fewer parameters that this one contains as a limit.
@@ -261,7 +280,8 @@ pub(super) const EFFECT: EffectInfo = EffectInfo {
     params: &[],
     variable: None,
     further: None,
-    monotone: false,
+    trend: None,
+    continuous: false,
     needs: &[],
     shown: Shown::Moving,
     contains: &[],
