@@ -115,8 +115,10 @@ def test_the_first_cause_is_judged_over_a_background() -> None:
         ],
     }  # fmt: skip
 
-    def said(*names: str) -> bool:
+    def judged(*names: str) -> Judged:
+        share = {"share": 0.5, "share_ci": [0.4, 0.6]}
         verdict = {
+            "contributions": [{"effects": [n], **share} for n in names],
             "status": "partial", "effects": [*names], "equivalent": [[n] for n in names],
             "probability": 0.8,
         }  # fmt: skip
@@ -124,11 +126,17 @@ def test_the_first_cause_is_judged_over_a_background() -> None:
             "verdict": verdict, "gap": {"shrink": 0.5, "shrink_ci": [0.4, 0.6]},
             "where": {"site": "drive", "windows": []}, "candidates": [],
         }  # fmt: skip
-        return judge(truth, report).right
+        return judge(truth, report, fresh=0.55)
 
-    assert said("drive_lag")
-    assert said("drive_lag", "viscous_friction")
-    assert not said("viscous_friction", "drive_lag")
+    one, two = judged("drive_lag"), judged("drive_lag", "viscous_friction")
+    assert one.right
+    assert two.right
+    assert not judged("viscous_friction", "drive_lag").right
+    found = {f.name: f for f in stratum_figures("background", [one, two])}
+    # Shares of two causes have no interval together.
+    bias = "bias of the stated share of one cause, `partial` (stated less that on fresh runs), mean"
+    assert (found[bias].value, found[bias].count) == (pytest.approx(-0.05), 1)
+    assert found["reduction on fresh runs inside the stated interval"].value == 1.0
     assert judge(truth, None, error="none").times == pytest.approx(10.0)
 
 

@@ -72,6 +72,8 @@ class Judged:
         Relative errors of the true effect's parameters.
     claimed, interval, fresh : float or None
         Error reduction that the report claims, its interval, and that on fresh runs.
+    stated, stated_interval : float or None
+        Share of the gap that a `partial` verdict gives to its one cause, and its interval.
     seconds : float
         Processor time of the diagnosis.
     error : str
@@ -106,6 +108,8 @@ class Judged:
     claimed: float | None = None
     interval: tuple[float, float] | None = None
     fresh: float | None = None
+    stated: float | None = None
+    stated_interval: tuple[float, float] | None = None
     seconds: float = float("nan")
     error: str = ""
     channels: tuple[str, ...] = ("x",)
@@ -269,6 +273,8 @@ def judge(
         sites = {record_of(name).site for e in truth["effects"] for name in e["accepted"]}
         site = report["where"]["site"] in sites
     interval = report["gap"]["shrink_ci"]
+    causes = verdict["contributions"] if status == "partial" else []
+    one = causes[0] if len(causes) == 1 else {"share": None, "share_ci": None}
     as_reading = outside in OF_READINGS and bool(report.get("readings")) and not named
     return Judged(
         **common,
@@ -288,5 +294,7 @@ def judge(
         claimed=report["gap"]["shrink"] if named else None,
         interval=tuple(interval) if named and interval and None not in interval else None,
         fresh=fresh,
+        stated=one["share"],
+        stated_interval=tuple(one["share_ci"]) if one["share_ci"] else None,
         error=error,
     )

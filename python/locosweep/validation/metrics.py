@@ -170,21 +170,37 @@ def claims(judged: Sequence[Judged], bias: float) -> list[Figure]:
 
     `bias` is what they may differ by on average.
     """
-    rows = [
-        (c.claimed, c.fresh, c.interval)
-        for c in judged
-        if c.right and c.claimed is not None and c.fresh is not None
-    ]
+    rows = [(c.claimed, c.fresh, c.interval) for c in judged if c.right]
+    return _against_fresh("claimed reduction", "claimed", rows, bias)
+
+
+def stated_shares(judged: Sequence[Judged], bias: float) -> list[Figure]:
+    """Compare shares that `partial` verdicts state with reductions on fresh runs.
+
+    Where the cause is right, and the only one that is named.
+    """
+    rows = [(c.stated, c.fresh, c.stated_interval) for c in judged if c.right]
+    return _against_fresh("stated share of one cause, `partial`", "stated", rows, bias)
+
+
+def _against_fresh(
+    what: str,
+    said: str,
+    rows: Sequence[tuple[float | None, float | None, tuple[float, float] | None]],
+    bias: float,
+) -> list[Figure]:
+    known = [(told, fresh, ends) for told, fresh, ends in rows if told is not None]
+    pairs = [(told, fresh, ends) for told, fresh, ends in known if fresh is not None]
     return [
         summary(
-            "bias of the claimed reduction (claimed less that on fresh runs), mean",
-            [claimed - fresh for claimed, fresh, _ in rows],
+            f"bias of the {what} ({said} less that on fresh runs), mean",
+            [told - fresh for told, fresh, _ in pairs],
             np.mean,
             within(bias),
         ),
         share(
-            "reduction on fresh runs inside the claimed interval",
-            (ends[0] <= fresh <= ends[1] for _, fresh, ends in rows if ends is not None),
+            f"reduction on fresh runs inside the {said} interval",
+            (ends[0] <= fresh <= ends[1] for _, fresh, ends in pairs if ends is not None),
             _COVERED,
         ),
     ]

@@ -17,6 +17,7 @@ from locosweep.validation.metrics import (
     bounded,
     claims,
     share,
+    stated_shares,
     summary,
 )
 
@@ -116,6 +117,7 @@ def stratum_figures(name: str, judged: Sequence[Judged]) -> list[Figure]:
         share("first cause right, 3 to 10 times", (c.right for c in weak), at_least(0.8)),
         share("a wrong first cause", (c.named and not c.right for c in judged)),
         *claims(judged, _BIAS),
+        *stated_shares(judged, _BIAS),
         *_common(judged),
     ]  # fmt: skip
 

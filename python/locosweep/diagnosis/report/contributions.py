@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from locosweep.diagnosis.estimate.least_squares import evaluate, fit_all, point_of
-from locosweep.diagnosis.report.improvement import interval_of_difference, reduction
+from locosweep.diagnosis.report.improvement import (
+    draws_of_runs,
+    interval_of_difference,
+    interval_of_fall,
+    reduction,
+)
 from locosweep.diagnosis.report.localization import rms
 
 if TYPE_CHECKING:
@@ -24,8 +30,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-_RESAMPLES = 400
-"""Draws of blocks that intervals come from."""
 _STEPS = 8
 """Steps of a fit of fewer causes, which begins at the values of all."""
 
@@ -118,37 +122,30 @@ def graded_contributions(found: Graded, seed: int) -> list[dict[str, Any]]:
     """Return the same list for causes beside what nobody explains.
 
     Errors are those of runs that each model was not fitted to, every run left out in turn;
-    intervals come from blocks of them that are drawn again.
+    intervals are those of as many runs like them.
     """
     none = found.none
     alone = {one.fit.model.names: one for one in found.ranked}
-    count = none.squares.size
-    picks = np.random.default_rng(seed).integers(0, count, size=(_RESAMPLES, count))
+    by_run = partial(np.array_split, indices_or_sections=found.unseen_runs)
     rows = []
     for cause in found.causes:
         single = alone.get((cause.names[0],))
-        drawn = _share(
-            cause.before.squares[picks], cause.chosen.squares[picks], none.squares[picks]
+        pairs = [(none.squares, one.squares) for one in (cause.before, cause.chosen)]
+        last, now = (
+            draws_of_runs(by_run(b), by_run(a), found.unseen_runs, np.random.default_rng(seed))
+            for b, a in pairs
         )
-        share = float(_share(cause.before.squares, cause.chosen.squares, none.squares))
-        low, high = np.quantile(drawn, [0.05, 0.95])
+        share = (cause.before.error - cause.chosen.error) / max(none.error, 1e-300)
         rows.append(
             {
                 "effects": list(cause.names),
                 "share": share,
-                "share_ci": [float(min(low, share)), float(max(high, share))],
+                "share_ci": interval_of_fall(last, now, share),
                 "alone": None if single is None else 1.0 - single.error / none.error,
                 "agrees_between_runs": cause.agrees,
             }
         )
     return rows
-
-
-def _share(before: Floats, after: Floats, none: Floats) -> Floats:
-    """Return the part of an error that goes away, of mean squares in blocks along the last axis."""
-    roots = [np.sqrt(squares.mean(axis=-1)) for squares in (before, after, none)]
-    found: Floats = np.asarray((roots[0] - roots[1]) / np.maximum(roots[2], 1e-300))
-    return found
 
 
 def _shrink(comparison: Comparison, channel: str, seed: int) -> float | None:

@@ -86,15 +86,25 @@ def interval_of_difference(
     found = reduction(after, channel, seed)
     if before is None or found["shrink"] is None:
         return None if found["shrink_ci"] is None else list(found["shrink_ci"])
-    pairs = zip(
-        before.draws(channel, np.random.default_rng(seed)),
-        after.draws(channel, np.random.default_rng(seed)),
-        strict=True,
-    )
-    ends = [np.quantile(_fall(new) - _fall(old), [0.05, 0.95]) for old, new in pairs]
-    low, high = np.min(ends, axis=0)[0], np.max(ends, axis=0)[1]
+    old, new = (one.draws(channel, np.random.default_rng(seed)) for one in (before, after))
     first = reduction(before, channel, seed)["shrink"] or 0.0
-    middle = found["shrink"] - first
+    return interval_of_fall(old, new, found["shrink"] - first)
+
+
+def interval_of_fall(
+    before: Sequence[Floats], after: Sequence[Floats], middle: float
+) -> list[float]:
+    """90 % interval of how much further an error falls, over all draws of the same runs.
+
+    Squared errors of the nominal model and of another one, each of shape (draws, 2); the interval
+    holds `middle`.
+    """
+    ends = [
+        np.quantile(_fall(new) - _fall(old), [0.05, 0.95])
+        # Runs like these are drawn where runs have errors: under one model there may be none.
+        for old, new in zip(before, after, strict=False)
+    ]
+    low, high = np.min(ends, axis=0)[0], np.max(ends, axis=0)[1]
     return [float(min(low, middle)), float(max(high, middle))]
 
 
@@ -115,7 +125,7 @@ def draws_of_runs(
     before: Sequence[Floats], after: Sequence[Floats], kept: int, generator: np.random.Generator
 ) -> list[Floats]:
     """Draw `kept` runs as they are and runs like them: few known ones span too little."""
-    blocks = _BLOCKS if len(before) < _FEW else 1
+    blocks = min(_BLOCKS, *(a.size for a in before)) if len(before) < _FEW else 1
     table = np.array([
         (np.nansum(a[c]), np.nansum(b[c]))
         for a, b in zip(before, after, strict=True)

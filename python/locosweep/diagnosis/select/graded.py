@@ -23,6 +23,7 @@ from locosweep.diagnosis.select.extension import extend
 from locosweep.diagnosis.select.next_cause import Cause, next_cause, weights_of
 from locosweep.diagnosis.select.search import Collection, Found
 from locosweep.diagnosis.select.unlisted_beside import unlisted_beside
+from locosweep.diagnosis.select.unseen_errors import unseen_runs
 
 if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.least_squares import Fit
@@ -46,6 +47,8 @@ class Graded:
     """Weights of these, together 1."""
     unlisted: str = ""
     """Variable of a force that no effect stands for and that does better than any, if any."""
+    unseen_runs: int = 1
+    """Runs that errors are of: blocks of one follow one another."""
 
     @property
     def last(self) -> Candidate:
@@ -89,6 +92,7 @@ def graded(search: Search, known: Collection, most: int) -> Graded:
         ranked,
         tuple(weights[first].tolist()),
         unlisted,
+        unseen_runs(search),
     )
 
 

@@ -31,6 +31,13 @@ def seen_error(problem: Problem, fits: Sequence[Fit]) -> list[float]:
     return list(np.sqrt(np.nanmean(errors**2, axis=1)).tolist())
 
 
+def unseen_runs(search: Search) -> int:
+    """Return how many runs `unseen_squares` has blocks of."""
+    problem = search.problem
+    kept = groups_of(problem, problem.held) if search.judges else []
+    return len(groups_of(problem, problem.fitted)) + len(kept)
+
+
 def unseen_squares(search: Search, problem: Problem, fits: Sequence[Fit]) -> Floats:
     """Return mean squared errors of x in blocks of runs that a fit has not seen, a row a fit.
 
