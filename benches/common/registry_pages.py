@@ -124,12 +124,12 @@ def _said(value: Any) -> str:
 
 _WORDS = {
     "contains": "contains as a limit",
-    "continuous": "no functional form of it jumps",
+    "continuous": "never jumps, whatever its functional form",
     "error_of": "error of the value",
     "excludes": "stands in the place of",
     "further": "further variable of another functional form",
+    "monotone": "rises or falls all along, whatever its functional form",
     "shown": "motion of the head that shows it",
-    "trend": "any functional form of it is",
     "variable": "variable of another functional form",
 }
 

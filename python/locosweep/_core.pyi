@@ -114,6 +114,11 @@ class Effect:
     @property
     def meaning(self, /) -> str: ...
     @property
+    def monotone(self, /) -> bool:
+        """
+        Whether its law in `variable` rises all along, or falls, by whatever formula.
+        """
+    @property
     def name(self, /) -> str: ...
     @property
     def needs(self, /) -> list[str]:
@@ -154,12 +159,6 @@ class Effect:
     def spanned(self, /) -> list[tuple[str, str]]:
         """
         Numbers of a rival whose values are fitted together.
-        """
-    @property
-    def trend(self, /) -> str | None:
-        """
-        How its law in `variable` goes, by whatever formula: monotone (it rises all along, or
-        falls) or falling; None where it may go up and down.
         """
     @property
     def variable(self, /) -> str | None:

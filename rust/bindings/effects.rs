@@ -2,7 +2,7 @@
 
 use crate::tables::Parameter;
 use locosweep::physics::effects::{
-    EFFECT_PARAMS, Effect, EffectParam, LevelForm, Need, Off, Shape, Trend, Variable,
+    EFFECT_PARAMS, Effect, EffectParam, LevelForm, Need, Off, Shape, Variable,
 };
 use pyo3::prelude::*;
 
@@ -27,9 +27,8 @@ pub struct EffectRecord {
     variable: Option<&'static str>,
     /// A second variable of another law, which no other effect follows.
     further: Option<&'static str>,
-    /// How its law in `variable` goes, by whatever formula: monotone (it rises all along, or
-    /// falls) or falling; None where it may go up and down.
-    trend: Option<&'static str>,
+    /// Whether its law in `variable` rises all along, or falls, by whatever formula.
+    monotone: bool,
     /// Whether its law in `variable` never jumps, by whatever formula.
     continuous: bool,
     /// What a rig must have for it: body, rear_sensor, slope.
@@ -186,7 +185,7 @@ pub fn effects(py: Python<'_>) -> PyResult<Vec<EffectRecord>> {
             fits: fits.collect::<PyResult<_>>()?,
             variable: info.variable.map(Variable::name),
             further: info.further.map(Variable::name),
-            trend: info.trend.map(Trend::name),
+            monotone: info.monotone,
             continuous: info.continuous,
             needs: info.needs.iter().copied().map(Need::name).collect(),
             shown: info.shown.name(),

@@ -314,13 +314,11 @@ impl Misfit {
         let lengths = lengths.chain(shifts.iter().flatten().map(|(_, u)| u.len()));
         let known = |(c, _): &(usize, Vec<f64>)| *c < signals.len();
         let rows = channels.iter().all(|(row, ..)| row.is_none_or(|row| row < 4));
-        let few = shifts.len() <= fit::MOST_SHIFTS;
         let fits = lengths.into_iter().all(|n| n == total) && shifts.iter().flatten().all(known);
-        if !rows || !few || !fits {
+        if !rows || !fits {
             let message = format!(
-                "channels and shifts: allowed are rows below 4, arrays of {total} samples, channels below {}, and {} shifts",
-                channels.len(),
-                fit::MOST_SHIFTS
+                "channels and shifts: allowed are rows below 4, arrays of {total} samples, and channels below {}",
+                channels.len()
             );
             return Err(input_error(py, message));
         }

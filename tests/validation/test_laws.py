@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from locosweep import _core
 from locosweep.simulation.replay import effects
+from locosweep.validation.cases import draw_case, scale_of_runs
+from locosweep.validation.experiment import World
 from locosweep.validation.laws import (
     ALL_LAWS,
     CAUSES,
@@ -17,6 +21,7 @@ from locosweep.validation.laws import (
     draw_background,
     draw_cause,
 )
+from locosweep.validation.sizes import Nuisances
 
 SCALE = Scale(
     level=0.6,
@@ -157,3 +162,27 @@ def test_a_cable_reel_holds_less_while_it_winds_up() -> None:
     for speed, pull in ((0.4, 0.3 * 1.25), (-0.4, 0.3 * 0.75)):
         ((x, *_),) = _core.reality_run([idle], [(0, smooth, [law], (0.0, speed), 1e-5, 1)], 1)
         assert x[20] == pytest.approx(speed * T[20] - 0.5 * pull / 0.3 * T[20] ** 2, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_a_law_of_no_strength_changes_nothing_on_a_rig_that_is_not_as_told() -> None:
+    """Levels of effects refer to the rig as it is, not as its file says.
+
+    Friction that differs by direction was a level that is off by the uncertainty of the file, and
+    friction that falls from rest an equal copy of it.
+    """
+    case = draw_case(3, 0, gap_free=True)
+    uncertain = {"mu_coulomb": 0.03, "mass": 0.02}
+    experiment = replace(case.experiment, rig=replace(case.experiment.rig, uncertainty=uncertain))
+    shifts = {"mu_coulomb": 2.0, "mass": -1.0}
+    nuisances = Nuisances(experiment, scale_of_runs(experiment, shifts), World(shifts), 1)
+    rng = np.random.default_rng(0)
+    off = {}
+    friction = {one.name for one in effects() if one.site == "friction"}
+    # Bristles have a least deflection, and levels as forces are those of other rigs.
+    for name, form in LAWS:
+        if name not in friction - {"presliding_compliance"} or form == "force":
+            continue
+        cause = draw_cause(rng, nuisances.scale, name, form)
+        off[name, form] = nuisances.size(((name, form, cause.at(1e-9)),))
+    assert {key: size for key, size in off.items() if not size < 0.1} == {}

@@ -155,14 +155,14 @@ def _plan(rng: Generator, rig: Rig) -> dict[str, Any]:
     }
 
 
-def scale_of_runs(experiment: Experiment) -> Scale:
-    """Read the scale of a rig off its nominal runs."""
+def scale_of_runs(experiment: Experiment, shifts: dict[str, float] | None = None) -> Scale:
+    """Read the scale of a rig off its nominal runs; the level is that of a rig with `shifts`."""
     rig = experiment.rig
     n = rig.nominal
     read = experiment.read([World()], COARSE, 1)[0]
     weight = (n["segments"] - 1.0) * n["mass"] * n["gravity"]
     return Scale(
-        level=rig.level,
+        level=rig.true_level(shifts or {}),
         force=float(max(np.abs(d.command).max() for d in experiment.drives) * n["gain"]),
         mass=n["mass"],
         grip=weight * float(np.cos(np.radians(n["slope_deg"]))),
@@ -313,6 +313,7 @@ def _try_case(rng: Generator, wanted: Wanted, threads: int) -> Case | None:
     experiment = replace(blind, sensors=sensors)
     check = Experiment(rig, tuple(fresh), sensors)
     shifts = {name: float(np.clip(rng.normal(), -2.0, 2.0)) for name in rig.uncertainty}
+    scale = replace(scale, level=rig.true_level(shifts))
     truth: dict[str, Any] = {
         "kind": kind,
         "plan": plan,

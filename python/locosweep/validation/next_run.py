@@ -118,7 +118,8 @@ def _nearest(case: Case, change: Change, rivals: Sequence[str]) -> float:
     longer = _longer(case, change)
     if longer is None:
         return 0.0
-    nuisances = Nuisances(longer, scale_of_runs(case.experiment), World(case.world.shifts), 1)
+    shifts = case.world.shifts
+    nuisances = Nuisances(longer, scale_of_runs(case.experiment, shifts), World(shifts), 1)
     gap = nuisances.differences([case.world.effects])[0]
     true, form, _ = case.world.effects[0]
     another_law = form not in ("law", "force")

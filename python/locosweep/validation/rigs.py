@@ -76,8 +76,12 @@ class Rig:
 
     @property
     def level(self) -> float:
-        """Coulomb level at the nominal slope, N or N m."""
-        n = self.nominal
+        """Coulomb level of the nominal file at the nominal slope, N or N m."""
+        return self.true_level({})
+
+    def true_level(self, shifts: dict[str, float]) -> float:
+        """Return the level of what the rig really is, to which levels of effects refer."""
+        n = self.true(shifts)
         if "coulomb_force" in n:
             return n["coulomb_force"]
         return (

@@ -89,6 +89,19 @@ def test_its_deviance_is_that_of_a_normal_distribution(noise: float) -> None:
     assert rest.deviance == pytest.approx(deviance, rel=1e-6)
 
 
+def test_errors_of_a_model_are_the_same_beside_a_rest() -> None:
+    # Off from the second reading on: a start that is less sure would take part of it away.
+    runs = measured({}, driven(2))
+    for run in runs:
+        run.channels["x"][10:] += 8.0 * NOISE
+    own = problem(runs)
+    force = RestForce(own)
+    rest = replace(force.beside([nothing()])[0], noise=(100.0, 100.0))
+    point = point_of(own, nothing())
+    plain, beside = (one.position_errors([point], [0, 1]) for one in (own, force.beside_one(rest)))
+    assert np.allclose(plain, beside, rtol=1e-6, atol=1e-3 * NOISE)
+
+
 def test_a_run_that_no_model_follows_counts_for_less() -> None:
     runs = measured({})
     random = np.random.default_rng(1)

@@ -36,7 +36,7 @@ def test_each_run_is_predicted_from_the_others() -> None:
     shares = []
     for records in (shared, lone):
         search, fits = fitted(records, "viscous_friction")
-        squares = unseen_squares(search, search.problem, fits)
+        squares, _ = unseen_squares(search, search.problem, fits)
         assert squares.shape[0] == len(fits)
         assert squares.shape[1] >= UNSEEN_BLOCKS
         before, after = np.sqrt(squares.mean(axis=1))
@@ -50,13 +50,22 @@ def test_what_lies_far_behind_is_not_tried_on_other_runs() -> None:
     search, (none, cause, other) = fitted(
         measured(DRAG, driven(5)), "viscous_friction", "sensor_drift"
     )
-    squares = unseen_squares(search, search.problem, [none, cause, other])
+    squares, _ = unseen_squares(search, search.problem, [none, cause, other])
     (seen,) = seen_error(search.problem, [other])
     assert np.sqrt(squares[2].mean()) == pytest.approx(seen, rel=1e-2)
 
 
+def test_blocks_without_readings_leave_the_others_to_their_runs() -> None:
+    runs = measured(DRAG, driven(4))
+    runs[1].channels["x"][90:] = np.nan
+    search, fits = fitted(runs, "viscous_friction")
+    squares, of_run = unseen_squares(search, search.problem, fits)
+    assert squares.shape[1] == of_run.size
+    assert of_run.tolist() == [0, 0, 1, 2, 2, 3, 3]
+
+
 def test_of_one_run_the_last_part_judges() -> None:
     search, fits = fitted(measured(DRAG, driven(1)), "viscous_friction")
-    squares = unseen_squares(search, search.problem, fits)
+    squares, _ = unseen_squares(search, search.problem, fits)
     before, after = squares.mean(axis=1)
     assert after < 0.1 * before

@@ -33,8 +33,8 @@ number, and what a deviation of it changes in their weighted readings."""
 LOST = 1e60
 """Reading of a model that cannot be replayed to the end: far from everything."""
 _MOST_SHIFTS = 16
-"""Shifts of a start and of drives that were missed, at most: with those of a rest the core takes
-64 of a run."""
+"""Shifts of a start and of drives that were missed, at most: the time of a fit grows with them. Not
+derived."""
 _ANYWHERE = 10.0
 """Deviation of a start that was not measured, in spans of its run."""
 
@@ -448,15 +448,15 @@ class Problem:
     def position_errors(self, points: Sequence[Point], runs: Sequence[int]) -> Floats:
         """Return measured minus simulated positions of some runs, a row a point.
 
-        Starts are shifted within the sensors' noise, at most by its deviation. NaN where nothing
-        was measured or counts.
+        Starts are shifted within the sensors' noise, at most by its deviation, whatever the factors
+        on deviations. NaN where nothing was measured or counts.
         """
-        whole = replace(self, rest=()) if self.rest else self
+        whole = replace(self, rest=(), wider=()) if self.rest or self.wider else self
         e = whole.residuals(points, runs, most=1.0)
         samples, rank = self.samples_of(runs), self.channels.index("x")
         ends = np.cumsum(self.lengths)
         picked = np.concatenate([np.arange(ends[r] - self.lengths[r], ends[r]) for r in runs])
-        w = (self.weights["x"] * self.seen)[picked]
+        w = (whole.weights["x"] * self.seen)[picked]
         own = e[:, rank * samples : (rank + 1) * samples]
         found: Floats = np.where(w > 0.0, own / np.where(w > 0.0, w, 1.0), np.nan)
         return found

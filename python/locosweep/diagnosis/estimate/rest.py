@@ -32,8 +32,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _KNOTS = 24
-"""Knots of the force along a run, at most: the time of a fit grows with them, and the core takes
-no more than 64 shifts of a run."""
+"""Knots of the force along a run, at most: the time of a fit grows with them. Not derived."""
 _SPACING = 6
 """Samples between two knots, at least: a faster force is noise."""
 _TIMES = (1 / 16, 1 / 4, 1.0, 4.0)

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from locosweep.diagnosis.estimate.least_squares import evaluate, fit_all, point_of
 from locosweep.diagnosis.report.improvement import (
-    draws_of_runs,
     interval_of_difference,
-    interval_of_fall,
     reduction,
+    share_interval,
 )
 from locosweep.diagnosis.report.localization import rms
 
@@ -122,25 +120,24 @@ def graded_contributions(found: Graded, seed: int) -> list[dict[str, Any]]:
     """Return the same list for causes beside what nobody explains.
 
     Errors are those of runs that each model was not fitted to, every run left out in turn;
-    intervals are those of as many runs like them.
+    intervals are those of as many runs like them, None of fewer than three.
     """
     none = found.none
     alone = {one.fit.model.names: one for one in found.ranked}
-    by_run = partial(np.array_split, indices_or_sections=found.unseen_runs)
+    runs = np.unique(found.of_run)
     rows = []
     for cause in found.causes:
         single = alone.get((cause.names[0],))
-        pairs = [(none.squares, one.squares) for one in (cause.before, cause.chosen)]
-        last, now = (
-            draws_of_runs(by_run(b), by_run(a), found.unseen_runs, np.random.default_rng(seed))
-            for b, a in pairs
-        )
+        models = [none, cause.before, cause.chosen][cause.before is none :]
+        table = np.array([
+            [one.squares[found.of_run == run].mean() for one in models] for run in runs
+        ])  # fmt: skip
         share = (cause.before.error - cause.chosen.error) / max(none.error, 1e-300)
         rows.append(
             {
                 "effects": list(cause.names),
                 "share": share,
-                "share_ci": interval_of_fall(last, now, share),
+                "share_ci": share_interval(table, share, np.random.default_rng(seed)),
                 "alone": None if single is None else 1.0 - single.error / none.error,
                 "agrees_between_runs": cause.agrees,
             }

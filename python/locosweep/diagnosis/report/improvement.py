@@ -22,6 +22,8 @@ _HORIZONS = (0.1, 0.5, 2.0)
 _RESAMPLES = 400
 _FEW = 4
 """Fewest runs of which whole ones are drawn."""
+_FEWEST = 3
+"""Fewest runs that say how much runs differ."""
 _BLOCKS = 8
 """Blocks of a run that are drawn where there are too few runs to draw whole ones."""
 _LEAST_FALL = 0.02
@@ -86,26 +88,38 @@ def interval_of_difference(
     found = reduction(after, channel, seed)
     if before is None or found["shrink"] is None:
         return None if found["shrink_ci"] is None else list(found["shrink_ci"])
-    old, new = (one.draws(channel, np.random.default_rng(seed)) for one in (before, after))
-    first = reduction(before, channel, seed)["shrink"] or 0.0
-    return interval_of_fall(old, new, found["shrink"] - first)
-
-
-def interval_of_fall(
-    before: Sequence[Floats], after: Sequence[Floats], middle: float
-) -> list[float]:
-    """90 % interval of how much further an error falls, over all draws of the same runs.
-
-    Squared errors of the nominal model and of another one, each of shape (draws, 2); the interval
-    holds `middle`.
-    """
-    ends = [
-        np.quantile(_fall(new) - _fall(old), [0.05, 0.95])
-        # Runs like these are drawn where runs have errors: under one model there may be none.
-        for old, new in zip(before, after, strict=False)
-    ]
+    pairs = zip(
+        before.draws(channel, np.random.default_rng(seed)),
+        after.draws(channel, np.random.default_rng(seed)),
+        strict=True,
+    )
+    ends = [np.quantile(_fall(new) - _fall(old), [0.05, 0.95]) for old, new in pairs]
     low, high = np.min(ends, axis=0)[0], np.max(ends, axis=0)[1]
+    first = reduction(before, channel, seed)["shrink"] or 0.0
+    middle = found["shrink"] - first
     return [float(min(low, middle)), float(max(high, middle))]
+
+
+def share_interval(
+    table: Floats, share: float, generator: np.random.Generator
+) -> list[float] | None:
+    """90 % interval of the share that a cause takes away of the error of new runs.
+
+    `table` has mean squared errors, a row a run: of the nominal model, of the model before the
+    cause if that is another one, and of that with the cause. As many runs are drawn again, and runs
+    like them. None of fewer than three runs, which say nothing of others.
+    """
+    if len(table) < _FEWEST:
+        return None
+    picks = generator.integers(0, len(table), size=(_RESAMPLES, len(table)))
+    runs = np.maximum(table, 1e-300)
+    ends = []
+    for drawn in (table[picks].sum(axis=1), _like(runs, len(table), generator)):
+        errors = np.sqrt(drawn)
+        shares = (errors[:, -2] - errors[:, -1]) / np.maximum(errors[:, 0], 1e-300)
+        ends.append(np.quantile(shares, [0.05, 0.95]))
+    low, high = np.min(ends, axis=0)[0], np.max(ends, axis=0)[1]
+    return [float(min(low, share)), float(max(high, share))]
 
 
 def _fall(sums: Floats) -> Floats:
@@ -125,7 +139,7 @@ def draws_of_runs(
     before: Sequence[Floats], after: Sequence[Floats], kept: int, generator: np.random.Generator
 ) -> list[Floats]:
     """Draw `kept` runs as they are and runs like them: few known ones span too little."""
-    blocks = min(_BLOCKS, *(a.size for a in before)) if len(before) < _FEW else 1
+    blocks = _BLOCKS if len(before) < _FEW else 1
     table = np.array([
         (np.nansum(a[c]), np.nansum(b[c]))
         for a, b in zip(before, after, strict=True)
@@ -147,20 +161,27 @@ def draws_of_windows(table: Floats, generator: np.random.Generator) -> list[Floa
 
 
 def _like(runs: Floats, count: int, generator: np.random.Generator) -> Floats:
-    """Draw sums of squared errors, before and after, of `count` runs like these.
+    """Draw sums of squared errors, model by model, of `count` runs like these.
 
-    Shape (draws, 2). The logarithms of the error after and of how far it falls are taken
-    for normal with unknown mean and spread: what comes next is distributed like Student's t.
+    Shape (draws, models), as that of `runs`. The logarithms of the error of the last model and of
+    how far it falls from each to the next are taken for normal with unknown mean and spread: what
+    comes next is distributed like Student's t.
     """
-    n = len(runs)
-    fall = np.log(runs[:, 0] / runs[:, 1])
-    points = np.stack([np.log(runs[:, 1]), np.log(np.maximum(fall, _LEAST_FALL))], axis=1)
+    n, models = runs.shape
+    logs = np.log(runs)
+    falls = np.maximum(logs[:, :-1] - logs[:, 1:], _LEAST_FALL)
+    points = np.hstack([logs[:, -1:], np.log(falls)])
+    spread = np.cov(points, rowvar=False)
     wider = np.sqrt((n - 1.0) / generator.chisquare(n - 1.0, _RESAMPLES))[:, None, None]
     middle, each = (
-        generator.multivariate_normal([0.0, 0.0], np.cov(points, rowvar=False) / m, size)
+        generator.multivariate_normal(np.zeros(models), spread / m, size)
         for m, size in ((n, (_RESAMPLES, 1)), (1, (_RESAMPLES, count)))
     )
     drawn = points.mean(axis=0) + wider * (middle + each)
-    after = np.exp(np.clip(drawn[..., 0], -_MOST, _MOST))
-    before = after * np.exp(np.exp(np.minimum(drawn[..., 1], np.log(_MOST))))
-    return np.stack([before.sum(axis=1), after.sum(axis=1)], axis=1)
+    last = np.exp(np.clip(drawn[..., :1], -_MOST, _MOST))
+    fallen = np.exp(np.minimum(drawn[..., 1:], np.log(_MOST)))
+    # From the last model back to the first.
+    grown = np.cumsum(fallen[..., ::-1], axis=-1)[..., ::-1]
+    before = last * np.exp(np.minimum(grown, _MOST))
+    found: Floats = np.concatenate([before, last], axis=-1).sum(axis=1)
+    return found

@@ -61,6 +61,8 @@ class Compared:
     inflation: float
     """Factor by which differences in deviance count for less, as what even the rest leaves is
     correlated."""
+    of_run: NDArray[np.intp]
+    """Run that each block of `squares` is of."""
 
 
 def compare_beside_rest(
@@ -84,17 +86,15 @@ def compare_beside_rest(
         if (new.size, new.time) == (rest.size, rest.time):
             break
     found = []
-    plain_rows, rows = (
-        unseen_squares(search, search.problem, plain),
-        unseen_squares(search, problem, now),
-    )
+    plain_rows, of_run = unseen_squares(search, search.problem, plain)
+    rows, _ = unseen_squares(search, problem, now)
     for i, (one, cost) in enumerate(zip(rests, price.tolist(), strict=True)):
         plainly = float(plain_rows[i].mean()) < float(rows[i].mean())
         fit, squares = (plain[i], plain_rows[i]) if plainly else (now[i], rows[i])
         found.append(Candidate(fit, one.deviance + cost, squares, plainly))
     likeliest = min(range(len(found)), key=lambda i: found[i].deviance)
     (left,) = evaluate(problem, [now[likeliest].unfitted()])
-    return Compared(rest, problem, found[0], found[1:], inflation(problem, left.residual))
+    return Compared(rest, problem, found[0], found[1:], inflation(problem, left.residual), of_run)
 
 
 def _plainly(problem: Problem, base: Fit, fits: Sequence[Fit], error: float | None) -> list[Fit]:

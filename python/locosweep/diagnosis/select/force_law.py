@@ -94,12 +94,11 @@ def force_law(
     return ForceLaw(variable, at, size, deviation, found, log_factor, carried)
 
 
-def monotone_loss(problem: Problem, fit: Fit, variable: str, trend: str = "monotone") -> float:
-    """Return how much less a law of some trend takes of a gap than one that bends.
+def monotone_loss(problem: Problem, fit: Fit, variable: str) -> float:
+    """Return how much less a law that only rises, or falls, takes of a gap than one that bends.
 
-    In chi2, in units of what the law that bends leaves; 0 where the motion shows no law. The law
-    rises all along or falls all along (`monotone`), or falls (`falling`), perhaps in steps: where
-    the cause is such a law, it takes about as much.
+    In chi2, in units of what the law that bends leaves; 0 where the motion shows no law. The one
+    that only rises may do so in steps: where the cause is such a law, it takes about as much.
     """
     if (acted := _acting(problem, fit, variable)) is None:
         return 0.0
@@ -112,8 +111,7 @@ def monotone_loss(problem: Problem, fit: Fit, variable: str, trend: str = "monot
     # A level has either sign, steps have one.
     low = np.array([-np.inf, *np.zeros(at.size - 1)])
     level, rises = np.ones((at.size, 1)), np.tri(at.size)[:, 1:]
-    ways = (-1.0,) if trend == "falling" else (1.0, -1.0)
-    laws = [root @ np.hstack([level, way * rises]) for way in ways]
+    laws = [root @ np.hstack([level, way * rises]) for way in (1.0, -1.0)]
     rests = [2.0 * lsq_linear(law, along, (low, np.inf), method="bvls").cost for law in laws]
     monotone = float(gap @ gap - along @ along) + min(rests)
     return float(monotone - left @ left) / noise

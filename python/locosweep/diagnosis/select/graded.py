@@ -9,7 +9,7 @@ prediction of unseen runs decides, and what predicts as well as the best is one 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,9 +23,10 @@ from locosweep.diagnosis.select.extension import extend
 from locosweep.diagnosis.select.next_cause import Cause, next_cause, weights_of
 from locosweep.diagnosis.select.search import Collection, Found
 from locosweep.diagnosis.select.unlisted_beside import unlisted_beside
-from locosweep.diagnosis.select.unseen_errors import unseen_runs
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.estimate.problem import Problem
     from locosweep.diagnosis.select.search import Search
@@ -47,8 +48,8 @@ class Graded:
     """Weights of these, together 1."""
     unlisted: str = ""
     """Variable of a force that no effect stands for and that does better than any, if any."""
-    unseen_runs: int = 1
-    """Runs that errors are of: blocks of one follow one another."""
+    of_run: NDArray[np.intp] = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
+    """Run that each block of errors is of."""
 
     @property
     def last(self) -> Candidate:
@@ -71,7 +72,7 @@ def graded(search: Search, known: Collection, most: int) -> Graded:
     first = np.argsort(-weights, kind="stable")
     ranked = tuple(now.others[i] for i in first)
     if none.error < limits.LEAST_GRADED * search.problem.noise["x"].sd:
-        # What a cause leaves of a gap so small, a cause that makes all of it would not.
+        # The true cause of a gap so small leaves but noise: it would be `explained`.
         most = 0
     while len(causes) < most:
         cause = next_cause(now, base, none)
@@ -92,7 +93,7 @@ def graded(search: Search, known: Collection, most: int) -> Graded:
         ranked,
         tuple(weights[first].tolist()),
         unlisted,
-        unseen_runs(search),
+        now.of_run,
     )
 
 

@@ -45,6 +45,7 @@ class Form:
     constant: bool = True
     """Whether a constant beside it makes sense."""
     jumps: bool = False
+    """Whether it changes at once somewhere."""
 
 
 def _constant(u: Floats, s: Floats) -> Floats:

@@ -119,8 +119,8 @@ def _through(variable: str, level: Sequence[Fit]) -> Iterator[Fit]:
 def score_with_other_law(search: Search, fit: Fit) -> float | None:
     """Score of a fit with other laws of its effects; None if another variable does better."""
     own = own_variables(fit.model.names)
-    of_none, _, score = (own and _score_with_other_law(search, fit)[0]) or (True, False, 0.0)
-    return None if of_none else score
+    scored = _score_with_other_law(search, fit)[0] if own else None
+    return None if scored is None or scored[0] else scored[2]
 
 
 def _score_with_other_law(
@@ -154,18 +154,19 @@ def _score_with_other_law(
 def _goes_as_it_may(search: Search, fit: Fit) -> bool:
     """Return whether the laws found in place of formulas go as laws of their effects may.
 
-    The registry says of which effects laws only rise, or fall (`trend`), and of which they never
-    jump (`continuous`). A ground that rocks makes a force that rises and falls: it is no drift of
-    friction. A mass that is dropped makes the drive act more from then on: no supply sags so.
+    The registry says of which effects laws only rise, or fall (`monotone`), and of which they
+    never jump (`continuous`). A ground that rocks makes a force that rises and falls: it is no
+    drift of friction. A mass that is picked up makes the drive act less from then on: no supply
+    sags so.
     """
     for name in fit.model.names:
         law = effect(name)
-        if not law.trend and not law.continuous:
+        if not law.monotone and not law.continuous:
             continue
         several, variable = len(fit.model.names) > 1, VARIABLES[name]
         base = without(search, fit, name) if several else search.none
         problem = search.problem
-        if law.trend and monotone_loss(problem, base, variable, law.trend) > limits.LEAST_GAIN:
+        if law.monotone and monotone_loss(problem, base, variable) > limits.LEAST_GAIN:
             return False
         if law.continuous:
             drawn = force_law(problem, base, variable)

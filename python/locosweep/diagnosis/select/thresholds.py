@@ -119,11 +119,11 @@ of `locosweep blind-check` (`--only outside --cases 120 --seed 9611`, `--only an
 --cases 120` with seeds 9518 and 9941, `--cases 140 --gap-free 60 --seed 9720`) right ones have 0.39
 and more, but one of a pair with 0.08, wrong ones 0.10 to 0.19 and once 0.61."""
 LEAST_GRADED = 5.0
-"""Error of x on unseen runs, in deviations of its noise, below which a gap is no rig's that never
-comes down to its noise: a cause that makes such a gap leaves but noise, and one that does not is
-none to name. Of the partial verdicts of `locosweep blind-check --only outside --cases 300 --seed
-20202` wrong ones have 1.7 to 3.0, 5.2 and 13; of `--only another-law --cases 160 --seed 20303` and
-`--only background --cases 60 --seed 20505` right ones 5.1 and more, but one with 1.5."""
+"""Error of x on unseen runs, in deviations of its noise, below which no cause is named beside a
+rest: the true cause of a gap so small would leave but noise. Of the partial verdicts of
+`locosweep blind-check --only outside --cases 300 --seed 20202` wrong ones have 1.7 to 3.0, 5.2 and
+13; of `--only another-law --cases 160 --seed 20303` and `--only background --cases 60 --seed 20505`
+right ones have 5.1 and more, but one with 1.5."""
 CLEAR_FALL = 0.5
 """Share of an error on unseen runs below which no test asks whether all of them agree: where one
 run goes elsewhere than its model, it alone holds the gap."""

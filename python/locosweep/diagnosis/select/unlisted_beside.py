@@ -22,10 +22,14 @@ from locosweep.diagnosis.select.unseen_errors import seen_error
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import NDArray
+
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.estimate.problem import Problem
     from locosweep.diagnosis.select.beside_rest import Candidate, Compared
     from locosweep.diagnosis.select.next_cause import Cause
+
+    Floats = NDArray[np.float64]
 
 
 def unlisted_beside(now: Compared, cause: Cause) -> str:
@@ -56,16 +60,16 @@ def unlisted_beside(now: Compared, cause: Cause) -> str:
 def _place_does_better(problem: Problem, base: Candidate, cause: Cause) -> bool:
     """Return whether a force by place, replayed beside a model, halves what a cause leaves.
 
-    Both on runs that they were not found in: half of the runs at a time, as a law takes replays.
+    With several runs, of runs that neither was found in: the force of half of the runs is replayed
+    on the other half, as a law takes replays.
     """
     if not acts(problem, base.fit, BY_PLACE):
         return False
     groups = groups_of(problem, problem.fitted)
     if len(groups) < 2:
-        left = _left_by_place(problem, base.fit, problem.fitted)
-        (after,) = seen_error(problem, [cause.fit])
-        return left < limits.CLEAR_FALL * after
-    squares = []
+        (left,) = seen_error(problem, [cause.fit])
+        return _rms(_errors_by_place(problem, base.fit, problem.fitted)) < limits.CLEAR_FALL * left
+    errors = []
     for first in (0, 1):
         unseen = [run for group in groups[first::2] for run in group]
         others = replace(
@@ -74,16 +78,23 @@ def _place_does_better(problem: Problem, base: Candidate, cause: Cause) -> bool:
             known=problem.noise,
             initial=problem.initial_or_none,
         )
-        squares.append(_left_by_place(others, base.fit, unseen) ** 2)
-    return float(np.sqrt(np.mean(squares))) < limits.CLEAR_FALL * cause.chosen.error
+        errors.append(_errors_by_place(others, base.fit, unseen))
+    return _rms(np.concatenate(errors)) < limits.CLEAR_FALL * cause.chosen.error
 
 
-def _left_by_place(problem: Problem, base: Fit, runs: Sequence[int]) -> float:
-    """Return the root mean square error of some runs under the force by place of fitted ones."""
+def _rms(errors: Floats) -> float:
+    return float(np.sqrt(np.nanmean(np.square(errors))))
+
+
+def _errors_by_place(problem: Problem, base: Fit, runs: Sequence[int]) -> Floats:
+    """Return the errors of some runs under the force by place of the fitted ones.
+
+    Infinite where there is none.
+    """
     (fit,) = evaluate(problem, [base.unfitted()])
     law = force_law(problem, fit, BY_PLACE)
     under = under_force(settled(law, problem, fit), problem, fit) if law else None
     if under is None:
-        return np.inf
-    errors = under.position_errors([point_of(under, fit)], list(runs))
-    return float(np.sqrt(np.nanmean(np.square(errors))))
+        return np.array([np.inf])
+    (errors,) = under.position_errors([point_of(under, fit)], list(runs))
+    return np.asarray(errors)

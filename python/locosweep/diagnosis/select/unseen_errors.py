@@ -31,18 +31,14 @@ def seen_error(problem: Problem, fits: Sequence[Fit]) -> list[float]:
     return list(np.sqrt(np.nanmean(errors**2, axis=1)).tolist())
 
 
-def unseen_runs(search: Search) -> int:
-    """Return how many runs `unseen_squares` has blocks of."""
-    problem = search.problem
-    kept = groups_of(problem, problem.held) if search.judges else []
-    return len(groups_of(problem, problem.fitted)) + len(kept)
-
-
-def unseen_squares(search: Search, problem: Problem, fits: Sequence[Fit]) -> Floats:
+def unseen_squares(
+    search: Search, problem: Problem, fits: Sequence[Fit]
+) -> tuple[Floats, NDArray[np.intp]]:
     """Return mean squared errors of x in blocks of runs that a fit has not seen, a row a fit.
 
-    Of the fitted runs each is left out in turn; those kept from fits count where they may judge.
-    What lies far behind on the runs that it has seen is not tried on others.
+    And the run that each block is of, as a number. Of the fitted runs each is left out in turn;
+    those kept from fits count where they may judge. What lies far behind on the runs that it has
+    seen is not tried on others.
     """
     fitted = groups_of(problem, problem.fitted)
     kept = groups_of(problem, problem.held) if search.judges else []
@@ -50,7 +46,7 @@ def unseen_squares(search: Search, problem: Problem, fits: Sequence[Fit]) -> Flo
         return _later_or_kept(problem, fits, kept or fitted)
     groups = [*fitted, *kept]
     blocks = -(-limits.UNSEEN_BLOCKS // len(groups))
-    seen = _block_errors(problem, [_points(problem, fits)] * len(groups), groups, blocks)
+    seen, of_run = _block_errors(problem, [_points(problem, fits)] * len(groups), groups, blocks)
     sizes = np.sqrt(seen.mean(axis=1))
     near = [i for i in range(len(fits)) if i == 0 or sizes[i] <= _FAR * sizes.min()]
     thetas = without_groups(problem, [fits[i] for i in near], fitted)
@@ -59,15 +55,17 @@ def unseen_squares(search: Search, problem: Problem, fits: Sequence[Fit]) -> Flo
          for i, theta in zip(near, thetas, strict=True)]
         for g in range(len(groups))
     ]  # fmt: skip
-    seen[near] = _block_errors(problem, points, groups, blocks)
-    return seen
+    seen[near], _ = _block_errors(problem, points, groups, blocks)
+    return seen, of_run
 
 
 def _points(problem: Problem, fits: Sequence[Fit]) -> list[Point]:
     return [point_of(problem, fit) for fit in fits]
 
 
-def _later_or_kept(problem: Problem, fits: Sequence[Fit], groups: Sequence[list[int]]) -> Floats:
+def _later_or_kept(
+    problem: Problem, fits: Sequence[Fit], groups: Sequence[list[int]]
+) -> tuple[Floats, NDArray[np.intp]]:
     """Return errors where only one run is fitted: of its last part, or of what was kept from it."""
     points = [_points(problem, fits)] * len(groups)
     if problem.train_fraction == 1.0:
@@ -80,17 +78,21 @@ def _later_or_kept(problem: Problem, fits: Sequence[Fit], groups: Sequence[list[
             if np.isfinite(errors[0, part]).any()]  # fmt: skip
     if not rows:
         return _block_errors(problem, points, groups, limits.UNSEEN_BLOCKS)
-    return np.array(rows).T
+    return np.array(rows).T, np.zeros(len(rows), dtype=np.intp)
 
 
 def _block_errors(
     problem: Problem, points: Sequence[Sequence[Point]], groups: Sequence[list[int]], blocks: int
-) -> Floats:
-    """Return mean squared errors of x in blocks of groups of runs, of points for each group."""
-    rows = []
-    for own, group in zip(points, groups, strict=True):
+) -> tuple[Floats, NDArray[np.intp]]:
+    """Return mean squared errors of x in blocks of groups of runs, of points for each group.
+
+    And the group that each block is of.
+    """
+    rows, of_run = [], []
+    for g, (own, group) in enumerate(zip(points, groups, strict=True)):
         errors = problem.position_errors(own, group)
-        parts = np.array_split(np.arange(errors.shape[1]), blocks)
-        rows += [np.nanmean(errors[:, part] ** 2, axis=1) for part in parts
-                 if np.isfinite(errors[0, part]).any()]  # fmt: skip
-    return np.array(rows).T
+        for part in np.array_split(np.arange(errors.shape[1]), blocks):
+            if np.isfinite(errors[0, part]).any():
+                rows.append(np.nanmean(errors[:, part] ** 2, axis=1))
+                of_run.append(g)
+    return np.array(rows).T, np.array(of_run, dtype=np.intp)

@@ -11,7 +11,7 @@ pub use behind_joint::{BehindJoint, Jointed};
 pub use friction::{Coefficients, Measured};
 pub use plant::{Body, Joint, Levels, Nominal, Plant, shortness};
 pub use row::{
-    EffectInfo, EffectParam, LevelForm, Magnitude, Need, Off, Shape, Shown, Site, Trend, Variable,
+    EffectInfo, EffectParam, LevelForm, Magnitude, Need, Off, Shape, Shown, Site, Variable,
 };
 pub use rows::{EFFECTS, Effect};
 

@@ -156,23 +156,6 @@ impl Variable {
     }
 }
 
-/// How a law of an effect goes with its variable, by whatever formula.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Trend {
-    /// It rises all along, or falls all along.
-    Monotone,
-    Falling,
-}
-
-impl Trend {
-    pub fn name(self) -> &'static str {
-        match self {
-            Trend::Monotone => "monotone",
-            Trend::Falling => "falling",
-        }
-    }
-}
-
 /// A row of the registry.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EffectInfo {
@@ -186,9 +169,9 @@ pub struct EffectInfo {
     pub variable: Option<Variable>,
     /// A second variable that another law may follow, and no other effect.
     pub further: Option<Variable>,
-    /// How its law in `variable` goes, by whatever formula, if not up and down,
-    pub trend: Option<Trend>,
-    /// and whether it never jumps.
+    /// Whether its law in `variable` rises all along, or falls, by whatever formula.
+    pub monotone: bool,
+    /// Whether its law in `variable` never jumps, by whatever formula.
     pub continuous: bool,
     pub needs: &'static [Need],
     pub shown: Shown,
@@ -280,7 +263,7 @@ pub(super) const EFFECT: EffectInfo = EffectInfo {
     params: &[],
     variable: None,
     further: None,
-    trend: None,
+    monotone: false,
     continuous: false,
     needs: &[],
     shown: Shown::Moving,

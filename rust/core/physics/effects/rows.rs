@@ -5,7 +5,7 @@
 use super::row::Need::{Body, RearSensor, Slope};
 use super::row::{
     EFFECT, EITHER_SIGN, EffectInfo, EffectParam, LevelForm, Magnitude, Off, PARAM, POSITIVE,
-    SHAPE, Shape, Shown, Site, Trend, Variable, param,
+    SHAPE, Shape, Shown, Site, Variable, param,
 };
 
 macro_rules! effects {
@@ -89,7 +89,7 @@ effects! {
         formula: r"F_f \mathrel{+}= c v",
         meaning: "friction that grows with speed",
         variable: Some(Variable::Speed),
-        trend: Some(Trend::Monotone),
+        monotone: true,
         magnitude: Magnitude { low: LEAST_DRAG, ..EFFECT.magnitude },
         params: &[EffectParam {
             param: param("c", "c", "N s/m", (-1e9, 1e9), "viscous coefficient beside the nominal one"),
@@ -106,7 +106,7 @@ effects! {
         formula: r"F_f \mathrel{+}= c_2 v|v|",
         meaning: "drag that grows with the square of speed",
         variable: Some(Variable::Speed),
-        trend: Some(Trend::Monotone),
+        monotone: true,
         magnitude: Magnitude { low: "0", ..EFFECT.magnitude },
         params: &[EffectParam {
             param: param("c2", "c_2", "N s^2/m^2", (-1e9, 1e9), "quadratic coefficient"),
@@ -312,7 +312,7 @@ effects! {
         formula: r"F_f \mathrel{+}= \mu_l |F_d|\,\mathrm{sgn}\,v",
         meaning: "friction grows with the drive force",
         variable: Some(Variable::Load),
-        trend: Some(Trend::Monotone),
+        monotone: true,
         magnitude: Magnitude { low: "-0.9", ..EFFECT.magnitude },
         params: &[EffectParam {
             param: param("mu_l", r"\mu_l", "1", (-1.0, 1e3), "friction per newton of drive force"),
@@ -326,7 +326,7 @@ effects! {
         formula: r"F_c\,(1 + a(1 - e^{-t/T}))",
         meaning: "friction changes over the time of a run",
         variable: Some(Variable::Time),
-        trend: Some(Trend::Monotone),
+        monotone: true,
         contains: &["coulomb_error"],
         magnitude: Magnitude { shapes: &[SLOWLY], ..EFFECT.magnitude },
         over: &[("share", "[0.15, 0.5, 1.5]")],
@@ -351,7 +351,7 @@ effects! {
         formula: r"F_f \mathrel{+}= k_b s,\ v > 0",
         meaning: "lubricant piles up before the segment as it moves forward",
         variable: Some(Variable::Swept),
-        trend: Some(Trend::Monotone),
+        monotone: true,
         shown: Shown::Forward,
         params: &[EffectParam {
             param: param("k_b", "k_b", "N/m", (-1e6, 1e9), "resistance per distance swept since the last rest or turn"),
@@ -368,7 +368,7 @@ effects! {
         formula: r"|F_d| \le F_\mathrm{max}",
         meaning: "the drive gives no more than a limit",
         variable: Some(Variable::Drive),
-        trend: Some(Trend::Monotone),
+        monotone: true,
         magnitude: Magnitude { low: "0", high: "1", ..EFFECT.magnitude },
         one_sided: true,
         params: &[EffectParam {
@@ -455,7 +455,7 @@ effects! {
         formula: r"F_d = \mathrm{gain}\cdot\mathrm{drive} - k_e v",
         meaning: "the drive gives less the faster it moves",
         variable: Some(Variable::Speed),
-        trend: Some(Trend::Monotone),
+        monotone: true,
         magnitude: Magnitude { low: LEAST_DRAG, ..EFFECT.magnitude },
         params: &[EffectParam {
             param: param("k_e", "k_e", "N s/m", (-1e9, 1e9), "loss of force per speed"),
@@ -472,8 +472,8 @@ effects! {
         formula: r"\mathrm{gain}\,(1 - a(1 - e^{-t/T}))",
         meaning: "the supply sags over the time of a run",
         variable: Some(Variable::Sag),
+        monotone: true,
         // What falls at once is as well a mass that is picked up.
-        trend: Some(Trend::Falling),
         continuous: true,
         contains: &["drive_gain_error"],
         magnitude: Magnitude { high: "1", shapes: &[SLOWLY], ..EFFECT.magnitude },

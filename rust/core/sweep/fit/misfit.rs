@@ -7,8 +7,6 @@ use std::sync::Arc;
 /// Numbers that sums run over side by side: those of the widest pack, so that the order of
 /// summation, and with it the bits, are those of every level.
 pub const WIDE: usize = 16;
-/// Shifts of a span, at most: its start, and the knots of a force that no effect stands for.
-pub const MOST_SHIFTS: usize = 64;
 
 /// Where the prediction of a channel comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

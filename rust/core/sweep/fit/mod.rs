@@ -21,6 +21,6 @@ pub use evaluate::{Evaluated, evaluate, readings, residuals, whitened};
 pub use experiment::{Begin, Experiment, Point, Span};
 pub use job::How;
 pub use marquardt::{Ended, FINE, Rule, fit};
-pub use misfit::{MOST_SHIFTS, Misfit, Shift, Signal, Source};
+pub use misfit::{Misfit, Shift, Signal, Source};
 pub use nalgebra::{DMatrix, DVector};
 pub use objective::{Objective, OverSpans};

@@ -140,8 +140,8 @@ fn take_out(own: &Measured, along: &mut [f64], most: f64, row: &mut [f64]) {
     }
 }
 
-/// The sum of squares of a row that falls by so much as its shifts are taken out: of what is left
-/// of the row itself where that is little.
+/// The sum of squares of what is left of a row as its shifts are taken out, from its products with
+/// their directions; from what is left itself where that is little.
 #[inline(always)]
 fn square<P: Pack>(token: P::Token, own: &Measured, row: &[f64], along: &[f64]) -> f64 {
     let square = dot::<P>(token, row, row);
