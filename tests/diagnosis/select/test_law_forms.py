@@ -22,6 +22,7 @@ LAWS = {
         (-4.0,),
     ),
     "step": (0.3 * (U > 0.2075), (0.2075,), (0.3,)),
+    "rise": (0.15 * (1.0 + np.tanh((U - 0.2) / 0.05)), (0.2, 0.05), (0.3,)),
     "bump": (0.8 * np.exp(-0.5 * ((U - 0.2) / 0.05) ** 2), (0.2, 0.05), (0.8,)),
     "pair": (
         0.5 * (U - 0.3) / 0.08 * np.exp(0.5 - 0.5 * ((U - 0.3) / 0.08) ** 2),
@@ -51,6 +52,14 @@ def test_the_form_that_made_a_law_is_the_shortest(name: str) -> None:
     assert np.allclose(found.sizes, sizes, atol=5.0 * found.deviations.max() + 0.01)
     assert np.sqrt(np.mean((found.at(U) - law) ** 2)) < 0.02
     assert np.all(found.deviations > 0.0)
+
+
+@pytest.mark.parametrize(("name", "may"), [("step", True), ("rise", False), ("line", False)])
+def test_only_what_a_step_describes_may_jump(name: str, may: bool) -> None:
+    law = LAWS[name][0] + np.random.default_rng(1).normal(0.0, 0.01, U.size)
+    found = shortest(U, GRAM, GRAM @ law)
+    assert found is not None
+    assert found.may_jump == may
 
 
 def test_a_constant_beside_a_form_is_told_apart_from_it() -> None:

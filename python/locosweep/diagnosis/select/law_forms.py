@@ -7,13 +7,13 @@ of a parameter: the shortest description of the law (after Rissanen's minimum de
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.diagnosis.select.thresholds import PENALTY
+from locosweep.diagnosis.select.thresholds import LEAST_GAIN, PENALTY
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -73,6 +73,10 @@ def _step(u: Floats, s: Floats) -> Floats:
     return (u[None] > s[:, :1]).astype(float)[..., None]
 
 
+def _rise(u: Floats, s: Floats) -> Floats:
+    return 0.5 * (1.0 + np.tanh((u[None] - s[:, :1]) / s[:, 1:]))[..., None]
+
+
 def _bump(u: Floats, s: Floats) -> Floats:
     return np.exp(-0.5 * ((u[None] - s[:, :1]) / s[:, 1:]) ** 2)[..., None]
 
@@ -106,6 +110,7 @@ _FORMS = (
     Form(_below, ("place",), "{b} below {symbol} = {0}"),
     Form(_outside, ("end", "end"), "{b} outside {symbol} = {0} to {1}"),
     Form(_step, ("place",), "{a} beyond {symbol} = {0}", jumps=True),
+    Form(_rise, ("place", "width"), "{a} that comes around {symbol} = {0}, over {1:wide}"),
     Form(_bump, ("place", "width"), "{a} around {symbol} = {0}, {1:wide} wide"),
     Form(_pair, ("place", "width"), "up to {a} beyond {symbol} = {0} and the reverse before, "
                                     "largest {1} away"),
@@ -128,6 +133,8 @@ class Found:
     """Whether the last size is that of a constant beside it."""
     gain: float
     """Fall of chi2."""
+    may_jump: bool = False
+    """True if a form that changes at once describes the law, too."""
 
     def at(self, u: Floats) -> Floats:
         """Return the law at values of the variable."""
@@ -142,13 +149,18 @@ def shortest(u: Floats, gram: Floats, moments: Floats) -> Found | None:
     more than its numbers cost.
     """
     best, least = None, 0.0
+    gradual = sudden = -np.inf
     for form in _FORMS:
         for constant in (False, True) if form.constant else (False,):
             found = _best_shape(form, u, gram, moments, constant=constant)
-            cost = PENALTY * (len(found.shape) + found.sizes.size)
-            if found.gain - cost > least:
-                best, least = found, found.gain - cost
-    return best
+            score = found.gain - PENALTY * (len(found.shape) + found.sizes.size)
+            if form.jumps:
+                sudden = max(sudden, score)
+            else:
+                gradual = max(gradual, score)
+            if score > least:
+                best, least = found, score
+    return None if best is None else replace(best, may_jump=sudden > gradual - LEAST_GAIN)
 
 
 def _columns(form: Form, u: Floats, shapes: Floats, *, constant: bool) -> Floats:

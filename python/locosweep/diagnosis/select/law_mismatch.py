@@ -170,7 +170,7 @@ def _goes_as_it_may(search: Search, fit: Fit) -> bool:
             return False
         if law.continuous:
             drawn = force_law(problem, base, variable)
-            if drawn is not None and drawn.found is not None and drawn.found.form.jumps:
+            if drawn is not None and drawn.found is not None and drawn.found.may_jump:
                 return False
     return True
 
