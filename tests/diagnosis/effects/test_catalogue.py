@@ -72,6 +72,17 @@ def first_values(name: str, rig: Scale) -> dict[str, float]:
     return {f.name: float(v) for f, v in zip(free, catalogue.starts_of(name, rig)[0], strict=True)}
 
 
+def test_a_delay_is_early_only_where_no_other_makes_up_for_it() -> None:
+    """A late drive beside an early reading made the motion of a head that hits a wall."""
+    scale = SCALES["force"]
+    (alone,) = catalogue.parameters_of("sensor_delay", scale, ("sensor_delay", "drive_lag"))
+    assert alone.low < 0.0
+    for name, other in (("sensor_delay", "drive_delay"), ("drive_delay", "sensor_delay")):
+        (beside,) = catalogue.parameters_of(name, scale, (name, other))
+        assert beside.low == 0.0
+        assert beside.high == alone.high
+
+
 class TestRow:
     def test_every_parameter_has_its_unit_symbol_meaning_and_fit(self, name):
         record = effect(name)

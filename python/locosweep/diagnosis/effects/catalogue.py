@@ -105,12 +105,24 @@ def parameters_of(name: str, scale: Scale, beside: Collection[str] = ()) -> list
     units = {p.name: p.unit for p in record.parameters}
     if any(effect(other).lowers_level for other in beside):
         scale = replace(scale, least_level=0.0)
+    # Drives and sensors act late. One that is early tells of a clock that is off, which no other
+    # one makes up for.
+    early = [one for one in {name, *beside} if _may_be_early(one, scale)]
+    late = name in early and len(early) > 1
     found = []
     for fit in _used(record, has_force_level=scale.has_force_level):
         off = scale.level if fit.beside_level else np.nan if fit.off is None else fit.off
         size = number(fit.unit, vars(scale))
-        found.append(Free(name, fit.name, units[fit.name], fit.log, size, *_range(fit, scale), off))
+        low, high = _range(fit, scale)
+        low = max(low, 0.0) if late else low
+        found.append(Free(name, fit.name, units[fit.name], fit.log, size, low, high, off))
     return found
+
+
+def _may_be_early(name: str, scale: Scale) -> bool:
+    """Return whether an effect that acts late, as drives and sensors do, may be fitted as early."""
+    record = effect(name)
+    return record.one_sided and any(_range(fit, scale)[0] < 0.0 for fit in record.fits)
 
 
 def _range(fit: EffectFit, scale: Scale) -> tuple[float, float]:
