@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from diagnosis_rest import NAMES, rig
@@ -39,6 +41,19 @@ def test_of_a_gap_near_the_noise_nothing_is_named(monkeypatch: pytest.MonkeyPatc
     assert not found.causes
     monkeypatch.setattr(limits, "LEAST_GRADED", 1.0)
     assert verdict(runs)[1].causes
+
+
+def test_a_noise_above_what_a_cause_leaves_makes_no_gap_small() -> None:
+    """A log may show noise that no model leaves, as where readings are scaled."""
+    runs = rig({"viscous_friction": {"c": 0.15}}, hidden=0.003)
+    search = search_of(runs, *NAMES)
+    error = graded(search, singles(search), 1).none.error
+    noise = {"x": replace(search.problem.noise["x"], sd=0.5 * error)}
+    search = replace(search, problem=replace(search.problem, known=noise))
+    found = graded(search, singles(search), 1)
+    assert found.none.error < limits.LEAST_GRADED * 0.5 * error
+    (cause,) = found.causes
+    assert "viscous_friction" in cause.names
 
 
 def test_two_causes_in_the_order_of_what_they_take_away() -> None:

@@ -71,7 +71,9 @@ def graded(search: Search, known: Collection, most: int) -> Graded:
     weights = weights_of(now, none)
     first = np.argsort(-weights, kind="stable")
     ranked = tuple(now.others[i] for i in first)
-    if none.error < limits.LEAST_GRADED * search.problem.noise["x"].sd:
+    # Noise is no more than what some model leaves.
+    floor = min(search.problem.noise["x"].sd, *(one.error for one in (none, *now.others)))
+    if none.error < limits.LEAST_GRADED * floor:
         # The true cause of a gap so small leaves but noise: it would be `explained`.
         most = 0
     while len(causes) < most:
