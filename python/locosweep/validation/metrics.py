@@ -189,8 +189,9 @@ def _against_fresh(
     rows: Sequence[tuple[float | None, float | None, tuple[float, float] | None]],
     bias: float,
 ) -> list[Figure]:
-    known = [(told, fresh, ends) for told, fresh, ends in rows if told is not None]
-    pairs = [(told, fresh, ends) for told, fresh, ends in known if fresh is not None]
+    pairs = [
+        (told, fresh, ends) for told, fresh, ends in rows if told is not None and fresh is not None
+    ]
     return [
         summary(
             f"bias of the {what} ({said} less that on fresh runs), mean",

@@ -128,7 +128,8 @@ def graded_contributions(found: Graded, seed: int) -> list[dict[str, Any]]:
     rows = []
     for cause in found.causes:
         single = alone.get((cause.names[0],))
-        models = [none, cause.before, cause.chosen][cause.before is none :]
+        before = [] if cause.before is none else [cause.before]
+        models = [none, *before, cause.chosen]
         table = np.array([
             [one.squares[found.of_run == run].mean() for one in models] for run in runs
         ])  # fmt: skip

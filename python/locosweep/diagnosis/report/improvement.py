@@ -93,11 +93,8 @@ def interval_of_difference(
         after.draws(channel, np.random.default_rng(seed)),
         strict=True,
     )
-    ends = [np.quantile(_fall(new) - _fall(old), [0.05, 0.95]) for old, new in pairs]
-    low, high = np.min(ends, axis=0)[0], np.max(ends, axis=0)[1]
     first = reduction(before, channel, seed)["shrink"] or 0.0
-    middle = found["shrink"] - first
-    return [float(min(low, middle)), float(max(high, middle))]
+    return _over_all([_fall(new) - _fall(old) for old, new in pairs], found["shrink"] - first)
 
 
 def share_interval(
@@ -113,13 +110,9 @@ def share_interval(
         return None
     picks = generator.integers(0, len(table), size=(_RESAMPLES, len(table)))
     runs = np.maximum(table, 1e-300)
-    ends = []
-    for drawn in (table[picks].sum(axis=1), _like(runs, len(table), generator)):
-        errors = np.sqrt(drawn)
-        shares = (errors[:, -2] - errors[:, -1]) / np.maximum(errors[:, 0], 1e-300)
-        ends.append(np.quantile(shares, [0.05, 0.95]))
-    low, high = np.min(ends, axis=0)[0], np.max(ends, axis=0)[1]
-    return [float(min(low, share)), float(max(high, share))]
+    drawn = table[picks].sum(axis=1), _like(runs, len(table), generator)
+    errors = [np.sqrt(squares) for squares in drawn]
+    return _over_all([(e[:, -2] - e[:, -1]) / np.maximum(e[:, 0], 1e-300) for e in errors], share)
 
 
 def _fall(sums: Floats) -> Floats:
@@ -130,9 +123,14 @@ def _fall(sums: Floats) -> Floats:
 
 def interval_of(drawn: Sequence[Floats], shrink: float) -> list[float]:
     """90 % interval of the reduction over all draws of squared errors, each of shape (draws, 2)."""
-    ends = [np.quantile(_fall(sums), [0.05, 0.95]) for sums in drawn]
+    return _over_all([_fall(sums) for sums in drawn], shrink)
+
+
+def _over_all(drawn: Sequence[Floats], middle: float) -> list[float]:
+    """90 % interval that holds those of all draws, and `middle`."""
+    ends = [np.quantile(values, [0.05, 0.95]) for values in drawn]
     low, high = np.min(ends, axis=0)[0], np.max(ends, axis=0)[1]
-    return [float(min(low, shrink)), float(max(high, shrink))]
+    return [float(min(low, middle)), float(max(high, middle))]
 
 
 def draws_of_runs(
