@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 RESOLVED = 3.0
 """Distance, in deviations, from which two explanations are told apart."""
 _SHOWN = 4
-"""Runs of the menu whose distances are found by refits: those that promise most."""
+"""Runs of the menu whose distances are found by refits, at most: those that promise most."""
 _NEAREST = 2
 """Other explanations that are refitted to one that is taken for the truth."""
 _FITTED = 1.0
@@ -49,7 +49,10 @@ _EQUAL = 0.5
 _REPEATS = 4
 """Most repeats of a run that are proposed: the squares of what they tell add up."""
 _HOPE = 0.05
-"""Chance of an answer that so many repeats have to add."""
+"""Chance of an answer that so many repeats have to add, or another run of the menu."""
+_APART = 10.0
+"""Distance beyond which a refit ends early: two explanations so far apart are told from each other
+but for one in 3e5 runs."""
 _FAR = 1e6
 """Distance beyond which farther is no better."""
 _LOST = 1e50
@@ -110,13 +113,26 @@ def next_experiment(
     plans.sort(key=lambda plan: plan[:2], reverse=True)
     rows: list[dict[str, Any]] = []
     found: dict[str, Floats] = {}
-    for _, _, change, planned, table in plans[:_SHOWN]:
-        name = change.name
-        distances = [_refitted(search, planned, fits, i, row) for i, row in enumerate(table)]
-        found[name] = _beyond(np.array(distances), known)
-        chance, distance = _promise(found[name], likely)
-        rows.append({"run": name, "distance": distance, "chance": chance, "what": change.what})
-    rows.sort(key=lambda row: (row["chance"], row["distance"]), reverse=True)
+    most = -np.inf
+    for promised, _, change, planned, table in plans[:_SHOWN]:
+        name, told = change.name, _beyond(table.min(axis=1), known)
+        # Refits mostly make distances less: one that promises no more than is found is spared.
+        refitted = promised >= most + _HOPE
+        if refitted:
+            distances = [_refitted(search, planned, fits, i, row) for i, row in enumerate(table)]
+            told = found[name] = _beyond(np.array(distances), known)
+        chance, distance = _promise(told, likely)
+        most = max(most, chance) if refitted else most
+        rows.append(
+            {
+                "run": name,
+                "distance": distance,
+                "chance": chance,
+                "what": change.what,
+                "refitted": refitted,
+            }
+        )
+    rows.sort(key=lambda row: (row["refitted"], row["chance"], row["distance"]), reverse=True)
     best = rows[0]
     alone = _beyond(so_far, known)
     each = np.maximum(found[best["run"]] ** 2 - alone**2, 0.0)
@@ -259,7 +275,7 @@ def _refitted(
             # The rival's own start has what the runs so far say.
             more = evaluate(problem, more, [planned.new_run])
             trials += [f.without_residual() for f in sorted(more, key=lambda f: f.chi2)[:2]]
-    trials = fit_all(problem, trials, steps=8)
+    trials = fit_all(problem, [replace(t, limit=_APART**2) for t in trials], steps=8)
     return float(np.sqrt(max(min(trial.chi2 for trial in trials), 0.0)))
 
 
