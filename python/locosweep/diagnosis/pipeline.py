@@ -48,6 +48,7 @@ from locosweep.diagnosis.select.isolated import isolated_readings
 from locosweep.diagnosis.select.law_mismatch import BY_TIME
 from locosweep.diagnosis.select.reading_steps import stepped_readings
 from locosweep.diagnosis.select.search import Search
+from locosweep.diagnosis.select.spectral_line import spectral_line
 from locosweep.diagnosis.select.verdict import Choice, choose, kept_may_show_a_gap, partial_choice
 from locosweep.diagnosis.select.whiteness import stray_readings
 from locosweep.engine import whole
@@ -348,10 +349,13 @@ def _select(data: _Data, task: _Task) -> _Selected:
         )
         said = "the readings kept from the fit refute what the others allow"
         selected = _Selected(search, refuted, (said,))
+    problem, residual = selected.search.problem, selected.choice.fit.residual
+    if line := spectral_line(problem, residual):
+        selected = replace(selected, warnings=(*selected.warnings, line.told(problem)))
     if selected.choice.status == "unexplained" and not selected.choice.outdone:
         return _graded(data, task, selected)
     if data.plan is None:
-        stray = stray_readings(selected.search.problem, selected.choice.fit.residual)
+        stray = stray_readings(problem, residual)
         selected = replace(selected, warnings=(*selected.warnings, *stray))
     return selected
 

@@ -11,7 +11,7 @@ from locosweep.diagnosis.select.shape import KINDS, shape_of, shapes, unlisted_o
 
 
 def test_every_variable_has_words() -> None:
-    assert set(KINDS) == {*ALL, *FURTHER.values(), BY_TIME}
+    assert set(KINDS) == {*ALL, *FURTHER.values(), BY_TIME, "line"}
     assert {kind.parity for kind in KINDS.values()} <= {"odd", "even", "none"}
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from locosweep.diagnosis.estimate.least_squares import evaluate
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
+from locosweep.diagnosis.select.spectral_line import spectral_line
 from locosweep.diagnosis.select.whiteness import noise_level
 
 if TYPE_CHECKING:
@@ -95,8 +96,11 @@ KINDS = {
     "late": Kind(
         "speed", "none", "reading that is late", "a sensor's delay", Axis("m/s", "s", "v", of="m")
     ),
+    "line": Kind(
+        "frequency", "none", "oscillation of one frequency", "hum of the mains, or a vibration"
+    ),
 }  # fmt: skip
-"""Kinds of corrections, by the variable of `NonparametricCorrection`."""
+"""Kinds of corrections, by the variable of `NonparametricCorrection`; `line` is a spectral line."""
 
 
 def shape_of(problem: Problem, fit: Fit) -> list[dict[str, Any]]:
@@ -104,6 +108,8 @@ def shape_of(problem: Problem, fit: Fit) -> list[dict[str, Any]]:
     (fit,) = evaluate(problem, [fit.unfitted()])
     terms = NonparametricCorrection(problem, fit)
     found = terms.significant(noise=noise_level(problem, fit.residual))
+    if not found and (line := spectral_line(problem, fit.residual)):
+        found = [("line", line.share)]
     return shapes(found)
 
 

@@ -24,12 +24,14 @@ from locosweep.diagnosis.select.law_mismatch import (
 )
 from locosweep.diagnosis.select.prediction import misses
 from locosweep.diagnosis.select.score import gains, remaining, total
+from locosweep.diagnosis.select.spectral_line import spectral_line
 from locosweep.diagnosis.select.stepwise import backward, exchanged, forward, is_stalled
 from locosweep.diagnosis.select.whiteness import whiteness_test
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from locosweep.diagnosis.estimate.problem import Problem
     from locosweep.diagnosis.select.graded import Graded
     from locosweep.diagnosis.select.search import Collection, Found, Search
     from locosweep.diagnosis.select.whiteness import WhitenessTest
@@ -164,12 +166,12 @@ def choose(search: Search, most: int) -> Choice:
     alone.sort(key=lambda fit: total(search, fit))
     best = alone[0] if alone else none
     if not gains(search, none, best):
-        rest = remaining(problem, none)
+        rest, whiteness = _rest_of_none(problem, none)
         choice = Choice(
             "unexplained" if rest else "none",
             none,
             known,
-            whiteness_test(problem, none.residual),
+            whiteness,
             shape=rest,
             near=total(search, none) - total(search, best),
         )
@@ -225,6 +227,14 @@ def choose(search: Search, most: int) -> Choice:
         status, found, known, whiteness, classes, sets, mismatch, near=near, missed=missed
     )
     return _with_ranks(search, choice, tried)
+
+
+def _rest_of_none(problem: Problem, none: Fit) -> tuple[list[tuple[str, float]], WhitenessTest]:
+    """Return what the nominal model leaves beyond noise, and the test that shows it best."""
+    whiteness = whiteness_test(problem, none.residual)
+    rest = remaining(problem, none)
+    line = None if rest else spectral_line(problem, none.residual)
+    return (rest, whiteness) if line is None else ([("line", line.share)], line.test)
 
 
 def _grown(search: Search, known: Collection, level: list[Fit], most: int) -> _Grown:
