@@ -8,7 +8,7 @@ import pytest
 
 from diagnosis_search import fit_of, search_for, search_of
 from diagnosis_small import measured
-from locosweep.diagnosis.select.score import gains, remaining, total
+from locosweep.diagnosis.select.score import gains, remaining, stalls, total
 from locosweep.diagnosis.select.thresholds import LEAST_GAIN, PENALTY
 
 
@@ -35,3 +35,13 @@ def test_a_gap_is_left_in_the_variable_of_its_cause() -> None:
     assert dict(remaining(search.problem, search.none))["speed"] > 0.5
     truth = search_for({})
     assert remaining(truth.problem, truth.none) == []
+
+
+@pytest.mark.parametrize(("rest", "left", "stalled"), [
+    (1000.0, 600.0, True), (1000.0, 400.0, False), (150.0, 140.0, False), (200.0, 190.0, True),
+])  # fmt: skip
+def test_an_effect_stalls_that_leaves_most_of_a_clear_rest(
+    rest: float, left: float, stalled: bool
+) -> None:
+    """Of 800 residuals, chi2 deviates by 40: four of these are clear."""
+    assert stalls(800.0 + rest, 800.0 + left, 800.0, 800) is stalled

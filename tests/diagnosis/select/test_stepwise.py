@@ -49,9 +49,11 @@ def test_no_pair_is_completed_where_none_makes_the_forces_of_the_motion(
     known = singles(search)
     level = ranked({key: fit for key, fit in known.fits.items() if key})
     called = []
-    extended = stepwise.extend_each
+    extended = stepwise.extend
     monkeypatch.setattr(
-        stepwise, "extend_each", lambda *args: called.append(args) or extended(*args)
+        stepwise,
+        "extend",
+        lambda *args, **how: called.append(args) or extended(*args, **how),
     )
     found = forward(search, known, level, level[0], rest=True)
     assert bool(called) == tried
@@ -115,6 +117,26 @@ def test_one_effect_less_has_the_values_of_the_others() -> None:
     assert fewer.chi2 == np.inf
 
 
+def test_every_set_of_a_level_is_extended_until_one_has_stalled(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    search = search_for(BOTH, *NAMES)
+    known = singles(search)
+    level = ranked({key: fit for key, fit in known.fits.items() if key})
+    called = []
+    extended = stepwise.extend
+    monkeypatch.setattr(
+        stepwise, "extend", lambda *args, **how: called.append(args[2]) or extended(*args, **how)
+    )
+    monkeypatch.setattr(stepwise, "pairs", lambda *_: {})
+    for stalled in (False, True):
+        called.clear()
+        monkeypatch.setattr(stepwise, "is_stalled", lambda *_, now=stalled: now)
+        found = forward(search, known, level, level[0], rest=True)
+        assert frozenset(BOTH) in found.fits
+        assert (len(called) == 1) is stalled
+
+
 def test_a_search_is_stalled_where_an_effect_leaves_most_of_a_large_rest() -> None:
     search = search_for({}, *NAMES)
     after = search.none
@@ -122,4 +144,3 @@ def test_a_search_is_stalled_where_an_effect_leaves_most_of_a_large_rest() -> No
     large = replace(after, chi2=10.0 * noise)
     assert is_stalled(search.problem, replace(after, chi2=15.0 * noise), large)
     assert not is_stalled(search.problem, replace(after, chi2=40.0 * noise), large)
-    assert not is_stalled(search.problem, replace(after, chi2=2.0 * noise), after)

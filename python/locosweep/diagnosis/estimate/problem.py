@@ -461,7 +461,8 @@ class Problem:
         found: Floats = np.where(w > 0.0, own / np.where(w > 0.0, w, 1.0), np.nan)
         return found
 
-    def degrees(self) -> int:
-        """Count the residuals that fits see."""
-        seen = self.seen & ~np.isin(np.repeat(np.arange(len(self.runs)), self.lengths), self.held)
+    def degrees(self, runs: Sequence[int] | None = None) -> int:
+        """Count the residuals of `runs` that fits see, or of those that are fitted."""
+        of_run = np.repeat(np.arange(len(self.runs)), self.lengths)
+        seen = self.seen & np.isin(of_run, self.chosen(runs))
         return int(sum(((w > 0.0) & seen).sum() for w in self.weights.values()))

@@ -311,6 +311,7 @@ class WindowProblem(Problem):
                 found[c] = np.where(w > 0.0, own / w, np.nan)
         return found
 
-    def degrees(self) -> int:
-        """Count the residuals that fits see, less what the starts take."""
-        return int(max(super().degrees() - self._start_kinds * len(self.fitted), 1))
+    def degrees(self, runs: Sequence[int] | None = None) -> int:
+        """Count the residuals of `runs` that fits see, less what the starts take."""
+        taken = self._start_kinds * len(self.chosen(runs))
+        return int(max(super().degrees(runs) - taken, 1))

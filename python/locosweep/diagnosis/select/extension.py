@@ -13,12 +13,12 @@ from locosweep.diagnosis.select.descent import beyond_ridges, descend, follow_li
 from locosweep.diagnosis.select.effort import (
     FEW,
     LEAST_ERROR,
-    LEVEL_WORK,
     PARTNERS,
     ROWS_REPLAYED,
     SHARE,
     SLACK,
 )
+from locosweep.diagnosis.select.score import stalls
 from locosweep.diagnosis.select.screen import (
     Screened,
     along_valley,
@@ -33,6 +33,7 @@ from locosweep.diagnosis.select.screen import (
 )
 from locosweep.diagnosis.select.search import Collection, Found
 from locosweep.diagnosis.select.thresholds import LEAST_GAIN_FITTED, TIE
+from locosweep.diagnosis.select.whiteness import noise_level
 
 if TYPE_CHECKING:
     from collections.abc import Collection as Names
@@ -72,8 +73,8 @@ def extend(
     """Fit `base` with each of `partners` beside it; only those that promise most after a scan.
 
     Without a base, effects are fitted alone. With `beat`, only those are fitted that promise to
-    come near the best set of as many effects; with a `rival`, those that promise half of what it
-    gains. Returns the best fit of each set.
+    come near the best set of as many effects, and none if no one promises half of the rest; with a
+    `rival`, those that promise half of what it gains. Returns the best fit of each set.
     """
     problem = search.problem
     held = base.model.names if base else ()
@@ -98,6 +99,8 @@ def extend(
     groups = [[s for s in seen if s.fit.model.names[-1] == name] for name in partners]
     limit = _to_beat(search, known, len(held) + 1, runs) if beat else np.inf
     least = min((start.promised for start in seen), default=np.inf)
+    if beat and not at_noise and stalls(leaves, least, *_noise_of(search, beside, runs)):
+        return {}
     if rival is not None:
         least = min(least, evaluate(problem, [rival.unfitted()], runs)[0].chi2)
     # What promises less than half of the best one's gain is no rival of it.
@@ -128,6 +131,12 @@ def extend(
     if base is None and not at_noise:
         found |= _thresholds_found(search, found, along)
     return found
+
+
+def _noise_of(search: Search, beside: Fit, runs: list[int]) -> tuple[float, int]:
+    """Return the chi2 of the noise in some runs, and the number of their residuals."""
+    count = search.problem.degrees(runs)
+    return count * noise_level(search.problem, beside.residual), count
 
 
 def _gaining(
@@ -279,17 +288,6 @@ def _to_beat(search: Search, known: Collection, count: int, runs: list[int]) -> 
         return np.inf
     (same,) = evaluate(search.problem, [min(alike, key=chi2_of).unfitted()], runs)
     return (1.0 + SHARE) * same.chi2 + SLACK
-
-
-def extend_each(search: Search, known: Collection, bases: Sequence[Fit]) -> Found:
-    """Add one effect to each of some fits, to the first one whatever that takes."""
-    found: Found = {}
-    end = search.problem.meter.work + LEVEL_WORK * search.problem.count
-    for base in bases:
-        if found and search.problem.meter.work > end:
-            break
-        found |= extend(search, known.adding(found), base, search.names, beat=True)
-    return found
 
 
 def pairs(search: Search, known: Collection, along: Sequence[Fit]) -> Found:

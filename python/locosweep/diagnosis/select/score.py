@@ -4,8 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
-from locosweep.diagnosis.select.thresholds import LEAST_GAIN, LEAST_GAIN_FITTED
+from locosweep.diagnosis.select.thresholds import (
+    LEAST_GAIN,
+    LEAST_GAIN_FITTED,
+    PREDICTION_LIMIT,
+    STALLED,
+)
 from locosweep.diagnosis.select.whiteness import noise_level, whiteness_test
 
 if TYPE_CHECKING:
@@ -26,6 +33,17 @@ def gains(search: Search, old: Fit, new: Fit) -> bool:
     """
     whole = total(search, old) - total(search, new)
     return whole >= LEAST_GAIN and search.score(old) - search.score(new) >= LEAST_GAIN_FITTED
+
+
+def stalls(before: float, after: float, noise: float, count: int) -> bool:
+    """Return whether an effect leaves more than half of a rest that is clearly above noise.
+
+    `before` and `after` are chi2 without and with it, `noise` is that of so many residuals: it is
+    known to 1.15 times the deviation of chi2 where it comes from third differences.
+    """
+    rest = before - noise
+    clear = PREDICTION_LIMIT * noise * np.sqrt(2.0 / max(count, 1))
+    return bool(rest > clear and after - noise > STALLED * rest)
 
 
 def remaining(problem: Problem, fit: Fit) -> list[tuple[str, float]]:

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all
 from locosweep.diagnosis.select.descent import takes_place
 from locosweep.diagnosis.select.effort import LEAST_ERROR, LEVEL_WORK, PARTNERS
-from locosweep.diagnosis.select.extension import extend, extend_each, pairs
-from locosweep.diagnosis.select.score import gains, remaining, total
+from locosweep.diagnosis.select.extension import extend, pairs
+from locosweep.diagnosis.select.score import gains, remaining, stalls, total
 from locosweep.diagnosis.select.screen import pairs_along
-from locosweep.diagnosis.select.thresholds import STALLED, TIE
+from locosweep.diagnosis.select.thresholds import TIE
 from locosweep.diagnosis.select.whiteness import noise_level
 
 if TYPE_CHECKING:
@@ -21,9 +21,10 @@ if TYPE_CHECKING:
 
 
 def is_stalled(problem: Problem, before: Fit, after: Fit) -> bool:
-    """Return whether the last effect has left more than half of a rest far above the noise."""
-    noise = problem.degrees() * noise_level(problem, after.residual)
-    return after.chi2 - noise > max(STALLED * (before.chi2 - noise), noise)
+    """Return whether the last effect has left more than half of a rest that is no noise."""
+    count = problem.degrees()
+    noise = count * noise_level(problem, after.residual)
+    return stalls(before.chi2, after.chi2, noise, count)
 
 
 def forward(
@@ -44,7 +45,7 @@ def forward(
         more there are too many.
     """
     if not rest:
-        return known.adding(extend_each(search, known, [found]))
+        return known.adding(extend(search, known, found, search.names, beat=True))
     pair = len(found.model.names) == 1
     along = pairs_along(search, PARTNERS) if pair else []
     larger = pairs(search, known, along) if pair else {}
@@ -53,7 +54,14 @@ def forward(
     ):
         # What may do as well as the best pair is looked for where its effects are exchanged.
         return known.adding(larger)
-    larger |= extend_each(search, known.adding(larger), _seeds(level))
+    end = search.problem.meter.work + LEVEL_WORK * search.problem.count
+    for base in _seeds(level):
+        larger |= extend(search, known.adding(larger), base, search.names, beat=True)
+        if larger and is_stalled(search.problem, found, _best(search, larger)):
+            # Of causes that are in the list, one takes away most of the rest by now.
+            return known.adding(larger)
+        if search.problem.meter.work > end:
+            break
     known = known.adding(larger)
     return exchanged(search, known, _best(search, larger))[1] if pair and larger else known
 
