@@ -17,6 +17,7 @@ from locosweep.diagnosis.select.descent import (
     descend,
     takes_place,
 )
+from locosweep.diagnosis.select.score import stalled_beside
 from locosweep.diagnosis.select.search import Collection
 from locosweep.diagnosis.select.thresholds import LEAST_GAIN_FITTED, PENALTY, TIE
 
@@ -89,7 +90,7 @@ def test_a_known_fit_that_is_better_stays() -> None:
 
 
 def test_a_set_of_two_has_to_gain_over_the_best_one_and_an_exchange_over_its_rival() -> None:
-    """Drag makes the gap; a second effect beside the poorer delay is of no use short of that."""
+    """Drag makes the gap: a second effect beside a delay is of no use short of half of the rest."""
     both = {"viscous_friction": {"c": 0.06}, "sensor_drift": {"b": 2e-4}}
     search = search_for(both, *NAMES, "sensor_drift")
     one = fit_of(search, "viscous_friction")
@@ -98,7 +99,12 @@ def test_a_set_of_two_has_to_gain_over_the_best_one_and_an_exchange_over_its_riv
     model = search.model(("drive_delay", "sensor_drift"))
     (start,) = start_fits(search.nuisances, model, np.array([[0.001, 1e-5]]))
     (limited,) = _with_limits(search, known, [start], at_noise=False)
-    assert limited.limit == search.score(one) - LEAST_GAIN_FITTED - 2.0 * PENALTY
+    gaining = search.score(one) - LEAST_GAIN_FITTED - 2.0 * PENALTY
+    assert limited.limit == stalled_beside(search.problem, one) < gaining
+    small = replace(one, chi2=0.9 * search.problem.degrees())
+    near = Collection({frozenset(): search.none, frozenset({"viscous_friction"}): small})
+    (limited,) = _with_limits(search, near, [start], at_noise=False)
+    assert limited.limit == search.score(small) - LEAST_GAIN_FITTED - 2.0 * PENALTY
     (exchanged,) = _with_limits(search, known, [start], at_noise=False, rival=one)
     # One parameter more has its price.
     assert exchanged.limit == pytest.approx(takes_place(search, one) - PENALTY)

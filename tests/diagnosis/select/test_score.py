@@ -8,7 +8,7 @@ import pytest
 
 from diagnosis_search import fit_of, search_for, search_of
 from diagnosis_small import measured
-from locosweep.diagnosis.select.score import gains, remaining, stalls, total
+from locosweep.diagnosis.select.score import gains, remaining, stalled_above, stalled_beside, total
 from locosweep.diagnosis.select.thresholds import LEAST_GAIN, PENALTY
 
 
@@ -44,4 +44,12 @@ def test_an_effect_stalls_that_leaves_most_of_a_clear_rest(
     rest: float, left: float, stalled: bool
 ) -> None:
     """Of 800 residuals, chi2 deviates by 40: four of these are clear."""
-    assert stalls(800.0 + rest, 800.0 + left, 800.0, 800) is stalled
+    assert (800.0 + left > stalled_above(800.0 + rest, 800.0, 800)) is stalled
+
+
+def test_an_effect_beside_a_fit_has_to_take_half_of_its_rest() -> None:
+    search = search_for({})
+    noise = search.problem.degrees()
+    assert stalled_beside(search.problem, search.none) == float("inf")
+    far = replace(search.none, chi2=19.0 * noise)
+    assert stalled_beside(search.problem, far) == pytest.approx(10.0 * noise, rel=0.1)

@@ -17,7 +17,6 @@ from locosweep.diagnosis.select.stepwise import (
     backward,
     exchanged,
     forward,
-    is_stalled,
     without,
 )
 from locosweep.diagnosis.select.thresholds import TIE
@@ -131,16 +130,8 @@ def test_every_set_of_a_level_is_extended_until_one_has_stalled(
     monkeypatch.setattr(stepwise, "pairs", lambda *_: {})
     for stalled in (False, True):
         called.clear()
-        monkeypatch.setattr(stepwise, "is_stalled", lambda *_, now=stalled: now)
+        limit = 0.0 if stalled else np.inf
+        monkeypatch.setattr(stepwise, "stalled_beside", lambda *_, limit=limit: limit)
         found = forward(search, known, level, level[0], rest=True)
         assert frozenset(BOTH) in found.fits
         assert (len(called) == 1) is stalled
-
-
-def test_a_search_is_stalled_where_an_effect_leaves_most_of_a_large_rest() -> None:
-    search = search_for({}, *NAMES)
-    after = search.none
-    noise = search.problem.degrees()
-    large = replace(after, chi2=10.0 * noise)
-    assert is_stalled(search.problem, replace(after, chi2=15.0 * noise), large)
-    assert not is_stalled(search.problem, replace(after, chi2=40.0 * noise), large)

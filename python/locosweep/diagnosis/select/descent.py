@@ -9,7 +9,7 @@ import numpy as np
 
 from locosweep.diagnosis.estimate.least_squares import chi2_of, evaluate, fit_all
 from locosweep.diagnosis.select.effort import FEW, PARTNERS, SHARE, SLACK
-from locosweep.diagnosis.select.score import total
+from locosweep.diagnosis.select.score import stalled_beside, total
 from locosweep.diagnosis.select.thresholds import (
     LEAST_GAIN_FITTED,
     PENALTY,
@@ -152,7 +152,8 @@ def _with_limits(
     Where some fit leaves little but noise, that is about what it leaves: beside a model that is
     `at_noise` itself nothing ties, so a further effect has to gain. Far above the noise it is what
     the best set of as many effects leaves or, of an exchange for a `rival`, what takes its place.
-    Sets of several effects that are no exchange have to gain over the best smaller one.
+    Sets of several effects that are no exchange have to gain over the best smaller one, and to
+    leave no more than half of its rest.
     """
     best = min([*known.fits.values(), *others], key=search.score)
     count = min((len(fit.model.names) for fit in fits), default=0)
@@ -165,9 +166,11 @@ def _with_limits(
         # Single effects are all ranked, whatever the best one leaves.
         alike = known.of_size(count) if count > 1 else []
         most = min(map(search.score, alike), default=np.inf)
+    stalled = np.inf
     if rival is None:
         fewer = [fit for names, fit in known.fits.items() if 0 < len(names) < count]
         if fewer:
             smaller = min(fewer, key=lambda fit: total(search, fit))
             most = min(most, search.score(smaller) - LEAST_GAIN_FITTED)
-    return [replace(fit, limit=most - PENALTY * len(fit.model.free)) for fit in fits]
+            stalled = stalled_beside(search.problem, smaller)
+    return [replace(fit, limit=min(most - PENALTY * len(fit.model.free), stalled)) for fit in fits]

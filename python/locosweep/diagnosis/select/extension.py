@@ -18,7 +18,7 @@ from locosweep.diagnosis.select.effort import (
     SHARE,
     SLACK,
 )
-from locosweep.diagnosis.select.score import stalls
+from locosweep.diagnosis.select.score import stalled_above
 from locosweep.diagnosis.select.screen import (
     Screened,
     along_valley,
@@ -99,7 +99,7 @@ def extend(
     groups = [[s for s in seen if s.fit.model.names[-1] == name] for name in partners]
     limit = _to_beat(search, known, len(held) + 1, runs) if beat else np.inf
     least = min((start.promised for start in seen), default=np.inf)
-    if beat and not at_noise and stalls(leaves, least, *_noise_of(search, beside, runs)):
+    if beat and not at_noise and least > stalled_above(leaves, *_noise_of(search, beside, runs)):
         return {}
     if rival is not None:
         least = min(least, evaluate(problem, [rival.unfitted()], runs)[0].chi2)

@@ -35,15 +35,21 @@ def gains(search: Search, old: Fit, new: Fit) -> bool:
     return whole >= LEAST_GAIN and search.score(old) - search.score(new) >= LEAST_GAIN_FITTED
 
 
-def stalls(before: float, after: float, noise: float, count: int) -> bool:
-    """Return whether an effect leaves more than half of a rest that is clearly above noise.
+def stalled_above(before: float, noise: float, count: int) -> float:
+    """Return the chi2 above which a further effect leaves most of a rest that is clearly none.
 
-    `before` and `after` are chi2 without and with it, `noise` is that of so many residuals: it is
-    known to 1.15 times the deviation of chi2 where it comes from third differences.
+    `before` is chi2 without it, `noise` that of so many residuals: it is known to 1.15 times the
+    deviation of chi2 where it comes from third differences. Infinite where the rest may be noise.
     """
     rest = before - noise
     clear = PREDICTION_LIMIT * noise * np.sqrt(2.0 / max(count, 1))
-    return bool(rest > clear and after - noise > STALLED * rest)
+    return noise + STALLED * rest if rest > clear else np.inf
+
+
+def stalled_beside(problem: Problem, fit: Fit) -> float:
+    """Return the chi2 above which a further effect leaves most of what a fit leaves."""
+    count = problem.degrees()
+    return stalled_above(fit.chi2, count * noise_level(problem, fit.residual), count)
 
 
 def remaining(problem: Problem, fit: Fit) -> list[tuple[str, float]]:

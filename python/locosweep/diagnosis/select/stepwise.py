@@ -8,7 +8,7 @@ from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all
 from locosweep.diagnosis.select.descent import takes_place
 from locosweep.diagnosis.select.effort import LEAST_ERROR, LEVEL_WORK, PARTNERS
 from locosweep.diagnosis.select.extension import extend, pairs
-from locosweep.diagnosis.select.score import gains, remaining, stalls, total
+from locosweep.diagnosis.select.score import gains, remaining, stalled_beside, total
 from locosweep.diagnosis.select.screen import pairs_along
 from locosweep.diagnosis.select.thresholds import TIE
 from locosweep.diagnosis.select.whiteness import noise_level
@@ -16,15 +16,7 @@ from locosweep.diagnosis.select.whiteness import noise_level
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from locosweep.diagnosis.estimate.problem import Problem
     from locosweep.diagnosis.select.search import Collection, Found, Search
-
-
-def is_stalled(problem: Problem, before: Fit, after: Fit) -> bool:
-    """Return whether the last effect has left more than half of a rest that is no noise."""
-    count = problem.degrees()
-    noise = count * noise_level(problem, after.residual)
-    return stalls(before.chi2, after.chi2, noise, count)
 
 
 def forward(
@@ -57,7 +49,7 @@ def forward(
     end = search.problem.meter.work + LEVEL_WORK * search.problem.count
     for base in _seeds(level):
         larger |= extend(search, known.adding(larger), base, search.names, beat=True)
-        if larger and is_stalled(search.problem, found, _best(search, larger)):
+        if larger and _best(search, larger).chi2 > stalled_beside(search.problem, found):
             # Of causes that are in the list, one takes away most of the rest by now.
             return known.adding(larger)
         if search.problem.meter.work > end:

@@ -23,9 +23,9 @@ from locosweep.diagnosis.select.law_mismatch import (
     without_bending_effect,
 )
 from locosweep.diagnosis.select.prediction import misses
-from locosweep.diagnosis.select.score import gains, remaining, total
+from locosweep.diagnosis.select.score import gains, remaining, stalled_beside, total
 from locosweep.diagnosis.select.spectral_line import spectral_line
-from locosweep.diagnosis.select.stepwise import backward, exchanged, forward, is_stalled
+from locosweep.diagnosis.select.stepwise import backward, exchanged, forward
 from locosweep.diagnosis.select.whiteness import whiteness_test
 
 if TYPE_CHECKING:
@@ -250,7 +250,7 @@ def _grown(search: Search, known: Collection, level: list[Fit], most: int) -> _G
             law = best_with_other_law(search, level)
         mismatched = law if count == 2 and law and not law.of_none else None
         larger: list[Fit] = []
-        if count <= most and not (count > 2 and is_stalled(problem, before, found)):
+        if count <= most and not (count > 2 and found.chi2 > stalled_beside(problem, before)):
             search.progress(f"{count} effects at once")
             known = forward(search, known, level, found, rest=bool(rest))
             ordered = sorted(known.of_size(count), key=lambda fit: total(search, fit))
