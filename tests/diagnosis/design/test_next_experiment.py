@@ -150,6 +150,33 @@ def test_formulas_that_are_far_apart_but_tie_are_told_apart_by_what_a_run_adds(
         assert told["menu"][0]["distance"] == pytest.approx(np.hypot(3.0, added))
 
 
+def test_runs_are_refitted_until_one_tells_nearly_always(
+    fitted: tuple[Search, list[Fit]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    search, fits = fitted
+    for distance, refitted in ((20.0, 1), (1.0, 4)):
+        monkeypatch.setattr(experiment, "_refitted", lambda *_, distance=distance: distance)
+        told = experiment.next_experiment(search, fits, [1.0] * len(fits))
+        rows = told["menu"]
+        assert len(rows) == 4
+        assert sum(row["refitted"] for row in rows) == refitted
+        assert rows[0]["refitted"]
+        # What is farther than any doubt counts no more.
+        assert all(row["distance"] <= 10.0 for row in rows)
+
+
+def test_a_refit_that_ends_early_is_still_far(fitted: tuple[Search, list[Fit]]) -> None:
+    """What the runs so far tell is no part of what a further one adds."""
+    search, fits = fitted
+    planned = experiment._planned(search, MENU[0])
+    straight = experiment._linearised(planned, fits)
+    whole = experiment._refitted(search, planned, fits, 0, straight[0], np.inf)
+    for known in (0.0, 0.5 * whole**2):
+        early = experiment._refitted(search, planned, fits, 0, straight[0], known)
+        assert early >= whole - 1e-6
+        assert early == pytest.approx(whole, rel=1e-6) or early**2 - known > 100.0
+
+
 def test_the_way_back_is_proposed_without_a_menu() -> None:
     told = experiment.back_again()
     assert told["possible"]

@@ -100,10 +100,12 @@ def test_a_set_of_two_has_to_gain_over_the_best_one_and_an_exchange_over_its_riv
     (start,) = start_fits(search.nuisances, model, np.array([[0.001, 1e-5]]))
     (limited,) = _with_limits(search, known, [start], at_noise=False)
     gaining = search.score(one) - LEAST_GAIN_FITTED - 2.0 * PENALTY
+    assert limited.limit == gaining
+    (limited,) = _with_limits(search, known, [start], at_noise=False, beat=True)
     assert limited.limit == stalled_beside(search.problem, one) < gaining
     small = replace(one, chi2=0.9 * search.problem.degrees())
     near = Collection({frozenset(): search.none, frozenset({"viscous_friction"}): small})
-    (limited,) = _with_limits(search, near, [start], at_noise=False)
+    (limited,) = _with_limits(search, near, [start], at_noise=False, beat=True)
     assert limited.limit == search.score(small) - LEAST_GAIN_FITTED - 2.0 * PENALTY
     (exchanged,) = _with_limits(search, known, [start], at_noise=False, rival=one)
     # One parameter more has its price.

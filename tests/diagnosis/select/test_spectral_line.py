@@ -11,7 +11,12 @@ from scipy.stats import norm
 
 from diagnosis_small import NOISE, ROBOT, driven, measured, problem
 from locosweep.diagnosis import diagnose
-from locosweep.diagnosis.select.spectral_line import _deviations, spectral_line
+from locosweep.diagnosis.select.spectral_line import (
+    _deviations,
+    _log_tails,
+    _powers,
+    spectral_line,
+)
 from locosweep.diagnosis.select.whiteness import whiteness_test
 
 OWN = problem(measured({}))
@@ -33,8 +38,67 @@ def with_hum(effects: dict[str, dict[str, float]]) -> pl.DataFrame:
     return pl.concat(frames)
 
 
-def test_white_noise_has_no_line() -> None:
+def test_noise_has_no_line() -> None:
     assert all(spectral_line(OWN, noise(seed)) is None for seed in range(300))
+
+
+def test_noise_that_is_not_white_has_no_line() -> None:
+    """Speed by differences of positions, noise that was stated too large, and none at all."""
+    long = problem(measured({}, driven(seconds=40.0)))
+    for seed in range(10):
+        e = np.random.default_rng(seed).standard_normal(long.count + 4)
+        assert spectral_line(long, np.diff(e)) is None
+        assert spectral_line(long, 0.1 * e[1:]) is None
+    small = noise(1)
+    small[: OWN.count] = 0.1 * np.sin(2.0 * np.pi * 0.23 * np.arange(OWN.count))
+    assert spectral_line(OWN, small) is None
+    assert spectral_line(OWN, np.zeros(SIZE)) is None
+
+
+@pytest.mark.parametrize("count", [40, 200, 20_000])
+def test_tails_are_those_of_noise_however_few_powers_there_are(count: int) -> None:
+    """Of 1e4 powers of noise, one is beyond a tail of 1e-4."""
+    random = np.random.default_rng(count)
+    tails = [_log_tails(_powers(random.standard_normal(2 * count)), 0.0)
+             for _ in range(200_000 // count)]  # fmt: skip
+    tails = np.concatenate(tails)
+    for tail in (0.1, 1e-2, 1e-3):
+        expected = tail * tails.size
+        assert np.sum(tails < np.log(tail)) == pytest.approx(expected, abs=5.0 * expected**0.5)
+
+
+def test_powers_are_those_of_white_noise_up_to_one_in_two_values() -> None:
+    for count in (199, 200):
+        random = np.random.default_rng(count)
+        found = np.mean([_powers(random.standard_normal(count)) for _ in range(4000)], axis=0)
+        assert found.size == count // 2
+        np.testing.assert_allclose(found[:-1], count, rtol=0.1)
+        assert found[-1] == pytest.approx(count * (1.0 if count % 2 else 0.5), rel=0.1)
+
+
+def test_an_oscillation_of_every_other_reading_is_seen() -> None:
+    e = noise(1)
+    e[: OWN.count] += 1.5 * (-1.0) ** np.arange(OWN.count)
+    found = spectral_line(OWN, e)
+    assert found is not None
+    assert found.period == 2.0
+
+
+def test_the_frequency_is_that_of_the_readings() -> None:
+    """A sensor that is read in every second row."""
+    runs = [
+        replace(run, channels={"x": np.where(np.arange(run.t.size) % 2, np.nan, run.channels["x"])})
+        for run in measured({}, driven(seconds=8.0))
+    ]
+    own = problem(runs)
+    t = np.concatenate([run.t for run in runs])
+    e = np.random.default_rng(1).standard_normal(own.count + 3)
+    e[: own.count] = e[: own.count] + 1.2 * np.sin(2.0 * np.pi * 11.0 * t)
+    e[: own.count][np.isnan(np.concatenate([run.channels["x"] for run in runs]))] = 0.0
+    found = spectral_line(own, e)
+    assert found is not None
+    assert "oscillates at 11 Hz" in found.told(own)
+    assert "50 readings a second" in found.told(own)
 
 
 def test_a_hum_is_found_that_blocks_do_not_show() -> None:
@@ -49,11 +113,13 @@ def test_a_hum_is_found_that_blocks_do_not_show() -> None:
     assert "oscillates at 23 Hz" in found.told(OWN)
 
 
-def test_what_is_slow_is_left_to_the_whiteness_test() -> None:
-    e = noise(1)
-    e[: OWN.count] += 2.0 * np.sin(2.0 * np.pi * 0.01 * np.arange(OWN.count))
-    assert whiteness_test(OWN, e).rejected
-    assert spectral_line(OWN, e) is None
+def test_what_is_slow_is_no_line() -> None:
+    """A trend, weak or strong, that comes once in each run."""
+    for size, rejected in ((0.3, False), (2.0, True)):
+        e = noise(1)
+        e[: OWN.count] += size * np.sin(2.0 * np.pi * 0.005 * np.arange(OWN.count))
+        assert whiteness_test(OWN, e).rejected is rejected
+        assert spectral_line(OWN, e) is None
 
 
 def test_steps_of_a_reading_are_no_line() -> None:
@@ -67,15 +133,15 @@ def test_steps_of_a_reading_are_no_line() -> None:
     assert spectral_line(problem(measured({}), replace(ROBOT, other=coarse)), e) is None
 
 
-@pytest.mark.parametrize("tried", [10, 100_000])
-def test_deviations_are_those_of_exponential_powers(tried: int) -> None:
-    """Half of all sets of white noise have a largest power beyond that of the median."""
-    median = -np.log(-np.expm1(np.log(0.5) / tried))
-    assert _deviations(median, tried) == pytest.approx(0.0, abs=0.2)
-    power = np.log(tried) - norm.logsf(6.0)
-    assert _deviations(power, tried) == pytest.approx(6.0, abs=1e-6)
+def test_deviations_are_those_of_a_tail() -> None:
+    for deviations in (-1.0, 0.0, 6.0, 30.0):
+        tail = float(norm.logsf(deviations))
+        # The tail of the least of many: 1 - exp(-tail).
+        assert _deviations(float(np.log(-np.log1p(-np.exp(tail)))) if tail > -30.0 else tail) == (
+            pytest.approx(deviations, abs=1e-6)
+        )
     # Where the tail is no number any more, it goes on.
-    near, far = (_deviations(np.log(tried) + by, tried) for by in (708.0, 709.0))
+    near, far = (_deviations(-by) for by in (708.0, 709.0))
     assert 0.0 < far - near < 0.2
 
 

@@ -39,7 +39,8 @@ if TYPE_CHECKING:
 RESOLVED = 3.0
 """Distance, in deviations, from which two explanations are told apart."""
 _SHOWN = 4
-"""Runs of the menu whose distances are found by refits, at most: those that promise most."""
+"""Runs of the menu that are shown: those that promise most, by derivatives. Their distances are
+found by refits, up to the first that tells nearly always."""
 _NEAREST = 2
 """Other explanations that are refitted to one that is taken for the truth."""
 _FITTED = 1.0
@@ -49,12 +50,10 @@ _EQUAL = 0.5
 _REPEATS = 4
 """Most repeats of a run that are proposed: the squares of what they tell add up."""
 _HOPE = 0.05
-"""Chance of an answer that so many repeats have to add, or another run of the menu."""
-_APART = 10.0
-"""Distance beyond which a refit ends early: two explanations so far apart are told from each other
-but for one in 3e5 runs."""
-_FAR = 1e6
-"""Distance beyond which farther is no better."""
+"""Chance of an answer that so many repeats have to add, or another run of the menu may."""
+_FAR = 10.0
+"""Distance beyond which farther is no better: so far apart, explanations are taken for each other
+in one of 3e5 runs. A refit ends early that cannot come nearer."""
 _LOST = 1e50
 """Chi2 of a model that cannot be replayed to the end."""
 
@@ -114,12 +113,15 @@ def next_experiment(
     rows: list[dict[str, Any]] = []
     found: dict[str, Floats] = {}
     most = -np.inf
-    for promised, _, change, planned, table in plans[:_SHOWN]:
+    for _, _, change, planned, table in plans[:_SHOWN]:
         name, told = change.name, _beyond(table.min(axis=1), known)
-        # Refits mostly make distances less: one that promises no more than is found is spared.
-        refitted = promised >= most + _HOPE
+        # Beside one that tells nearly always, no other is worth the time.
+        refitted = most < 1.0 - _HOPE
         if refitted:
-            distances = [_refitted(search, planned, fits, i, row) for i, row in enumerate(table)]
+            distances = [
+                _refitted(search, planned, fits, i, row, float(known[i]))
+                for i, row in enumerate(table)
+            ]
             told = found[name] = _beyond(np.array(distances), known)
         chance, distance = _promise(told, likely)
         most = max(most, chance) if refitted else most
@@ -255,9 +257,17 @@ def _linearised(planned: _Planned, fits: Sequence[Fit]) -> Floats:
 
 
 def _refitted(
-    search: Search, planned: _Planned, fits: Sequence[Fit], truth: int, linear: Floats
+    search: Search,
+    planned: _Planned,
+    fits: Sequence[Fit],
+    truth: int,
+    linear: Floats,
+    known: float = 0.0,
 ) -> float:
-    """Return the distance of the nearest other explanation, refitted."""
+    """Return the distance of the nearest other explanation, refitted.
+
+    It may be too large beyond `_FAR`, once the square `known` is taken off.
+    """
     least = float(linear.min())
     if least < _FITTED:
         return least
@@ -275,7 +285,7 @@ def _refitted(
             # The rival's own start has what the runs so far say.
             more = evaluate(problem, more, [planned.new_run])
             trials += [f.without_residual() for f in sorted(more, key=lambda f: f.chi2)[:2]]
-    trials = fit_all(problem, [replace(t, limit=_APART**2) for t in trials], steps=8)
+    trials = fit_all(problem, [replace(t, limit=known + _FAR**2) for t in trials], steps=8)
     return float(np.sqrt(max(min(trial.chi2 for trial in trials), 0.0)))
 
 

@@ -40,12 +40,14 @@ def descend(
     *,
     at_noise: bool = False,
     rival: Fit | None = None,
+    beat: bool = False,
 ) -> Found:
     """Fit from starts, the first steps on `runs`, and follow those that may come near the best.
 
     The starts extend the model of the fit `beside`. With `at_noise` it leaves but noise: then
-    nothing ties. With a `rival`, they have to come near that one. Returns the best fit of each
-    set among the starts, or the known one where that is better.
+    nothing ties. With a `rival`, they have to come near that one; with `beat`, to take half of what
+    the best smaller set leaves. Returns the best fit of each set among the starts, or the known one
+    where that is better.
     """
     problem, steps = search.problem, search.steps
     fits, far = list(starts), []
@@ -57,12 +59,14 @@ def descend(
         far = evaluate(problem, [fit for fit in fits if fit.chi2 > most], residuals=False)
         fits = [fit for fit in fits if fit.chi2 <= most]
     fits = evaluate(problem, fits, residuals=False)
-    fits = _with_limits(search, known, fits, at_noise=at_noise, rival=rival)
+    fits = _with_limits(search, known, fits, at_noise=at_noise, rival=rival, beat=beat)
     fits = apart(sorted(fit_all(problem, fits, steps=1), key=chi2_of))
     least = rival.chi2 if rival else np.inf
     first = fit_all(problem, fits[:FEW], steps=steps, least=least)
     least = min([least, *(fit.chi2 for fit in first)])
-    others = _with_limits(search, known, fits[FEW:], first, at_noise=at_noise, rival=rival)
+    others = _with_limits(
+        search, known, fits[FEW:], first, at_noise=at_noise, rival=rival, beat=beat
+    )
     others = apart(fit_all(problem, others, steps=FEW, least=least))
     least = min([least, *(fit.chi2 for fit in others)])
     most = follow_limit(beside, least)
@@ -146,14 +150,15 @@ def _with_limits(
     *,
     at_noise: bool,
     rival: Fit | None = None,
+    beat: bool = False,
 ) -> list[Fit]:
     """Return fits with the chi2 that they have to reach to change a verdict.
 
     Where some fit leaves little but noise, that is about what it leaves: beside a model that is
     `at_noise` itself nothing ties, so a further effect has to gain. Far above the noise it is what
     the best set of as many effects leaves or, of an exchange for a `rival`, what takes its place.
-    Sets of several effects that are no exchange have to gain over the best smaller one, and to
-    leave no more than half of its rest.
+    Sets of several effects that are no exchange have to gain over the best smaller one, and with
+    `beat` to take half of its rest.
     """
     best = min([*known.fits.values(), *others], key=search.score)
     count = min((len(fit.model.names) for fit in fits), default=0)
@@ -172,5 +177,5 @@ def _with_limits(
         if fewer:
             smaller = min(fewer, key=lambda fit: total(search, fit))
             most = min(most, search.score(smaller) - LEAST_GAIN_FITTED)
-            stalled = stalled_beside(search.problem, smaller)
+            stalled = stalled_beside(search.problem, smaller) if beat else np.inf
     return [replace(fit, limit=min(most - PENALTY * len(fit.model.free), stalled)) for fit in fits]

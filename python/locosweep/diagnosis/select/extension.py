@@ -73,8 +73,9 @@ def extend(
     """Fit `base` with each of `partners` beside it; only those that promise most after a scan.
 
     Without a base, effects are fitted alone. With `beat`, only those are fitted that promise to
-    come near the best set of as many effects, and none if no one promises half of the rest; with a
-    `rival`, those that promise half of what it gains. Returns the best fit of each set.
+    come near the best set of as many effects, and none if no effect promises half of a rest that is
+    clearly more than noise; with a `rival`, those that promise half of what it gains. Returns the
+    best fit of each set.
     """
     problem = search.problem
     held = base.model.names if base else ()
@@ -127,7 +128,9 @@ def extend(
     if base is None:
         likely = sorted(along, key=lambda name: along[name][0].chi2)[:FEW]
         followed += [end for name in likely for end in _valley_end(search, along[name][0], runs)]
-    found = descend(search, known, followed, runs, beside, at_noise=at_noise, rival=rival)
+    found = descend(
+        search, known, followed, runs, beside, at_noise=at_noise, rival=rival, beat=beat
+    )
     if base is None and not at_noise:
         found |= _thresholds_found(search, found, along)
     return found
@@ -298,4 +301,4 @@ def pairs(search: Search, known: Collection, along: Sequence[Fit]) -> Found:
     none = search.none
     runs = informative_runs(search.problem, none)
     found = [*along, *pairs_beside(search, known.of_size(1), runs)[:PARTNERS]]
-    return descend(search, known, [fit.unfitted() for fit in found], runs, none)
+    return descend(search, known, [fit.unfitted() for fit in found], runs, none, beat=True)

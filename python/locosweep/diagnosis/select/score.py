@@ -8,9 +8,9 @@ import numpy as np
 
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.thresholds import (
+    CLEAR_REST,
     LEAST_GAIN,
     LEAST_GAIN_FITTED,
-    PREDICTION_LIMIT,
     STALLED,
 )
 from locosweep.diagnosis.select.whiteness import noise_level, whiteness_test
@@ -36,14 +36,14 @@ def gains(search: Search, old: Fit, new: Fit) -> bool:
 
 
 def stalled_above(before: float, noise: float, count: int) -> float:
-    """Return the chi2 above which a further effect leaves most of a rest that is clearly none.
+    """Return the chi2 above which a further effect leaves most of what is clearly more than noise.
 
-    `before` is chi2 without it, `noise` that of so many residuals: it is known to 1.15 times the
-    deviation of chi2 where it comes from third differences. Infinite where the rest may be noise.
+    `before` is chi2 without it, `noise` that of noise in so many residuals. Infinite where the rest
+    may be noise.
     """
     rest = before - noise
-    clear = PREDICTION_LIMIT * noise * np.sqrt(2.0 / max(count, 1))
-    return noise + STALLED * rest if rest > clear else np.inf
+    clear = CLEAR_REST * noise * np.sqrt(2.0 / max(count, 1))
+    return float(noise + STALLED * rest) if rest > clear else np.inf
 
 
 def stalled_beside(problem: Problem, fit: Fit) -> float:

@@ -108,9 +108,8 @@ def shape_of(problem: Problem, fit: Fit) -> list[dict[str, Any]]:
     (fit,) = evaluate(problem, [fit.unfitted()])
     terms = NonparametricCorrection(problem, fit)
     found = terms.significant(noise=noise_level(problem, fit.residual))
-    if not found and (line := spectral_line(problem, fit.residual)):
-        found = [("line", line.share)]
-    return shapes(found)
+    line = None if found else spectral_line(problem, fit.residual)
+    return shapes([("line", line.share)] if line else found)
 
 
 def shapes(found: Sequence[tuple[str, float]]) -> list[dict[str, Any]]:

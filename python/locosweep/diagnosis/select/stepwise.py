@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all
 from locosweep.diagnosis.select.descent import takes_place
 from locosweep.diagnosis.select.effort import LEAST_ERROR, LEVEL_WORK, PARTNERS
@@ -49,7 +51,8 @@ def forward(
     end = search.problem.meter.work + LEVEL_WORK * search.problem.count
     for base in _seeds(level):
         larger |= extend(search, known.adding(larger), base, search.names, beat=True)
-        if larger and _best(search, larger).chi2 > stalled_beside(search.problem, found):
+        least = _best(search, larger).chi2 if larger else np.inf
+        if least > stalled_beside(search.problem, found):
             # Of causes that are in the list, one takes away most of the rest by now.
             return known.adding(larger)
         if search.problem.meter.work > end:

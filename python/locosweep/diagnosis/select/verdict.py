@@ -31,9 +31,9 @@ from locosweep.diagnosis.select.whiteness import whiteness_test
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from locosweep.diagnosis.estimate.problem import Problem
     from locosweep.diagnosis.select.graded import Graded
     from locosweep.diagnosis.select.search import Collection, Found, Search
+    from locosweep.diagnosis.select.spectral_line import SpectralLine
     from locosweep.diagnosis.select.whiteness import WhitenessTest
 
 _COMPARED = 3
@@ -74,6 +74,8 @@ class Choice:
     """The model beside which that force does so."""
     missed: bool = False
     """True if the fit leaves of the runs kept from it more than the others show."""
+    line: SpectralLine | None = None
+    """Line in the spectrum of what the nominal model leaves, where no effect takes of that."""
     law_of_none: bool = False
     """True if a law of an effect's variable leaves but noise, and goes as no law of that effect."""
 
@@ -166,12 +168,13 @@ def choose(search: Search, most: int) -> Choice:
     alone.sort(key=lambda fit: total(search, fit))
     best = alone[0] if alone else none
     if not gains(search, none, best):
-        rest, whiteness = _rest_of_none(problem, none)
+        rest, line = remaining(problem, none), spectral_line(problem, none.residual)
         choice = Choice(
-            "unexplained" if rest else "none",
+            "unexplained" if rest or line else "none",
             none,
             known,
-            whiteness,
+            whiteness_test(problem, none.residual),
+            line=line,
             shape=rest,
             near=total(search, none) - total(search, best),
         )
@@ -227,14 +230,6 @@ def choose(search: Search, most: int) -> Choice:
         status, found, known, whiteness, classes, sets, mismatch, near=near, missed=missed
     )
     return _with_ranks(search, choice, tried)
-
-
-def _rest_of_none(problem: Problem, none: Fit) -> tuple[list[tuple[str, float]], WhitenessTest]:
-    """Return what the nominal model leaves beyond noise, and the test that shows it best."""
-    whiteness = whiteness_test(problem, none.residual)
-    rest = remaining(problem, none)
-    line = None if rest else spectral_line(problem, none.residual)
-    return (rest, whiteness) if line is None else ([("line", line.share)], line.test)
 
 
 def _grown(search: Search, known: Collection, level: list[Fit], most: int) -> _Grown:
@@ -318,7 +313,8 @@ def _probability(search: Search, choice: Choice) -> float:
         sure = 1.0 - _doubt(limits.LEAST_GAIN - (none - best)) - limits.NEVER_SURE
         return float(np.clip(sure, limits.TOSS_UP, limits.MOST_SURE))
     if choice.status == "unexplained":
-        beyond = choice.whiteness.deviations - limits.WHITENESS_LIMIT
+        least = choice.line.deviations if choice.line else -np.inf
+        beyond = max(choice.whiteness.deviations, least) - limits.WHITENESS_LIMIT
         doubt = limits.UNEXPLAINED_DOUBT * np.exp(-beyond / limits.UNEXPLAINED_SCALE)
         sure = 1.0 - doubt - limits.UNEXPLAINED_REST
         return float(np.clip(sure, limits.TOSS_UP, limits.UNEXPLAINED_SURE))

@@ -22,7 +22,7 @@ BLOCKS = (4, 16, 64, 256)
 """Samples of a block, whose mean is tested: from what a break-away takes to what a drift does."""
 _FEWEST, _FEWEST_BLOCKS = 32, 4
 """Samples, and blocks of a length, that a test needs at least."""
-_LEAST_NOISE = 0.5
+LEAST_NOISE = 0.5
 """Least variance of noise, in the stated one: a smaller rest is taken for noise that was stated too
 large, so that nothing in it counts as a gap."""
 
@@ -43,6 +43,13 @@ class WhitenessTest:
     def rejected(self) -> bool:
         """True if the residuals are more than white noise."""
         return self.deviations > WHITENESS_LIMIT
+
+
+def counted(problem: Problem, channel: str, run: int) -> NDArray[np.bool_]:
+    """Return which samples of a fitted run have a reading of a channel that counts."""
+    own = slice(int(problem.starts_at[run]), int(problem.starts_at[run] + problem.lengths[run]))
+    counts: NDArray[np.bool_] = (problem.weights[channel][own] > 0.0) & problem.seen[own]
+    return counts
 
 
 def residuals_by_run(
@@ -79,7 +86,7 @@ def noise_level(problem: Problem, residual: Floats) -> float:
         return 1.0
     counts = np.array([values.size for values in parts])
     levels = np.array([white_variance(values) for values in parts])
-    return max(float(np.average(levels, weights=counts)), _LEAST_NOISE)
+    return max(float(np.average(levels, weights=counts)), LEAST_NOISE)
 
 
 def whiteness_test(
@@ -97,7 +104,7 @@ def whiteness_test(
         total = np.concatenate(runs_of) if runs_of else np.zeros(0)
         if total.size < _FEWEST:
             continue
-        base = max(white_variance(total), _LEAST_NOISE)
+        base = max(white_variance(total), LEAST_NOISE)
         mean = float(total @ total) / total.size
         excess = float(np.sqrt(max(mean - base, 0.0)))
         for n in BLOCKS:
