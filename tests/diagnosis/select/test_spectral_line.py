@@ -7,12 +7,14 @@ from dataclasses import replace
 import numpy as np
 import polars as pl
 import pytest
-from scipy.stats import norm
+from scipy.stats import chi2, norm
 
 from diagnosis_small import NOISE, ROBOT, driven, measured, problem
 from locosweep.diagnosis import diagnose
 from locosweep.diagnosis.select.spectral_line import (
     _deviations,
+    _log_of_least,
+    _log_of_product,
     _log_tails,
     _powers,
     spectral_line,
@@ -135,14 +137,28 @@ def test_steps_of_a_reading_are_no_line() -> None:
 
 def test_deviations_are_those_of_a_tail() -> None:
     for deviations in (-1.0, 0.0, 6.0, 30.0):
-        tail = float(norm.logsf(deviations))
-        # The tail of the least of many: 1 - exp(-tail).
-        assert _deviations(float(np.log(-np.log1p(-np.exp(tail)))) if tail > -30.0 else tail) == (
-            pytest.approx(deviations, abs=1e-6)
-        )
+        assert _deviations(float(norm.logsf(deviations))) == pytest.approx(deviations, abs=1e-6)
     # Where the tail is no number any more, it goes on.
-    near, far = (_deviations(-by) for by in (708.0, 709.0))
+    near, far = (_deviations(-by) for by in (699.0, 701.0))
     assert 0.0 < far - near < 0.2
+
+
+def test_runs_of_a_channel_count_together() -> None:
+    """Fisher's product of tails has the distribution of chi2."""
+    tails = [-3.0, -0.5, -7.0]
+    assert _log_of_product(tails) == pytest.approx(chi2.logsf(21.0, 6), rel=1e-9)
+    assert _log_of_product([-2.0]) == pytest.approx(-2.0)
+    assert _log_of_least(np.log(0.01), 3) == pytest.approx(np.log(1.0 - 0.99**3))
+    assert _log_of_least(-1000.0, 10) == pytest.approx(-1000.0 + np.log(10.0))
+    assert _log_of_least(0.0, 5) == 0.0
+    # A hum too weak in any run, in all of them.
+    together = [noise(seed) for seed in (1, 2)]
+    t = np.arange(OWN.count)
+    one, every = together
+    one[:200] += 0.5 * np.sin(2.0 * np.pi * 0.23 * t[:200])
+    every[: OWN.count] += 0.5 * np.sin(2.0 * np.pi * 0.23 * t)
+    assert spectral_line(OWN, one) is None
+    assert spectral_line(OWN, every) is not None
 
 
 def test_hum_alone_is_unexplained_and_told() -> None:

@@ -9,12 +9,15 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.special import gammaln, logsumexp
 from scipy.stats import norm
 
 from locosweep.diagnosis.select.thresholds import WHITENESS_LIMIT
 from locosweep.diagnosis.select.whiteness import LEAST_NOISE, counted, whiteness_test
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from locosweep.diagnosis.estimate.problem import Problem
@@ -27,11 +30,15 @@ _BESIDE, _BETWEEN = 32, 2
 """Powers on either side of one that say how large noise is there, without those next to it, into
 which a line spreads that falls between two frequencies. The more there are, the less a power has to
 stand out, and the wider a stretch of the spectrum counts as flat."""
-_FEWEST = 4 * _ROUNDS
-"""Powers that a spectrum needs: of fewer, hardly any lies beyond `_ROUNDS`."""
+_FEWEST = 8 * _ROUNDS
+"""Readings that a run needs: of fewer, hardly any frequency is seen that comes so often."""
 _COARSE = 2.0
 """Step of a reading, in deviations of its noise, from which it makes lines of its own: a sensor
 that moves evenly reads a saw tooth. Noise of half a step leaves 1 % of its first harmonic."""
+
+
+_TINY = 700.0
+"""Logarithm of the smallest tails that are numbers of their own."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +54,7 @@ class SpectralLine:
     share: float
     """Of the squares of that channel's residuals in that run."""
     deviations: float
-    """Normal deviate of its power, the most unlikely of all."""
+    """Normal deviate of the most unlikely powers of its channel's runs together."""
 
     def told(self, problem: Problem) -> str:
         """Return a warning about the line, with its frequency."""
@@ -66,49 +73,47 @@ def spectral_line(problem: Problem, residual: Floats) -> SpectralLine | None:
 
     Powers of noise are exponentially distributed, alike next to each other (after Fisher, Proc.
     Royal Society A 125, 1929). One of them over the mean of n others has 2 and 2 n degrees of
-    freedom: it is beyond f with probability (1 + f / n)^-n, whatever the noise. Channels are left
-    out whose steps are coarse.
+    freedom: it is beyond f with probability (1 + f / n)^-n, whatever the noise. All runs of a
+    channel count together, each with the most unlikely power of its own. Channels whose steps are
+    coarse are left out.
     """
     if whiteness_test(problem, residual).rejected:
         return None
-    best: SpectralLine | None = None
-    least, tried, at = 0.0, 0, 0
+    found: list[tuple[float, SpectralLine]] = []
+    at = 0
     for channel in problem.channels:
         noise = problem.noise[channel]
+        lines: list[SpectralLine] = []
+        tails: list[float] = []
         for run in problem.fitted:
             length = int(problem.lengths[run])
             values = residual[at : at + length][counted(problem, channel, run)]
             at += length
-            powers = _powers(values)
-            if powers.size < _FEWEST or noise.step > _COARSE * noise.gaussian:
-                continue
-            tails = _log_tails(powers, LEAST_NOISE * values.size)
-            tried += tails.size
-            k = int(np.argmin(tails))
-            if tails[k] < least:
-                round_ = k + _ROUNDS
-                square = 2.0 * float(powers[round_ - 1]) / values.size**2
-                least, best = (
-                    float(tails[k]),
-                    SpectralLine(
-                        channel,
-                        run,
-                        values.size / round_,
-                        float(np.sqrt(square)),
-                        square / float(np.mean(values**2)),
-                        0.0,
-                    ),
-                )
-    if best is None:
+            if noise.step <= _COARSE * noise.gaussian and values.size >= _FEWEST:
+                tail, period, square = _most_unlikely(values)
+                share = square / max(float(np.mean(values**2)), square, 1e-300)
+                lines.append(SpectralLine(channel, run, period, float(np.sqrt(square)), share, 0.0))
+                tails.append(tail)
+        if lines:
+            found.append((_log_of_product(tails), lines[int(np.argmin(tails))]))
+    if not found:
         return None
-    found = replace(best, deviations=_deviations(least + np.log(tried)))
-    return found if found.deviations > WHITENESS_LIMIT else None
+    tail, line = min(found, key=lambda one: one[0])
+    deviations = _deviations(_log_of_least(tail, len(found)))
+    return replace(line, deviations=deviations) if deviations > WHITENESS_LIMIT else None
+
+
+def _most_unlikely(values: Floats) -> tuple[float, float, float]:
+    """Return the logarithm of the tail of a run's strongest line, its period and mean square."""
+    powers = _powers(values)
+    tails = _log_tails(powers, LEAST_NOISE * values.size)
+    k = int(np.argmin(tails))
+    tail, rounds = _log_of_least(float(tails[k]), tails.size), k + _ROUNDS
+    return tail, values.size / rounds, 2.0 * float(powers[rounds - 1]) / values.size**2
 
 
 def _powers(values: Floats) -> Floats:
     """Return squares of the Fourier sums of values, from one round to one in two values."""
-    if values.size < 2:
-        return np.zeros(0)
     powers: Floats = np.abs(np.fft.rfft(values - values.mean())[1:]) ** 2
     if values.size % 2 == 0:
         # A real sum: its square varies as much as half of a complex one's.
@@ -135,9 +140,24 @@ def _log_tails(powers: Floats, least: float) -> Floats:
     return np.asarray(-count * np.log1p(powers[k] / mean / count))
 
 
+def _log_of_least(log_tail: float, count: int) -> float:
+    """Return the logarithm of the probability that the least of so many tails is below one."""
+    if log_tail < -_TINY:
+        return log_tail + float(np.log(count))
+    if log_tail >= 0.0:
+        return 0.0
+    return float(np.log(-np.expm1(count * np.log1p(-np.exp(log_tail)))))
+
+
+def _log_of_product(log_tails: Sequence[float]) -> float:
+    """Return the logarithm of the probability that a product of tails is below theirs (Fisher)."""
+    s, k = max(-sum(log_tails), 1e-300), np.arange(len(log_tails))
+    return float(-s + logsumexp(k * np.log(s) - gammaln(k + 1)))
+
+
 def _deviations(log_tail: float) -> float:
-    """Return the normal deviate of a tail, as of the least of many; below 0 where it is likely."""
-    if log_tail < np.log(np.finfo(float).tiny):
+    """Return the normal deviate of a tail."""
+    if log_tail < -_TINY:
         # Far out, the tail of a normal variable falls as exp(-z^2 / 2).
         return float(np.sqrt(-2.0 * log_tail))
-    return float(norm.isf(-np.expm1(-np.exp(log_tail))))
+    return float(norm.isf(np.exp(log_tail)))
