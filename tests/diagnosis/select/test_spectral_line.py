@@ -12,7 +12,6 @@ from scipy.stats import chi2, norm
 from diagnosis_small import NOISE, ROBOT, driven, measured, problem
 from locosweep.diagnosis import diagnose
 from locosweep.diagnosis.select.spectral_line import (
-    _deviations,
     _log_of_least,
     _log_of_product,
     _log_tails,
@@ -135,12 +134,18 @@ def test_steps_of_a_reading_are_no_line() -> None:
     assert spectral_line(problem(measured({}), replace(ROBOT, other=coarse)), e) is None
 
 
-def test_deviations_are_those_of_a_tail() -> None:
-    for deviations in (-1.0, 0.0, 6.0, 30.0):
-        assert _deviations(float(norm.logsf(deviations))) == pytest.approx(deviations, abs=1e-6)
-    # Where the tail is no number any more, it goes on.
-    near, far = (_deviations(-by) for by in (699.0, 701.0))
-    assert 0.0 < far - near < 0.2
+def test_deviations_are_those_of_a_tail_also_where_it_is_no_number() -> None:
+    """A line alone in long runs: its tail is that of the normal deviate, to first order."""
+    e = noise(1)
+    e[: OWN.count] += 3.0 * np.sin(2.0 * np.pi * 0.23 * np.arange(OWN.count))
+    found = spectral_line(OWN, e)
+    assert found is not None
+    tails = []
+    for run in range(3):
+        least = float(_log_tails(_powers(e[200 * run : 200 * run + 200]), 0.0).min())
+        tails.append(_log_of_least(least, 93))
+    product = _log_of_product(tails)
+    assert norm.logsf(found.deviations) == pytest.approx(product, rel=1e-6)
 
 
 def test_runs_of_a_channel_count_together() -> None:

@@ -9,8 +9,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.special import gammaln, logsumexp
-from scipy.stats import norm
+from scipy.special import gammaln, logsumexp, ndtri_exp
 
 from locosweep.diagnosis.select.thresholds import WHITENESS_LIMIT
 from locosweep.diagnosis.select.whiteness import LEAST_NOISE, counted, whiteness_test
@@ -99,7 +98,7 @@ def spectral_line(problem: Problem, residual: Floats) -> SpectralLine | None:
     if not found:
         return None
     tail, line = min(found, key=lambda one: one[0])
-    deviations = _deviations(_log_of_least(tail, len(found)))
+    deviations = -float(ndtri_exp(_log_of_least(tail, len(found))))
     return replace(line, deviations=deviations) if deviations > WHITENESS_LIMIT else None
 
 
@@ -153,11 +152,3 @@ def _log_of_product(log_tails: Sequence[float]) -> float:
     """Return the logarithm of the probability that a product of tails is below theirs (Fisher)."""
     s, k = max(-sum(log_tails), 1e-300), np.arange(len(log_tails))
     return float(-s + logsumexp(k * np.log(s) - gammaln(k + 1)))
-
-
-def _deviations(log_tail: float) -> float:
-    """Return the normal deviate of a tail."""
-    if log_tail < -_TINY:
-        # Far out, the tail of a normal variable falls as exp(-z^2 / 2).
-        return float(np.sqrt(-2.0 * log_tail))
-    return float(norm.isf(np.exp(log_tail)))
