@@ -10,7 +10,7 @@ import pytest
 from diagnosis_search import fit_of, search_for, search_of
 from diagnosis_small import driven, measured
 from locosweep.diagnosis.estimate.least_squares import evaluate
-from locosweep.diagnosis.select import verdict
+from locosweep.diagnosis.select import law_mismatch, verdict
 from locosweep.diagnosis.select.law_mismatch import (
     OtherLaw,
     best_with_other_law,
@@ -77,6 +77,20 @@ def test_where_a_law_of_no_effect_leaves_but_noise_nothing_is_named(
     choice = choose(search, 1)
     assert choice.status == ("unexplained" if of_none else "explained")
     assert (choice.outdone, choice.law_of_none) == (of_none, of_none)
+
+
+@pytest.mark.parametrize(("share", "named"), [(0.6, True), (0.1, False)])
+def test_a_law_that_only_its_likelihood_speaks_for_has_no_rival_in_another_variable(
+    monkeypatch: pytest.MonkeyPatch, share: float, named: bool
+) -> None:
+    search = search_for({"quadratic_drag": {"c2": 0.05}}, "viscous_friction")
+    monkeypatch.setattr(verdict, "classes_of",
+                        lambda *_: ([["viscous_friction", "drive_lag"]], []))  # fmt: skip
+    monkeypatch.setattr(law_mismatch, "formula_share", lambda *_: share)
+    monkeypatch.setattr(law_mismatch, "_is_likeliest", lambda *_: True)
+    choice = choose(search, 1)
+    assert choice.status == ("ambiguous" if named else "unexplained")
+    assert choice.law_mismatch is named
 
 
 def test_a_set_that_leaves_little_more_than_noise_is_followed_out_of_its_valley(

@@ -241,6 +241,15 @@ def is_law_of(search: Search, fit: Fit) -> bool:
     return bool(late) and all(_never_early(search, fit, name) for name in late)
 
 
+def most_alike(search: Search, fit: Fit) -> int:
+    """Return how many variables may carry another law of a fit's effects as well.
+
+    One, where the law counts only because no law of another variable comes near it.
+    """
+    by_formula = formula_share(search, fit) >= limits.OTHER_LAW_SHARE
+    return limits.MOST_ALIKE if by_formula or not _is_likeliest(search, fit) else 1
+
+
 def _is_likeliest(search: Search, fit: Fit) -> bool:
     """Return whether no law of another variable comes near a law of the fit's own variable.
 

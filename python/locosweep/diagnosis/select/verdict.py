@@ -18,6 +18,7 @@ from locosweep.diagnosis.select.law_mismatch import (
     OtherLaw,
     best_with_other_law,
     is_law_of,
+    most_alike,
     several_do_better,
     unlisted_rival,
     without_bending_effect,
@@ -221,7 +222,8 @@ def choose(search: Search, most: int) -> Choice:
         rivals = rivals_of(search, known, found)
         classes, sets = classes_of(search, known, found, rivals, mismatch)
     tried += rivals
-    if mismatch and any(len({VARIABLES.get(n, n) for n in c}) > limits.MOST_ALIKE for c in classes):
+    alike = max(len({VARIABLES.get(n, n) for n in c}) for c in classes) if mismatch else 0
+    if alike > 1 and alike > most_alike(search, found):
         choice = Choice("unexplained", found, known, whiteness, shape=remaining(problem, found))
         return _with_ranks(search, choice, tried)
     status = "explained" if all(len(c) == 1 for c in classes) and not sets else "ambiguous"
