@@ -12,7 +12,12 @@ import numpy as np
 from scipy.special import gammaln, logsumexp, ndtri_exp
 
 from locosweep.diagnosis.select.thresholds import WHITENESS_LIMIT
-from locosweep.diagnosis.select.whiteness import LEAST_NOISE, counted, whiteness_test
+from locosweep.diagnosis.select.whiteness import (
+    LEAST_NOISE,
+    counted,
+    residuals_by_run,
+    whiteness_test,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,6 +28,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+# None of these numbers was tuned on cases.
 _ROUNDS = 8
 """Times that an oscillation has to come again in a run: what is slower is a trend."""
 _BESIDE, _BETWEEN = 32, 2
@@ -34,10 +40,8 @@ _FEWEST = 8 * _ROUNDS
 _COARSE = 2.0
 """Step of a reading, in deviations of its noise, from which it makes lines of its own: a sensor
 that moves evenly reads a saw tooth. Noise of half a step leaves 1 % of its first harmonic."""
-
-
 _TINY = 700.0
-"""Logarithm of the smallest tails that are numbers of their own."""
+"""Amount of the logarithm of a tail beyond which the tail is no number of its own."""
 
 
 @dataclass(frozen=True)
@@ -48,8 +52,6 @@ class SpectralLine:
     run: int
     period: float
     """In readings, 2 or more: a faster oscillation looks like a slower one."""
-    rms: float
-    """Root mean square of the oscillation, in deviations of the noise."""
     share: float
     """Of the squares of that channel's residuals in that run."""
     deviations: float
@@ -78,28 +80,23 @@ def spectral_line(problem: Problem, residual: Floats) -> SpectralLine | None:
     """
     if whiteness_test(problem, residual).rejected:
         return None
-    found: list[tuple[float, SpectralLine]] = []
-    at = 0
-    for channel in problem.channels:
+    found: dict[str, list[tuple[float, SpectralLine]]] = {}
+    for channel, run, values in residuals_by_run(problem, residual):
         noise = problem.noise[channel]
-        lines: list[SpectralLine] = []
-        tails: list[float] = []
-        for run in problem.fitted:
-            length = int(problem.lengths[run])
-            values = residual[at : at + length][counted(problem, channel, run)]
-            at += length
-            if noise.step <= _COARSE * noise.gaussian and values.size >= _FEWEST:
-                tail, period, square = _most_unlikely(values)
-                share = square / max(float(np.mean(values**2)), square, 1e-300)
-                lines.append(SpectralLine(channel, run, period, float(np.sqrt(square)), share, 0.0))
-                tails.append(tail)
-        if lines:
-            found.append((_log_of_product(tails), lines[int(np.argmin(tails))]))
+        if values.size < _FEWEST or noise.step > _COARSE * noise.gaussian:
+            continue
+        tail, period, square = _most_unlikely(values)
+        share = square / max(float(np.mean(values**2)), square, 1e-300)
+        line = SpectralLine(channel, run, period, share, 0.0)
+        found.setdefault(channel, []).append((tail, line))
     if not found:
         return None
-    tail, line = min(found, key=lambda one: one[0])
-    deviations = -float(ndtri_exp(_log_of_least(tail, len(found))))
-    return replace(line, deviations=deviations) if deviations > WHITENESS_LIMIT else None
+    tails = {c: _log_of_product([tail for tail, _ in found[c]]) for c in found}
+    channel = min(tails, key=lambda c: tails[c])
+    deviations = -float(ndtri_exp(_log_of_least(tails[channel], len(tails))))
+    if deviations <= WHITENESS_LIMIT:
+        return None
+    return replace(min(found[channel], key=lambda one: one[0])[1], deviations=deviations)
 
 
 def _most_unlikely(values: Floats) -> tuple[float, float, float]:

@@ -45,11 +45,14 @@ class WhitenessTest:
         return self.deviations > WHITENESS_LIMIT
 
 
-def counted(problem: Problem, channel: str, run: int) -> NDArray[np.bool_]:
-    """Return which samples of a fitted run have a reading of a channel that counts."""
+def counted(problem: Problem, channel: str, run: int, *, all_of: bool = False) -> NDArray[np.bool_]:
+    """Return which samples of a run have a reading of a channel that counts.
+
+    Those that fits see, or `all_of` them.
+    """
     own = slice(int(problem.starts_at[run]), int(problem.starts_at[run] + problem.lengths[run]))
-    counts: NDArray[np.bool_] = (problem.weights[channel][own] > 0.0) & problem.seen[own]
-    return counts
+    counts: NDArray[np.bool_] = problem.weights[channel][own] > 0.0
+    return counts if all_of else counts & problem.seen[own]
 
 
 def residuals_by_run(
@@ -61,11 +64,7 @@ def residuals_by_run(
     for c in problem.channels:
         for r in chosen:
             n = int(problem.lengths[r])
-            a = int(problem.starts_at[r])
-            counts = problem.weights[c][a : a + n] > 0.0
-            part = residual[at : at + n]
-            counts = counts & problem.seen[a : a + n] if runs is None else counts
-            yield c, r, part[counts]
+            yield c, r, residual[at : at + n][counted(problem, c, r, all_of=runs is not None)]
             at += n
 
 
