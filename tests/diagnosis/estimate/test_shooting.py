@@ -34,6 +34,7 @@ def test_the_truth_leaves_noise(robot, name, values):
     nominal, left = (windows.residuals([plain, true]) ** 2).sum(axis=1) / windows.degrees()
     assert nominal > 2.0
     assert 0.9 < left < 1.25
+    assert sum(windows.degrees([r]) for r in windows.fitted) == windows.degrees()
 
 
 def test_a_start_is_known_where_enough_was_read_around_it():

@@ -16,6 +16,7 @@ def test_what_fits_do_not_see_are_the_other_samples() -> None:
     assert not seen[:count][~one.seen].any()
     assert not unseen[:count][one.seen].any()
     assert one.degrees() == 140
+    assert problem(measured({}, driven(3)), held=(1,)).degrees([0, 1]) == 400
     # The offset is that of the samples that fits see.
     x = one.measured["x"] - replay_runs(ROBOT, one.runs)["x"].to_numpy()
     offset = np.diff((x / NOISE - unseen[:count])[~one.seen])
