@@ -66,6 +66,12 @@ def test_a_stratum_is_of_one_kind(name: str, tmp_path: Path) -> None:
         assert 2.4 <= effect["d"] / truth["background"]["d"] <= 37.5
         assert effect["name"] in effect["accepted"]
         assert len(truth["world"]) == 2
+        # Twelve fresh runs; beside the background the true effect leaves a part of the gap.
+        assert len(truth["check_starts"]) == 12
+        for runs in ("runs", "check"):
+            assert list(truth["reached"][runs]) == truth["channels"]
+            assert all(share < 1.0 for share in truth["reached"][runs].values())
+        assert truth["reached"]["runs"]["x"] > 0.5
     elif name == "another-law":
         assert truth["mismatch"]
         assert truth["effects"][0]["form"] not in ("law", "force")

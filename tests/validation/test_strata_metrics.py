@@ -56,7 +56,8 @@ def test_a_cause_outside_the_list_is_said_to_look_like_its_own_variable() -> Non
     def looks(variable: str | None, status: str = "unexplained") -> bool | None:
         verdict = {"status": status, "effects": [], "equivalent": [], "probability": 0.9,
                    "unlisted": variable and {"variable": variable}}  # fmt: skip
-        report = {"verdict": verdict, "where": {"windows": []}, "gap": {"shrink_ci": None}}
+        report = {"verdict": verdict, "where": {"windows": []},
+                  "gap": {"channel": None, "shrink_ci": None}}  # fmt: skip
         return judge(truth, report).looks_right
 
     assert looks("place") is True
@@ -75,7 +76,8 @@ def test_friction_along_a_way_that_is_gone_once_may_be_a_force_by_place() -> Non
         verdict = {"status": "ambiguous", "effects": [name], "equivalent": [[name]],
                    "probability": 0.9, "unlisted": variable and {"variable": variable}}  # fmt: skip
         report = {"verdict": verdict, "where": {"windows": [], "site": "friction"},
-                  "candidates": [], "gap": {"shrink_ci": None, "shrink": None}}  # fmt: skip
+                  "candidates": [],
+                  "gap": {"channel": None, "shrink_ci": None, "shrink": None}}  # fmt: skip
         return judge(truth, report).right
 
     assert right("position_dependent_friction", "place")
@@ -104,11 +106,23 @@ def test_causes_over_a_background_are_split_by_size() -> None:
     assert bias.met
 
 
+def test_over_a_background_a_claim_is_held_against_the_true_effect_too() -> None:
+    one = replace(OVER, reached=(0.85, 0.6))
+    found = {
+        f.name: f for f in stratum_figures("background", [one, OVER, replace(one, right=False)])
+    }
+    itself = found["reduction by the true effect itself, less that on fresh runs, mean"]
+    assert (itself.value, itself.count) == (pytest.approx(0.25), 1)
+    claim = found["claimed reduction less that by the true effect on the measured runs, mean"]
+    assert claim.value == pytest.approx(-0.05)
+
+
 def test_the_first_cause_is_judged_over_a_background() -> None:
     truth = {
         "case": "b", "kind": "background", "plan": {"mode": "both"}, "d": 300.0,
         "channels": ["x"], "accepted": [["drive_lag"]], "mismatch": False,
         "background": {"name": "coloured_push", "d": 30.0},
+        "reached": {"runs": {"x": 0.9}, "check": {"x": 0.7}},
         "effects": [
             {"name": "drive_lag", "form": "law", "parameters": {}, "accepted": ["drive_lag"],
              "d_name": 100.0, "distances": {}}
@@ -123,7 +137,7 @@ def test_the_first_cause_is_judged_over_a_background() -> None:
             "probability": 0.8,
         }  # fmt: skip
         report = {
-            "verdict": verdict, "gap": {"shrink": 0.5, "shrink_ci": [0.4, 0.6]},
+            "verdict": verdict, "gap": {"channel": "x", "shrink": 0.5, "shrink_ci": [0.4, 0.6]},
             "where": {"site": "drive", "windows": []}, "candidates": [],
         }  # fmt: skip
         return judge(truth, report, fresh=0.55)
@@ -131,6 +145,7 @@ def test_the_first_cause_is_judged_over_a_background() -> None:
     one, two = judged("drive_lag"), judged("drive_lag", "viscous_friction")
     assert one.right
     assert two.right
+    assert one.reached == (0.9, 0.7)
     assert not judged("viscous_friction", "drive_lag").right
     found = {f.name: f for f in stratum_figures("background", [one, two])}
     # Shares of two causes have no interval together.

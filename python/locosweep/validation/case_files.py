@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -58,6 +59,24 @@ def _frame(
             columns["slope_deg"] = [drive.slope_deg] * drive.t.size
         parts.append(pl.DataFrame(columns))
     return pl.concat(parts)
+
+
+def _reduction(experiment: Experiment, case: Case, readings: pl.DataFrame) -> dict[str, float]:
+    """Return by how much the true effects, without the background, reduce each channel's error.
+
+    Relative to the nominal model, root mean squares, as `fresh_runs.fresh_reduction`.
+    """
+    known = replace(case.world, effects=case.world.effects[: len(case.truth["effects"])])
+    models = [
+        {channel: np.concatenate([run[channel] for run in runs]) for channel in runs[0]}
+        for runs in experiment.read([known, World()], FINE, 1)
+    ]
+    reached = {}
+    for channel in ("x", *experiment.sensors.channels):
+        measured = readings[channel].to_numpy()
+        after, before = (np.sum((model[channel] - measured) ** 2) for model in models)
+        reached[channel] = 1.0 - float(np.sqrt(after / before))
+    return reached
 
 
 _CELLS = 20
@@ -149,6 +168,11 @@ def write_case(case: Case, name: str, out: Path, seed: list[int]) -> None:
         "gap_cells": cells,
         "check_starts": [drive.start for drive in case.check.drives],
     }
+    if "background" in truth:
+        truth["reached"] = {
+            "runs": _reduction(case.experiment, case, runs),
+            "check": _reduction(case.check, case, check),
+        }
     text = json.dumps(_plain(truth), indent=1, allow_nan=False)
     (sealed / "truth.json").write_text(text)
 

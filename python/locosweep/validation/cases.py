@@ -51,6 +51,11 @@ _FLOORS = (3.0, 100.0)
 causes leave on a measured pendulum (docs/pendulum.md)."""
 _TIMES = (3.0, 30.0)
 """Size of an effect's gap over that of its background."""
+_FRESH = 3
+"""Fresh runs that are drawn with a case."""
+_MORE_FRESH = 9
+"""Fresh runs that are drawn once a case can be seen. All twelve are more than any case has measured
+runs (8): what a claim is held against has to be better known than the claim."""
 _NO_SENSORS = Sensors(1.0, 1.0)
 """Sensors that do not matter yet."""
 
@@ -291,8 +296,15 @@ def draw_wanted(rng: Generator, wanted: Wanted, label: str, *, threads: int = 1)
         with np.errstate(over="ignore", invalid="ignore"):
             case = _try_case(rng, wanted, threads)
         if case is not None:
-            return case
+            return _with_more_fresh(rng, case)
     raise RuntimeError(f"{label}: nothing drawn can be seen")
+
+
+def _with_more_fresh(rng: Generator, case: Case) -> Case:
+    """Draw more fresh runs of a case, by random numbers of their own."""
+    rig, plan = case.experiment.rig, {**case.truth["plan"], "repeats": False}
+    more = _drives(rng.spawn(1)[0], rig, _MORE_FRESH, plan)
+    return replace(case, check=replace(case.check, drives=(*case.check.drives, *more)))
 
 
 def _try_case(rng: Generator, wanted: Wanted, threads: int) -> Case | None:
@@ -300,7 +312,7 @@ def _try_case(rng: Generator, wanted: Wanted, threads: int) -> Case | None:
     rig = draw_rig(rng, exact=wanted.exact)
     plan = _plan(rng, rig)
     drives = _drives(rng, rig, plan["count"], plan)
-    fresh = _drives(rng, rig, 3, {**plan, "repeats": False})
+    fresh = _drives(rng, rig, _FRESH, {**plan, "repeats": False})
     blind = Experiment(rig, tuple(drives), _NO_SENSORS)
     scale = scale_of_runs(blind)
     if scale.travel < 0.2 * plan["travel"] / 2.5:

@@ -83,6 +83,9 @@ class Judged:
         rivals; None where that was not tried.
     times : float
         Size of the gap over that of the background; NaN without one.
+    reached : (float, float) or None
+        Error reductions that the true effect itself makes over a background, on the measured
+        runs and on the fresh ones.
     """
 
     case: str
@@ -116,6 +119,7 @@ class Judged:
     next_resolves: bool | None = None
     next_possible: bool | None = None
     times: float = float("nan")
+    reached: tuple[float, float] | None = None
     as_reading: bool = False
     looks_right: bool | None = None
 
@@ -226,6 +230,14 @@ def window_share(truth: dict[str, Any], report: dict[str, Any]) -> float | None:
     return held / best if best > 0.0 else None
 
 
+def _reached(truth: dict[str, Any], channel: str) -> tuple[float, float] | None:
+    """Return what the true effect takes away of a channel's error, measured runs before fresh."""
+    found = truth.get("reached")
+    if not found or channel not in found["runs"]:
+        return None
+    return float(found["runs"][channel]), float(found["check"][channel])
+
+
 def _looks_right(outside: str | None, verdict: dict[str, Any]) -> bool | None:
     """Return whether a cause outside the list looks like what it is."""
     if outside not in LOOKS or verdict["status"] != "unexplained":
@@ -294,6 +306,7 @@ def judge(
         claimed=report["gap"]["shrink"] if named else None,
         interval=tuple(interval) if named and interval and None not in interval else None,
         fresh=fresh,
+        reached=_reached(truth, report["gap"]["channel"] or "x"),
         stated=one["share"],
         stated_interval=tuple(one["share_ci"]) if one["share_ci"] else None,
         error=error,

@@ -67,6 +67,31 @@ def _common(judged: Sequence[Judged]) -> list[Figure]:
     ]
 
 
+def _true_effects(judged: Sequence[Judged]) -> list[Figure]:
+    """Compare the true effect's reductions on the measured and on fresh runs, where it is named.
+
+    The background differs between runs as much as the effect does: what is left then is no fault of
+    a claim.
+    """
+    rows = [
+        (c.claimed, *c.reached)
+        for c in judged
+        if c.right and c.claimed is not None and c.reached is not None
+    ]
+    return [
+        summary(
+            "reduction by the true effect itself, less that on fresh runs, mean",
+            [measured - fresh for _, measured, fresh in rows],
+            np.mean,
+        ),
+        summary(
+            "claimed reduction less that by the true effect on the measured runs, mean",
+            [claimed - measured for claimed, measured, _ in rows],
+            np.mean,
+        ),
+    ]
+
+
 def stratum_figures(name: str, judged: Sequence[Judged]) -> list[Figure]:
     """Figures of a stratum, in the order of its table.
 
@@ -118,6 +143,7 @@ def stratum_figures(name: str, judged: Sequence[Judged]) -> list[Figure]:
         share("a wrong first cause", (c.named and not c.right for c in judged)),
         *claims(judged, _BIAS),
         *stated_shares(judged, _BIAS),
+        *_true_effects(judged),
         *_common(judged),
     ]  # fmt: skip
 
