@@ -102,6 +102,19 @@ def test_jumps_while_the_head_moves_are_forces() -> None:
     assert found(runs)[1] == []
 
 
+def test_jumps_under_a_drive_that_may_move_the_head_are_forces() -> None:
+    """Steps that begin where the head rests: under almost what holds it, and under no drive."""
+    holds = 0.3 * 0.25 * 9.81
+    for share, count in ((0.98, 0), (0.3, 4)):
+        pulse = np.where((T % 1.0) < 0.5, share * holds, 0.0)
+        runs = []
+        for run in measured():
+            x = np.random.default_rng(int(run.label)).normal(0.0, NOISE, T.size)
+            x += 4.0 * NOISE * np.searchsorted([0.3, 1.3], T, side="right")
+            runs.append(replace(run, drive=pulse, channels={"x": x}))
+        assert len(found(runs)[1]) == count
+
+
 def test_a_single_run_is_looked_at_to_its_end() -> None:
     """Fits see its first part only: what they do not see is no level of its own."""
     (run, _) = measured(steps=3.0)
@@ -150,12 +163,37 @@ def test_a_coarse_encoder_slips_wherever_its_zero_lies(origin: float) -> None:
     assert len(stepped_readings(problem, fit, fit)[1]) > 6
 
 
-@pytest.mark.parametrize(("jump", "rests"), [(0.5, 0), (5.0, 1)])
-def test_a_jump_below_the_noise_may_lie_where_the_head_still_moved(jump: float, rests: int) -> None:
+@pytest.mark.parametrize(("jump", "pushes"), [(0.5, []), (5.0, [103.0])])
+def test_a_jump_below_the_noise_may_lie_where_the_head_still_moved(
+    jump: float, pushes: list[float]
+) -> None:
     # It moves fifteen readings before the cut: only a large jump is known not to be there.
     nominal = np.where(np.arange(200) < 85, 0.0, 1e-3)
     levels = reading_steps._Levels(np.arange(200), [0, 100, 200], [0.0, jump])
-    assert reading_steps._at_rest(levels, nominal, np.full(200, 1e5)) == rests
+    weights, push = np.full(200, 1e5), np.arange(200.0)
+    assert reading_steps._at_rest(levels, nominal, weights, push) == pushes
+
+
+def test_a_pendulum_rests_by_its_weight_as_well() -> None:
+    """Beside the angle at which friction just holds it without a drive, no jump is sure."""
+    bench = Robot(
+        {"mass": 0.02, "gravity": 9.81},
+        {
+            "sensor.position_noise": NOISE,
+            "surface.coulomb_force": 0.03,
+            "bench.kind": "rotary",
+            "bench.gravity_torque": 0.5,
+        },
+    )
+    for angle, count in ((0.0, 4), (0.055, 0)):
+        runs = []
+        for k in range(2):
+            x = angle + np.random.default_rng(k).normal(0.0, NOISE, T.size)
+            x += 4.0 * NOISE * np.searchsorted([0.8, 1.8], T, side="right")
+            runs.append(Run(str(k), T, np.zeros(T.size), {"x": x}))
+        problem = Problem(bench, runs, 1)
+        (fit,) = evaluate(problem, start_fits(Nuisances(), Model((), ()), np.zeros((1, 0))))
+        assert len(stepped_readings(problem, fit, fit)[1]) == count
 
 
 def test_the_place_of_a_jump_is_as_uncertain_as_it_is_taken_to_be() -> None:
