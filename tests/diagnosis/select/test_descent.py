@@ -17,6 +17,7 @@ from locosweep.diagnosis.select.descent import (
     descend,
     takes_place,
 )
+from locosweep.diagnosis.select.effort import SLACK
 from locosweep.diagnosis.select.score import stalled_beside
 from locosweep.diagnosis.select.search import Collection
 from locosweep.diagnosis.select.thresholds import LEAST_GAIN_FITTED, PENALTY, TIE
@@ -116,6 +117,20 @@ def test_a_set_of_two_has_to_gain_over_the_best_one_and_an_exchange_over_its_riv
     known = known.adding({frozenset(model.names): pair[0]})
     (better,) = _with_limits(search, known, [start], at_noise=False)
     assert better.limit <= search.score(pair[0]) - 2.0 * PENALTY
+
+
+def test_several_effects_have_to_come_near_another_law_that_leaves_but_noise() -> None:
+    both = {"viscous_friction": {"c": 0.06}, "sensor_drift": {"b": 2e-4}}
+    search = search_for(both, *NAMES, "sensor_drift")
+    one = fit_of(search, "viscous_friction")
+    noise = float(search.problem.degrees())
+    assert one.chi2 > noise + 2.0 * SLACK
+    known = Collection({frozenset(): search.none, frozenset({"viscous_friction"}): one}, law=noise)
+    model = search.model(("drive_delay", "sensor_drift"))
+    (start,) = start_fits(search.nuisances, model, np.array([[0.001, 1e-5]]))
+    for rival in (None, one):
+        (limited,) = _with_limits(search, known, [start], at_noise=False, rival=rival)
+        assert limited.limit == noise + SLACK - 2.0 * PENALTY
 
 
 def test_what_leaves_less_than_noise_gives_its_place_only_to_what_leaves_still_less() -> None:

@@ -156,7 +156,8 @@ def _with_limits(
 
     Where some fit leaves little but noise, that is about what it leaves: beside a model that is
     `at_noise` itself nothing ties, so a further effect has to gain. Far above the noise it is what
-    the best set of as many effects leaves or, of an exchange for a `rival`, what takes its place.
+    the best set of as many effects leaves or, of an exchange for a `rival`, what takes its place;
+    and what another law of one effect leaves, where one leaves but noise.
     Sets of several effects that are no exchange have to gain over the best smaller one, and with
     `beat` to take half of its rest.
     """
@@ -171,6 +172,7 @@ def _with_limits(
         # Single effects are all ranked, whatever the best one leaves.
         alike = known.of_size(count) if count > 1 else []
         most = min(map(search.score, alike), default=np.inf)
+    most = min(most, known.law + SLACK)
     stalled = np.inf
     if rival is None:
         fewer = [fit for names, fit in known.fits.items() if 0 < len(names) < count]

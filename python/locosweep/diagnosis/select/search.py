@@ -97,6 +97,9 @@ class Collection:
     fits: Mapping[frozenset[str], Fit]
     extended: frozenset[frozenset[str]] = frozenset()
     """Sets that every effect was tried beside."""
+    law: float = np.inf
+    """Score of another law of one effect that leaves but noise: what several effects compete with.
+    Infinite where there is none."""
 
     def having_extended(self, names: frozenset[str]) -> Collection:
         """Return a collection that knows of a set what does best beside it."""

@@ -249,7 +249,9 @@ def _grown(search: Search, known: Collection, level: list[Fit], most: int) -> _G
         larger: list[Fit] = []
         if count <= most and not (count > 2 and found.chi2 > stalled_beside(problem, before)):
             search.progress(f"{count} effects at once")
-            known = forward(search, known, level, found, rest=bool(rest))
+            beside = replace(known, law=mismatched.score) if mismatched else known
+            known = forward(search, beside, level, found, rest=bool(rest))
+            known = replace(known, law=np.inf)
             ordered = sorted(known.of_size(count), key=lambda fit: total(search, fit))
             if mismatched and ordered and not remaining(problem, ordered[0]):
                 # The best of them competes with a law that bends to anything.
