@@ -9,8 +9,10 @@ import pytest
 
 from diagnosis_search import fit_of, ranked, search_for, search_of
 from diagnosis_small import driven, measured
+from locosweep.diagnosis.estimate.least_squares import fit_all
 from locosweep.diagnosis.select import stepwise
 from locosweep.diagnosis.select.extension import singles
+from locosweep.diagnosis.select.score import total
 from locosweep.diagnosis.select.search import Collection
 from locosweep.diagnosis.select.stepwise import (
     _takes_the_place,
@@ -19,7 +21,7 @@ from locosweep.diagnosis.select.stepwise import (
     forward,
     without,
 )
-from locosweep.diagnosis.select.thresholds import TIE
+from locosweep.diagnosis.select.thresholds import LEAST_GAIN, PENALTY, TIE
 
 NAMES = ("viscous_friction", "drive_gain_error", "sensor_drift")
 BOTH = {"viscous_friction": {"c": 0.06}, "sensor_drift": {"b": 2e-3}}
@@ -105,6 +107,23 @@ def test_a_set_that_is_needed_stays_whole() -> None:
     known = Collection({frozenset(): search.none})
     assert backward(search, known, both)[0] is both
     assert list(known.fits) == [frozenset()]
+
+
+def test_a_smaller_set_is_fitted_no_further_than_it_may_do_as_well(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    search = search_for(BOTH, *NAMES)
+    both = fit_of(search, *BOTH)
+    limits = []
+
+    def fitted(problem, fits, **given):
+        limits.extend(fit.limit for fit in fits)
+        return fit_all(problem, fits, **given)
+
+    monkeypatch.setattr(stepwise, "fit_all", fitted)
+    _, known = backward(search, Collection({frozenset(): search.none}), both)
+    assert limits == [total(search, both) + LEAST_GAIN - PENALTY] * 2
+    assert all(np.isinf(known.single(name).limit) for name in BOTH)
 
 
 def test_one_effect_less_has_the_values_of_the_others() -> None:

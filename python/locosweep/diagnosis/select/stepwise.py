@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +13,7 @@ from locosweep.diagnosis.select.effort import LEAST_ERROR, LEVEL_WORK, PARTNERS
 from locosweep.diagnosis.select.extension import extend, pairs
 from locosweep.diagnosis.select.score import gains, remaining, stalled_beside, total
 from locosweep.diagnosis.select.screen import pairs_along
-from locosweep.diagnosis.select.thresholds import TIE
+from locosweep.diagnosis.select.thresholds import LEAST_GAIN, PENALTY, TIE
 from locosweep.diagnosis.select.whiteness import noise_level
 
 if TYPE_CHECKING:
@@ -130,7 +131,10 @@ def backward(search: Search, known: Collection, found: Fit) -> tuple[Fit, Collec
     """Leave out effects that a set does not need any more; return it, and what is known then."""
     for name in found.model.names if len(found.model.names) > 1 else ():
         (fewer,) = evaluate(search.problem, [without(search, found, name)])
-        (fewer,) = fit_all(search.problem, [fewer], steps=30)
+        # Whatever the kept runs say of it, it does as well only below that.
+        most = total(search, found) + LEAST_GAIN - PENALTY * len(fewer.model.free)
+        (fewer,) = fit_all(search.problem, [replace(fewer, limit=most)], steps=30)
+        fewer = replace(fewer, limit=np.inf)
         key = frozenset(fewer.model.names)
         if key not in known.fits or fewer.chi2 < known.fits[key].chi2:
             known = known.adding({key: fewer})
