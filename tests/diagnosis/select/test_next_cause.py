@@ -8,16 +8,18 @@ import numpy as np
 import pytest
 
 from diagnosis_rest import NAMES, rig
-from diagnosis_search import search_of
+from diagnosis_search import fit_of, search_of
 from diagnosis_small import measured
 from locosweep.diagnosis.estimate.rest import RestForce
 from locosweep.diagnosis.select.beside_rest import Candidate, compare_beside_rest
 from locosweep.diagnosis.select.extension import singles
 from locosweep.diagnosis.select.next_cause import (
+    Cause,
     _narrower,
     is_confirmed,
     motion_size,
     next_cause,
+    one_for_two,
 )
 
 
@@ -59,6 +61,32 @@ def test_a_limit_that_predicts_as_well_stands_for_its_wider_law() -> None:
     assert set(_narrower(wide, able)) == {"drive_gain_error"}
     assert not _narrower(wide, wide | {"drive_gain_error": candidate(1.4)})
     assert not _narrower(wide, wide)
+
+
+@pytest.mark.parametrize(("error", "named"), [(1.05, True), (1.2, False)])
+def test_two_causes_are_the_one_effect_whose_limits_they_are(error: float, named: bool) -> None:
+    both = ("slope_error", "coulomb_error")
+    search = search_of(measured({}), *both, "viscous_friction", "direction_dependent_friction")
+
+    def candidate(error: float, *names: str) -> Candidate:
+        return Candidate(fit_of(search, *names), 0.0, np.array([error**2]))
+
+    none = Candidate(search.none, 0.0, np.array([9.0]))
+    first, second = candidate(2.0, both[0]), candidate(1.0, *both)
+    causes = [
+        Cause((both[0],), first, none, agrees=True, weight=0.5),
+        Cause(("viscous_friction", both[1]), second, first, agrees=True, weight=0.5),
+    ]
+    wide = candidate(error, "direction_dependent_friction")
+    found = one_for_two(causes, [first, wide], search.problem)
+    assert (found is not None) == named
+    if found:
+        assert (found.names, found.chosen, found.before) == (wide.fit.model.names, wide, none)
+        assert found.weight == 0.25
+    # Neither one alone, nor two that are limits of no one effect, nor three.
+    assert one_for_two(causes[:1], [wide], search.problem) is None
+    assert one_for_two([causes[0], causes[0]], [wide], search.problem) is None
+    assert one_for_two([*causes, causes[1]], [wide], search.problem) is None
 
 
 @pytest.mark.parametrize(

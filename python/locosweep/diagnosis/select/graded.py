@@ -20,7 +20,7 @@ from locosweep.diagnosis.estimate.spread_between_runs import covariance_between_
 from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.beside_rest import STEPS, TOLERANCE, Candidate, compare_beside_rest
 from locosweep.diagnosis.select.extension import extend
-from locosweep.diagnosis.select.next_cause import Cause, next_cause, weights_of
+from locosweep.diagnosis.select.next_cause import Cause, next_cause, one_for_two, weights_of
 from locosweep.diagnosis.select.search import Collection, Found
 from locosweep.diagnosis.select.unlisted_beside import unlisted_beside
 
@@ -82,7 +82,9 @@ def graded(search: Search, known: Collection, most: int) -> Graded:
         if cause is None or unlisted:
             break
         causes.append(cause)
-        base = cause.fit
+        one = one_for_two(causes, ranked, now.problem)
+        causes = [one] if one else causes
+        base = causes[-1].fit
         if len(causes) < most:
             beside = replace(search, problem=now.problem, judges=False)
             added = [*_extended(beside, base), *_more(search, known, base)]

@@ -70,6 +70,31 @@ def next_cause(now: Compared, base: Fit, none: Candidate) -> Cause | None:
     return Cause(tuple(names), chosen, now.base, agrees=agrees, weight=ranked.weight)
 
 
+def one_for_two(
+    causes: Sequence[Cause], singles: Sequence[Candidate], problem: Problem
+) -> Cause | None:
+    """Return the one effect whose limits two causes are, if it predicts unseen runs as well.
+
+    `singles` are the models of single effects. One cause is likelier than two.
+    """
+    if len(causes) != 2:
+        return None
+    first, second = causes
+    both = [{a, b} for a in first.names for b in second.names if a != b]
+    able = [
+        one
+        for one in singles
+        if any(pair <= {*effect(one.fit.model.names[0]).contains} for pair in both)
+        and one.error <= limits.AS_GOOD_UNSEEN * second.chosen.error
+    ]
+    if not able:
+        return None
+    best = min(able, key=lambda one: one.error)
+    agrees = _agrees(problem, best.fit)
+    weight = first.weight * second.weight
+    return Cause(best.fit.model.names, best, first.before, agrees=agrees, weight=weight)
+
+
 def _able(now: Compared, none: Candidate) -> tuple[list[Candidate], bool]:
     """Return the models whose further cause unseen runs confirm, and whether prediction ranks them.
 
