@@ -79,6 +79,21 @@ def test_a_start_that_lies_behind_after_one_step_on_all_runs_is_followed(
     assert found[frozenset({"viscous_friction"})].chi2 == 100.0
 
 
+def test_fits_on_all_runs_end_by_the_tolerance_of_a_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    search = replace(search_for({"viscous_friction": {"c": 0.06}}, *NAMES), tolerance=1.0)
+    ended = []
+
+    def fitted(problem, fits, **given):
+        if given.get("steps") == search.steps:
+            ended.append(given["tolerance"])
+        return fit_all(problem, fits, **given)
+
+    monkeypatch.setattr(descent, "fit_all", fitted)
+    starts = start_fits(search.nuisances, search.model(NAMES[:1]), np.array([[0.2], [0.4]]))
+    descend(search, Collection({frozenset(): search.none}), starts, [0, 1], search.none)
+    assert ended == [1.0, 1.0]
+
+
 def test_a_known_fit_that_is_better_stays() -> None:
     search = search_for({"viscous_friction": {"c": 0.06}}, *NAMES)
     best = fit_of(search, "viscous_friction")

@@ -49,7 +49,7 @@ def descend(
     the best smaller set leaves. Returns the best fit of each set among the starts, or the known one
     where that is better.
     """
-    problem, steps = search.problem, search.steps
+    problem, steps, tolerance = search.problem, search.steps, search.tolerance
     fits, far = list(starts), []
     if not at_noise:
         # The first steps from poor starts need not see all runs.
@@ -62,19 +62,20 @@ def descend(
     fits = _with_limits(search, known, fits, at_noise=at_noise, rival=rival, beat=beat)
     fits = apart(sorted(fit_all(problem, fits, steps=1), key=chi2_of))
     least = rival.chi2 if rival else np.inf
-    first = fit_all(problem, fits[:FEW], steps=steps, least=least)
+    first = fit_all(problem, fits[:FEW], steps=steps, tolerance=tolerance, least=least)
     least = min([least, *(fit.chi2 for fit in first)])
     others = _with_limits(
         search, known, fits[FEW:], first, at_noise=at_noise, rival=rival, beat=beat
     )
-    others = apart(fit_all(problem, others, steps=FEW, least=least))
+    others = apart(fit_all(problem, others, steps=FEW, tolerance=tolerance, least=least))
     least = min([least, *(fit.chi2 for fit in others)])
     most = follow_limit(beside, least)
     near = [fit for fit in others if fit.chi2 < most]
     if beside.model.names:
         # Of larger sets only those count that may come to the best one.
         near = [replace(fit, limit=min(fit.limit, least + SLACK)) for fit in near]
-    ends = [*first, *fit_all(problem, near, steps=steps, least=least), *others, *far]
+    near = fit_all(problem, near, steps=steps, tolerance=tolerance, least=least)
+    ends = [*first, *near, *others, *far]
     found: Found = {}
     for fit in ends:
         key = frozenset(fit.model.names)

@@ -86,7 +86,7 @@ def graded(search: Search, known: Collection, most: int) -> Graded:
         causes = [one] if one else causes
         base = causes[-1].fit
         if len(causes) < most:
-            beside = replace(search, problem=now.problem, judges=False)
+            beside = replace(search, problem=now.problem, judges=False, tolerance=TOLERANCE)
             added = [*_extended(beside, base), *_more(search, known, base)]
             now = compare_beside_rest(search, force, base, added, none.error)
     return Graded(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.diagnosis.effects.catalogue import parameters_of
-from locosweep.diagnosis.estimate.least_squares import Fit, Model, Nuisances, point_of
+from locosweep.diagnosis.estimate.least_squares import FINE, Fit, Model, Nuisances, point_of
 from locosweep.diagnosis.estimate.nominal import fit_nominal
 from locosweep.diagnosis.estimate.validation import validation_residuals
 from locosweep.diagnosis.select.thresholds import PENALTY
@@ -45,6 +45,8 @@ class Search:
     """Equation error of the runs, where the measured motion has slides."""
     hints: Mapping[frozenset[str], Fit] = field(default_factory=dict)
     """Fits of the same sets to other runs: further starts."""
+    tolerance: float = FINE
+    """Fall of chi2 by a step that ends a fit."""
     _unseen: dict[Fit, float] = field(default_factory=dict, init=False, repr=False)
     """Memo of `unseen_chi2`: a fit does not change, and its replay is not free."""
 
