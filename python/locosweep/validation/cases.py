@@ -52,7 +52,8 @@ causes leave on a measured pendulum (docs/pendulum.md)."""
 _TIMES = (3.0, 30.0)
 """Size of an effect's gap over that of its background."""
 _FRESH = 3
-"""Fresh runs that are drawn with a case."""
+"""Fresh runs that are drawn with a case, before its effects: with another number, the cases of all
+seeds would be others."""
 _MORE_FRESH = 9
 """Fresh runs that are drawn once a case can be seen. All twelve are more than any case has measured
 runs (8): what a claim is held against has to be better known than the claim."""

@@ -174,6 +174,17 @@ def test_a_jump_below_the_noise_may_lie_where_the_head_still_moved(
     assert reading_steps._at_rest(levels, nominal, weights, push) == pushes
 
 
+@pytest.mark.parametrize(("slope_deg", "count"), [(0.0, 4), (12.0, 0)])
+def test_on_a_slope_a_head_at_rest_may_be_about_to_slide(slope_deg: float, count: int) -> None:
+    """Friction just holds it without a drive on the steep one."""
+    runs = []
+    for k in range(2):
+        x = np.random.default_rng(k).normal(0.0, NOISE, T.size)
+        x += 4.0 * NOISE * np.searchsorted([0.8, 1.8], T, side="right")
+        runs.append(Run(str(k), T, np.zeros(T.size), {"x": x}, slope_deg=slope_deg))
+    assert len(found(runs)[1]) == count
+
+
 def test_a_pendulum_rests_by_its_weight_as_well() -> None:
     """Beside the angle at which friction just holds it without a drive, no jump is sure."""
     bench = Robot(

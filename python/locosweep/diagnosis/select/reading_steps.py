@@ -6,8 +6,8 @@ level.
 
 Two kinds of forces also make errors that levels come close to. Smooth ones are followed better by
 a line with a bend for every level. One that acts at a few places, such as a magnet, never makes a
-jump while the head rests; nor does one that moves the head where the nominal one just rests, while
-the drive is far from what holds it.
+jump while the head rests. Where a model rests only just, the real head may move: so one jump has to
+happen while drive and weight together are far from moving it.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep.diagnosis.data.readings.bounds import resistance
+from locosweep.diagnosis.data.readings.bounds import friction_level, pull_back
 from locosweep.diagnosis.data.readings.finding import Finding
 from locosweep.diagnosis.effects.catalogue import own_variables
 from locosweep.diagnosis.estimate.least_squares import evaluate
@@ -52,9 +52,9 @@ _RESTING, _FEWEST = 0.25, 2
 have 6 of 13, 9 of 15 and 6 of 10, a magnet's stairs none of 22
 (`locosweep blind-check --only outside --cases 210 --seed 8101`, cases 83, 100, 204 and 6)."""
 _HELD = 0.5
-"""Share of what holds the nominal head up to which a drive does not move a head at rest, whatever
+"""Share of the nominal friction up to which drive and weight do not move a head at rest, whatever
 the model lacks. Of such slips these three encoders have 4, 5 and 1; friction that drifts (`--cases
-150 --seed 26262`, case 92) moves the head under 1.02 of what holds it."""
+150 --seed 26262`, case 92) moves the head under 1.02 of the nominal friction."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,10 +96,10 @@ def stepped_readings(
         nominal = problem.measured["x"][a:b][at] - errors / weights
         run = problem.runs[r]
         drive = problem.nominal["gain"] * run.drive[at]
-        push = np.abs(drive - problem.nominal.get("gravity_torque", 0.0) * np.sin(nominal))
+        push = np.abs(drive - pull_back(run, problem.nominal, nominal))
         rests = _at_rest(own, nominal, weights, push)
         resting += len(rests)
-        held |= min(rests, default=np.inf) < _HELD * resistance(run, problem.nominal)
+        held |= min(rests, default=np.inf) < _HELD * friction_level(run, problem.nominal)
         for low, high, mean in zip(own.cuts, own.cuts[1:], own.means, strict=False):
             left[first + a + at[low:high]] -= mean
         found.append(own)

@@ -9,6 +9,8 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from numpy.typing import NDArray
+
     from locosweep.files.runs import Run
 
 
@@ -20,10 +22,29 @@ def largest_force(run: Run, nominal: Mapping[str, float]) -> float:
 
 def resistance(run: Run, nominal: Mapping[str, float]) -> float:
     """Return the force that holds the head at rest: nominal friction, and weight on a slope."""
-    slope = np.radians(nominal["slope_deg"] if run.slope_deg is None else run.slope_deg)
-    weight = nominal["mass"] * nominal["gravity"]
-    level = nominal.get("coulomb_force", nominal.get("mu_coulomb", 0.0) * weight * np.cos(slope))
-    return float(abs(level) + abs(weight * np.sin(slope)))
+    return friction_level(run, nominal) + abs(_weight_along(run, nominal))
+
+
+def friction_level(run: Run, nominal: Mapping[str, float]) -> float:
+    """Return the nominal Coulomb friction in a run, in N or N m."""
+    weight = nominal["mass"] * nominal["gravity"] * np.cos(_slope(run, nominal))
+    return abs(float(nominal.get("coulomb_force", nominal.get("mu_coulomb", 0.0) * weight)))
+
+
+def pull_back(
+    run: Run, nominal: Mapping[str, float], x: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the weight against the drive at some positions: down a slope, and of a pendulum."""
+    swing: NDArray[np.float64] = nominal.get("gravity_torque", 0.0) * np.sin(x)
+    return swing + _weight_along(run, nominal)
+
+
+def _slope(run: Run, nominal: Mapping[str, float]) -> float:
+    return float(np.radians(nominal["slope_deg"] if run.slope_deg is None else run.slope_deg))
+
+
+def _weight_along(run: Run, nominal: Mapping[str, float]) -> float:
+    return float(nominal["mass"] * nominal["gravity"] * np.sin(_slope(run, nominal)))
 
 
 def largest_acceleration(run: Run, nominal: Mapping[str, float]) -> float:
