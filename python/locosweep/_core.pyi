@@ -555,6 +555,12 @@ class Misfit:
         not count. `shifts` lists what may differ from span to span: the channels that it
         acts on, by number, and what a deviation of it changes in their weighted readings.
         """
+    def corrections(self, /, terms: SupportsGetItem[int, Incomplete], motion: Incomplete | None, spans: SupportsGetItem[int, SupportsIndex], threads: SupportsIndex, to: Incomplete) -> None:
+        """
+        What small forces along a motion over some spans, or, without one, errors of the position
+        that is read, change of residuals: terms a row each, in tables one after another, into the
+        front of the rows of `to`.
+        """
     def evaluate(self, /, fits: SupportsGetItem[int, Incomplete], spans: SupportsGetItem[int, SupportsIndex], threads: SupportsIndex, keep: bool) -> list[tuple[float, Incomplete | None]]:
         """
         Chi2 of fits over some spans, and, where they are kept, their residuals and last
@@ -574,10 +580,6 @@ class Misfit:
         """
         Whitened residuals of models over some spans, a row each: channel by channel, span
         by span, and last the shifts in deviations, at most `most` of them.
-        """
-    def whitened(self, /, dx: Incomplete, dv: Incomplete, spans: SupportsGetItem[int, SupportsIndex]) -> Incomplete:
-        """
-        Changes of x and v over some spans, a row each, in the form of residuals.
         """
 
 @final
@@ -838,7 +840,7 @@ def laws() -> list[Law]:
     All friction laws.
     """
 
-def linear_response(forces: Incomplete, v: Incomplete, step: Incomplete, last: Incomplete, mass: SupportsFloat | SupportsIndex, damping: SupportsFloat | SupportsIndex, keeps: Incomplete, stiffness: Incomplete) -> tuple[Incomplete, Incomplete]:
+def linear_response(forces: Incomplete, motion: Incomplete) -> tuple[Incomplete, Incomplete]:
     """
     First-order change of position and speed of a motion under small forces, a row a force.
 

@@ -2,13 +2,14 @@
 
 use crate::door::{enter, input_error, raise};
 use crate::replay::{READ, Replay, rows};
+use crate::slides::GivenSlides;
 use locosweep::Error;
 use locosweep::lane::Level;
 use locosweep::physics::effects::{Active, EFFECT_PARAMS, Effect};
 use locosweep::physics::robot::Motor;
 use locosweep::sweep::Control;
 use locosweep::sweep::fit::{self, Begin, Coordinate, How, Point, Rule, Shift, Signal, Source};
-use locosweep::sweep::fit::{DMatrix, DVector, FINE, OverSpans, Replayed, Span, What};
+use locosweep::sweep::fit::{DMatrix, DVector, FINE, OverSpans, Replayed, Span, Terms, What};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use numpy::{PyReadonlyArray2, PyReadwriteArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -347,32 +348,47 @@ impl Misfit {
         Ok(found)
     }
 
-    /// Changes of x and v over some spans, a row each, in the form of residuals.
-    fn whitened<'py>(
+    /// What small forces along a motion over some spans, or, without one, errors of the position
+    /// that is read, change of residuals: terms a row each, in tables one after another, into the
+    /// front of the rows of `to`.
+    #[allow(clippy::too_many_arguments)]
+    fn corrections(
         &self,
-        py: Python<'py>,
-        dx: Table<'_>,
-        dv: Table<'_>,
+        py: Python<'_>,
+        terms: Vec<Table<'_>>,
+        motion: Option<GivenSlides<'_>>,
         spans: Vec<usize>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        threads: usize,
+        mut to: PyReadwriteArray2<'_, f64>,
+    ) -> PyResult<()> {
         check_spans(py, self.core.experiment(), &spans)?;
         let (samples, length) =
             (self.core.experiment().samples(&spans), self.core.residuals(&spans));
-        let (dx, dv) = (dx.as_array(), dv.as_array());
-        if dx.dim() != dv.dim() || dx.ncols() != samples {
-            let message = format!("dx and dv: allowed are tables with {samples} columns");
+        let [rows, width] = [to.shape()[0], to.shape()[1]];
+        let fits = terms.iter().all(|table| table.shape()[1] == samples) && length <= width;
+        if !fits || terms.iter().map(|table| table.shape()[0]).sum::<usize>() != rows {
+            let message = format!(
+                "terms and to: allowed are as many rows, {samples} and at least {length} columns"
+            );
             return Err(input_error(py, message));
         }
-        let level = Level::current().map_err(|error| raise(py, error))?;
-        let found = PyArray2::<f64>::zeros(py, [dx.nrows(), length], false);
-        let mut writable: PyReadwriteArray2<f64> = found.readwrite();
-        let to = writable.as_slice_mut().map_err(|error| input_error(py, error.to_string()))?;
-        for (i, to) in to.chunks_exact_mut(length.max(1)).enumerate() {
-            let (dx, dv) = (dx.row(i).to_vec(), dv.row(i).to_vec());
-            fit::whitened(&self.core, [&dx, &dv], &spans, level, to);
+        if rows == 0 || samples == 0 {
+            return Ok(());
         }
-        drop(writable);
-        Ok(found)
+        let whole = |_| input_error(py, "terms and to must be contiguous".to_owned());
+        let mut each: Vec<&[f64]> = Vec::with_capacity(rows);
+        for table in &terms {
+            each.extend(table.as_slice().map_err(whole)?.chunks_exact(samples));
+        }
+        let mut to: Vec<&mut [f64]> =
+            to.as_slice_mut().map_err(whole)?.chunks_exact_mut(width).collect();
+        let what = match &motion {
+            Some(motion) => Terms::Forces(motion.slides(py, samples)?),
+            None => Terms::Readings,
+        };
+        through_door(py, threads, |how| {
+            fit::corrections(&self.core, &each, what, &spans, how, &mut to)
+        })
     }
 
     /// Chi2 of fits over some spans, and, where they are kept, their residuals and last

@@ -10,6 +10,7 @@ mod friction_fit;
 mod gait;
 mod reality;
 mod replay;
+mod slides;
 mod sweep;
 mod tables;
 
@@ -38,7 +39,9 @@ mod _core {
     #[pymodule_export]
     use super::reality::{reality_forms, reality_run, reality_source};
     #[pymodule_export]
-    use super::replay::{Replay, linear_response, motor_power, sensitivity_directions};
+    use super::replay::{Replay, motor_power, sensitivity_directions};
+    #[pymodule_export]
+    use super::slides::linear_response;
     #[pymodule_export]
     use super::sweep::{CancelToken, Sweep};
     #[pymodule_export]

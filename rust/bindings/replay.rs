@@ -2,7 +2,6 @@
 
 use crate::door::{enter, input_error, raise};
 use crate::sweep::CancelToken;
-use locosweep::integrate::linear_response::{Slides, linear_response as respond};
 use locosweep::lane::Level;
 use locosweep::physics::effects::{Active, EFFECT_PARAMS, Effect, Nominal};
 use locosweep::physics::robot::Motor;
@@ -245,58 +244,6 @@ pub fn rows<'a, E: std::fmt::Display>(
 #[pyfunction]
 pub fn sensitivity_directions() -> Vec<&'static str> {
     OTHER_DIRECTIONS.to_vec()
-}
-
-/// First-order change of position and speed of a motion under small forces, a row a force.
-///
-/// The motion is given by speed, seconds to the next sample and whether it is the last of its
-/// run, sample by sample, by the head's mass in kg and viscous coefficient in N s/m, by the share
-/// of a change of speed that is left at the next sample, 1 but where the head turns round, and by
-/// the stiffness with which gravity pulls the head back, in N/m.
-#[pyfunction]
-#[allow(clippy::too_many_arguments, clippy::type_complexity)]
-pub fn linear_response<'py>(
-    py: Python<'py>,
-    forces: PyReadonlyArray2<'py, f64>,
-    v: PyReadonlyArray1<'py, f64>,
-    step: PyReadonlyArray1<'py, f64>,
-    last: PyReadonlyArray1<'py, bool>,
-    mass: f64,
-    damping: f64,
-    keeps: PyReadonlyArray1<'py, f64>,
-    stiffness: PyReadonlyArray1<'py, f64>,
-) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
-    let whole = |_| input_error(py, "forces and motion must be contiguous".to_owned());
-    let (rows, count) = forces.as_array().dim();
-    let forces = forces.as_slice().map_err(whole)?;
-    let (v, step) = (v.as_slice().map_err(whole)?, step.as_slice().map_err(whole)?);
-    let last = last.as_slice().map_err(whole)?;
-    let keeps = keeps.as_slice().map_err(whole)?;
-    let stiffness = stiffness.as_slice().map_err(whole)?;
-    let ends = count == 0 || last.last() == Some(&true);
-    let lengths = [v.len(), step.len(), last.len(), keeps.len(), stiffness.len()];
-    if lengths != [count; 5] || !ends {
-        let message = format!(
-            "v, step, last, keeps and stiffness must have {count} samples, and the last sample must end a run"
-        );
-        return Err(input_error(py, message));
-    }
-    let motion = Slides { v, step, last, mass, damping, keeps, stiffness };
-    let (dx, dv) = (
-        PyArray2::<f64>::zeros(py, [rows, count], false),
-        PyArray2::<f64>::zeros(py, [rows, count], false),
-    );
-    let (mut to_x, mut to_v) = (dx.readwrite(), dv.readwrite());
-    let (to_x, to_v) = (to_x.as_slice_mut().map_err(whole)?, to_v.as_slice_mut().map_err(whole)?);
-    let work = || {
-        let parts = to_x.chunks_mut(count.max(1)).zip(to_v.chunks_mut(count.max(1)));
-        for (force, (x, v)) in forces.chunks(count.max(1)).zip(parts) {
-            respond(motion, force, x, v);
-        }
-        Ok(())
-    };
-    enter(py, &Default::default(), rows as u64, None, work)?;
-    Ok((dx, dv))
 }
 
 /// Electric power in W at forces and speeds, of a motor that is given by its supply

@@ -1,4 +1,4 @@
-"""Terms along a motion, and the first-order response to small forces."""
+"""Terms along a motion, and its first-order response to small forces beside replays."""
 
 from __future__ import annotations
 
@@ -16,7 +16,6 @@ from locosweep.diagnosis.estimate.motion import (
     Motion,
     _keeps,
     motion_of,
-    response,
     terms_of,
 )
 from locosweep.diagnosis.estimate.problem import Problem
@@ -33,19 +32,6 @@ def sliding(damping: float = 0.0, samples: int = 400) -> Motion:
     )  # fmt: skip
 
 
-def test_a_constant_force_accelerates_a_sliding_head() -> None:
-    m = sliding()
-    dx, dv = response(np.full((1, m.t.size), 0.1), m)
-    np.testing.assert_allclose(dv[0], 0.2 * m.t, atol=1e-9)
-    np.testing.assert_allclose(dx[0], 0.1 * m.t**2, atol=1e-4)
-
-
-def test_damping_bounds_the_speed() -> None:
-    m = sliding(damping=2.0, samples=4000)
-    _, dv = response(np.full((1, m.t.size), 0.1), m)
-    np.testing.assert_allclose(dv[0], 0.05 * (1.0 - np.exp(-4.0 * m.t)), atol=2e-4)
-
-
 def test_a_head_that_turns_keeps_the_ratio_of_its_accelerations() -> None:
     """A short push before the turns, against a replay with it: the head turns without a rest."""
     t = np.linspace(0.0, 1.0, 401)
@@ -58,22 +44,10 @@ def test_a_head_that_turns_keeps_the_ratio_of_its_accelerations() -> None:
     plain, pushed = moved
     assert np.count_nonzero(np.diff(np.sign(plain.v))) >= 3
     assert np.count_nonzero((plain.keeps > 0.0) & (plain.keeps < 1.0)) >= 3
-    dx, dv = response(push[None, :], plain)
+    dx, dv = plain.slides.response(push[None, :])
     late = t > 0.9
     np.testing.assert_allclose(dv[0][late], (pushed.v - plain.v)[late], rtol=0.05, atol=1e-9)
     np.testing.assert_allclose(dx[0][late], (pushed.x - plain.x)[late], rtol=0.05, atol=1e-9)
-
-
-def test_gravity_pulls_a_pendulum_back() -> None:
-    """An impulse on a head that slides through its lowest place: a swing of the small rest."""
-    m = sliding(samples=4001)
-    pendulum = Motion(**{**vars(m), "stiffness": np.full(m.t.size, 8.0)})
-    force = np.zeros((1, m.t.size))
-    force[0, 0] = 1.0
-    dx, _ = response(force, pendulum)
-    rate = np.sqrt(8.0 / 0.5)
-    swing = float(m.t[1]) / 0.5 / rate * np.sin(rate * (m.t - 0.5 * m.t[1]))
-    np.testing.assert_allclose(dx[0][1:], swing[1:], atol=2e-3 * float(np.abs(swing).max()))
 
 
 def test_a_push_of_a_pendulum_is_that_of_a_replay() -> None:
@@ -93,16 +67,8 @@ def test_a_push_of_a_pendulum_is_that_of_a_replay() -> None:
     plain, pushed = moved
     change = pushed.x - plain.x
     assert np.count_nonzero(plain.keeps[t > 0.11] < 1.0) >= 1
-    dx, _ = response(push[None, :], plain)
+    dx, _ = plain.slides.response(push[None, :])
     assert np.linalg.norm(dx[0] - change) < 0.05 * np.linalg.norm(change)
-
-
-def test_a_head_at_rest_does_not_respond() -> None:
-    m = sliding()
-    rest = Motion(**{**vars(m), "v": np.zeros(m.t.size)})
-    dx, dv = response(np.full((2, m.t.size), 0.1), rest)
-    assert not dx.any()
-    assert not dv.any()
 
 
 def test_terms_of_a_position_add_up_to_friction() -> None:
@@ -131,7 +97,7 @@ def test_a_change_that_is_late_lacks_its_impulse() -> None:
     assert is_force
     assert len(terms) == 2
     late = np.array([[3e-4], [1e-4]])
-    dx, dv = response(late * np.vstack(terms), m)
+    dx, dv = m.slides.response(late * np.vstack(terms))
     impulses = np.array([[-1.0], [2.0]]) * late
     since = m.t - np.array([[0.5], [1.0]])
     np.testing.assert_allclose(dv, impulses / m.mass * (since > 1e-9), atol=1e-12)

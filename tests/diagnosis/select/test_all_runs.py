@@ -8,7 +8,7 @@ import pytest
 from diagnosis_search import fit_of, search_of
 from diagnosis_small import measured
 from locosweep.diagnosis.estimate.least_squares import evaluate
-from locosweep.diagnosis.select.all_runs import fitted_to_all, of_all_runs, with_all_starts
+from locosweep.diagnosis.select.all_runs import fitted_to_all, with_all_starts
 
 DRAG = {"viscous_friction": {"c": 0.05}}
 
@@ -25,7 +25,7 @@ def test_a_fit_to_all_runs_is_one_with_none_kept() -> None:
 
 def test_all_runs_hold_the_readings_of_those_kept() -> None:
     search = search_of(measured(DRAG), *DRAG, held=(2,))
-    whole = of_all_runs(search.problem)
+    whole = search.problem.of_all_runs
     assert (search.problem.fitted, whole.fitted) == ([0, 1], [0, 1, 2])
     same = with_all_starts(search.problem, search.none)
     # Runs that begin at rest have no speed to fit.

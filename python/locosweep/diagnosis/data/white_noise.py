@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from math import comb
+from math import comb, prod
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -95,13 +94,15 @@ def scaled_differences(t: Floats, x: Floats, order: int) -> Floats:
     if steps.max() <= (1.0 + _EVEN) * steps.min():
         even: Floats = np.diff(x, order) / np.sqrt(comb(2 * order, order))
         return even
-    at, values = (sliding_window_view(v, order + 1) for v in (t, x))
     # In units of the mean step, so that products stay near 1.
-    apart = (at[:, :, None] - at[:, None, :]) / float(steps.mean())
-    apart[:, np.arange(order + 1), np.arange(order + 1)] = 1.0
-    weights = 1.0 / apart.prod(axis=2)
-    found: Floats = (weights * values).sum(axis=1) / np.sqrt((weights**2).sum(axis=1))
-    return found
+    count, t = x.size - order, t / float(steps.mean())
+    at = [t[i : i + count] for i in range(order + 1)]
+    found, squares = np.zeros(count), np.zeros(count)
+    for i, own in enumerate(at):
+        weight = 1.0 / prod(own - other for j, other in enumerate(at) if j != i)
+        found += weight * x[i : i + count]
+        squares += weight**2
+    return found / np.sqrt(squares)
 
 
 def _levels(readings: Sequence[tuple[Floats, Floats]]) -> Floats:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep import _core
+from locosweep.diagnosis.estimate.slides import Slides
 from locosweep.files.channels import REPLAYED
 
 if TYPE_CHECKING:
@@ -118,19 +119,8 @@ def gap_shifts(problem: Problem, weights: Mapping[str, Floats], most: int) -> Ga
 def _along_motion(problem: Problem, run: Run, slides: NDArray[np.bool_]) -> tuple[Floats, Floats]:
     """Return changes of position and speed by each gap along the motion as it was measured."""
     nominal = problem.nominal
-    last = np.zeros(run.t.size, dtype=bool)
-    last[-1] = True
-    found: tuple[Floats, Floats] = _core.linear_response(
-        nominal["gain"] * _by_gap(run),
-        slides.astype(float),
-        np.diff(run.t, append=run.t[-1:]),
-        last,
-        nominal["mass"],
-        nominal["viscous"],
-        np.ones(run.t.size),
-        np.zeros(run.t.size),
-    )
-    return found
+    motion = Slides.of_run(run.t, slides.astype(float), nominal["mass"], nominal["viscous"])
+    return motion.response(nominal["gain"] * _by_gap(run))
 
 
 def _of_nominal(problem: Problem, r: int) -> tuple[Floats, Floats]:

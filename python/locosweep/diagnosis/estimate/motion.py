@@ -1,4 +1,4 @@
-"""Basis functions of any law in one variable along a motion, and their responses."""
+"""Basis functions of any law in one variable along a motion."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep import _core
 from locosweep.diagnosis.effects.catalogue import VARIABLES
 from locosweep.diagnosis.estimate.least_squares import point_of
+from locosweep.diagnosis.estimate.slides import Slides
 from locosweep.simulation.replay import effect
 
 if TYPE_CHECKING:
@@ -61,6 +61,13 @@ class Motion:
     stiffness: Floats
     """With which gravity pulls a pendulum back, N m/rad; 0 of others."""
 
+    @property
+    def slides(self) -> Slides:
+        """The motion that small forces change."""
+        step = np.diff(self.t, append=self.t[-1:])
+        last = np.diff(self.run, append=self.run[-1:] + 1) != 0
+        return Slides(self.v, step, last, self.mass, self.damping, self.keeps, self.stiffness)
+
 
 ALL = (*dict.fromkeys(VARIABLES.values()), "terrain", "acceleration")
 """Variables of effects, and of forces that no effect stands for."""
@@ -78,14 +85,10 @@ def motion_of(problem: Problem, fit: Fit) -> Motion:
     names = tuple(name for name in point.names if name not in sensors)
     bare = replace(point, names=names)
     head = problem.replay([bare], problem.fitted)["x"][0] if sensors else x
-    swept, turned = np.zeros_like(x), np.zeros_like(x)
-    for i in range(x.size):
-        if i == 0 or number[i] != number[i - 1]:
-            swept[i] = runs[number[i]].sliding_distance if v[i] > 0.0 else 0.0
-            continue
-        step = x[i] - x[i - 1]
-        swept[i] = swept[i - 1] + step if v[i] > 0.0 else 0.0
-        turned[i] = turned[i - 1] + step if v[i] * v[i - 1] > 0.0 else 0.0
+    begins = np.diff(number, prepend=-1) != 0
+    slid = np.array([run.sliding_distance for run in runs])[number] * (begins & (v > 0.0))
+    swept = np.where(v > 0.0, _way_since((v <= 0.0) | begins, x, slid), 0.0)
+    turned = _way_since(begins | (v * np.roll(v, 1) <= 0.0), x)
     dm = point.values[problem.parameter_index("payload_mass", "dm")]
     dm = dm if "payload_mass" in point.names else 0.0
     c = problem.nominal["viscous"]
@@ -106,6 +109,12 @@ def motion_of(problem: Problem, fit: Fit) -> Motion:
         keeps=_keeps(problem, number, v, head),
         stiffness=problem.nominal.get("gravity_torque", 0.0) * np.cos(head),
     )
+
+
+def _way_since(begins: NDArray[np.bool_], x: Floats, already: Floats | float = 0.0) -> Floats:
+    """Return the way since the last sample where it begins, with what had been passed by then."""
+    since = np.maximum.accumulate(np.where(begins, np.arange(x.size), 0))
+    return x - (x - already)[since]
 
 
 def _keeps(problem: Problem, number: NDArray[np.intp], v: Floats, x: Floats) -> Floats:
@@ -155,9 +164,9 @@ class Regressor:
             share = np.clip((self.values - edges[below]) / np.diff(edges)[below], 0.0, 1.0)
         found = np.zeros((edges.size, self.values.size))
         sample = np.arange(self.values.size)
-        found[below, sample] = 1.0 - share
-        found[below + 1, sample] = share
-        return np.asarray(found * self.factor)
+        found[below, sample] = (1.0 - share) * self.factor
+        found[below + 1, sample] = share * self.factor
+        return found
 
 
 def regressors(variable: str, m: Motion) -> list[Regressor]:
@@ -255,11 +264,3 @@ def _ways(m: Motion) -> list[Floats]:
     first = np.flatnonzero(np.diff(m.run, prepend=-1))
     moved = m.x - np.repeat(m.x[first], np.diff(first, append=m.x.size))
     return [moved] if np.ptp(m.x[first]) == 0.0 else [moved, m.x]
-
-
-def response(forces: Floats, m: Motion) -> tuple[Floats, Floats]:
-    """First-order change of position and speed under small forces, a row a force."""
-    step = np.diff(m.t, append=m.t[-1:])
-    last = np.diff(m.run, append=m.run[-1:] + 1) != 0
-    rows = np.ascontiguousarray(forces)
-    return _core.linear_response(rows, m.v, step, last, m.mass, m.damping, m.keeps, m.stiffness)

@@ -190,6 +190,11 @@ class Problem:
         """States in which runs begin, for another problem of the same runs."""
         return self.starts
 
+    @cached_property
+    def of_all_runs(self) -> Problem:
+        """The problem of all runs, none kept from fits; its replays do not count."""
+        return replace(self, held=(), initial=self.starts, meter=ReplayMeter())
+
     def of_all_samples(self) -> Problem:
         """Return the problem of the same runs in which every sample counts, without a rest."""
         return replace(
@@ -422,11 +427,6 @@ class Problem:
         weights: Floats = self.weights[channel] * self.seen
         return weights
 
-    def whitened(self, dx: Floats, dv: Floats) -> Floats:
-        """Bring changes of x and v over the fitted runs into the form of whitened residuals."""
-        found: Floats = self.misfit.whitened(dx, dv, self.fitted)
-        return found
-
     def of_run(self, run: int, chosen: Sequence[int]) -> NDArray[np.intp]:
         """Return where the residuals of one run lie among those of several."""
         chosen = list(chosen)
@@ -445,13 +445,17 @@ class Problem:
         """Return the measured run that a run of the problem is a part of: itself."""
         return run
 
+    @cached_property
+    def _without_rest(self) -> Problem:
+        return replace(self, rest=(), wider=())
+
     def position_errors(self, points: Sequence[Point], runs: Sequence[int]) -> Floats:
         """Return measured minus simulated positions of some runs, a row a point.
 
         Starts are shifted within the sensors' noise, at most by its deviation, whatever the factors
         on deviations. NaN where nothing was measured or counts.
         """
-        whole = replace(self, rest=(), wider=()) if self.rest or self.wider else self
+        whole = self._without_rest if self.rest or self.wider else self
         e = whole.residuals(points, runs, most=1.0)
         samples, rank = self.samples_of(runs), self.channels.index("x")
         ends = np.cumsum(self.lengths)

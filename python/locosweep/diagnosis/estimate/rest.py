@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from locosweep import _core
 from locosweep.diagnosis.estimate.least_squares import point_of
+from locosweep.diagnosis.estimate.slides import Slides
 from locosweep.files.channels import CHANNELS
 
 if TYPE_CHECKING:
@@ -152,10 +152,7 @@ class RestForce:
             t = run.t - run.t[0]
             hats = np.array([np.interp(t, times, row) for row in np.eye(times.size)])
             speed = np.where(np.abs(motion.v) > motion.resting_speed, motion.v, 0.0)
-            last = np.arange(t.size) == t.size - 1
-            step = np.diff(t, append=t[-1:])
-            plain = np.ones(t.size), np.zeros(t.size)
-            dx, dv = _core.linear_response(hats, speed, step, last, mass, damping, *plain)
+            dx, dv = Slides.of_run(t, speed, mass, damping).response(hats)
             found.append({"x": dx, "v": dv})
         return found
 

@@ -8,16 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from locosweep.diagnosis.estimate.least_squares import Fit, fit_all
-from locosweep.diagnosis.estimate.problem import ReplayMeter
 
 if TYPE_CHECKING:
     from locosweep.diagnosis.estimate.problem import Problem
     from locosweep.diagnosis.select.search import Search
-
-
-def of_all_runs(problem: Problem) -> Problem:
-    """Return the problem of all runs, none kept from fits."""
-    return replace(problem, held=(), initial=problem.starts, meter=ReplayMeter())
 
 
 def with_all_starts(problem: Problem, fit: Fit) -> Fit:
@@ -32,5 +26,5 @@ def with_all_starts(problem: Problem, fit: Fit) -> Fit:
 def fitted_to_all(search: Search, fit: Fit) -> Fit:
     """Return a model fitted to all runs, from its values for some of them."""
     problem = search.problem
-    (fit,) = fit_all(of_all_runs(problem), [with_all_starts(problem, fit)], steps=search.steps)
+    (fit,) = fit_all(problem.of_all_runs, [with_all_starts(problem, fit)], steps=search.steps)
     return fit

@@ -13,7 +13,8 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from locosweep.diagnosis.estimate.least_squares import evaluate, jacobian_of
-from locosweep.diagnosis.estimate.motion import READINGS, Regressor, motion_of, regressors, response
+from locosweep.diagnosis.estimate.motion import READINGS, Regressor, motion_of, regressors
+from locosweep.diagnosis.estimate.slides import corrections
 from locosweep.diagnosis.select.law_forms import Found, shortest
 from locosweep.diagnosis.select.nonparametric import likeliest
 from locosweep.diagnosis.select.shape import KINDS
@@ -128,9 +129,9 @@ def _acting(problem: Problem, fit: Fit, variable: str) -> tuple[Floats, Floats, 
         return None
     low, high = one.values[one.where].min(), one.values[one.where].max()
     at = np.linspace(low, high, _KNOTS)
-    rows = _responses(
-        problem, one.hats(at), motion, fit.residual.size, reading=variable in READINGS
-    )
+    terms = one.hats(at)
+    rows = np.zeros((len(terms), fit.residual.size))
+    corrections(problem, [terms], None if variable in READINGS else motion.slides, rows)
     beside = jacobian_of(problem, fit)[fit.inside]
     if len(beside):
         rows = rows - (rows @ (fitted := np.linalg.qr(beside.T)[0])) @ fitted.T
@@ -164,13 +165,3 @@ def _whole_law(variable: str, motion: Motion) -> Regressor | None:
         where = np.any([one.where for one in parts], axis=0)
         first = Regressor(np.abs(first.values), where, factor)
     return first if np.ptp(first.values[first.where]) > 0.0 else None
-
-
-def _responses(
-    problem: Problem, terms: Floats, motion: Motion, size: int, *, reading: bool
-) -> Floats:
-    dx, dv = (terms, np.zeros_like(terms)) if reading else response(terms, motion)
-    found = problem.whitened(dx, dv)
-    rows = np.zeros((len(terms), size))
-    rows[:, : found.shape[1]] = found
-    return rows

@@ -14,7 +14,7 @@ from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all, p
 from locosweep.diagnosis.estimate.rest import RestForce
 from locosweep.diagnosis.estimate.validation import validation_residuals
 from locosweep.diagnosis.select import thresholds as limits
-from locosweep.diagnosis.select.all_runs import fitted_to_all, of_all_runs, with_all_starts
+from locosweep.diagnosis.select.all_runs import fitted_to_all, with_all_starts
 from locosweep.diagnosis.select.by_place import ALONG, BY_PLACE, by_place_ahead
 from locosweep.diagnosis.select.effort import LEAST_ERROR
 from locosweep.diagnosis.select.force_law import force_law, monotone_loss
@@ -187,7 +187,7 @@ def several_do_better(search: Search, law: Fit, sets: Sequence[Fit]) -> bool:
     noise = noise_level(problem, NonparametricCorrection(problem, law).corrected_residual(own))
     if kept:
         law, *sets = (fitted_to_all(search, one) for one in (law, *sets))
-        problem = of_all_runs(problem)
+        problem = problem.of_all_runs
     factor = NonparametricCorrection(problem, law).log_bayes_factor(own, noise)
     least = min(search.score(fit) for fit in sets)
     return least < search.score(law) - factor * noise - limits.LEAST_GAIN
@@ -200,7 +200,7 @@ def _holds(problem: Problem, fit: Fit, own: Sequence[str], noise: float) -> bool
     single runs. And one law for all runs needs about as large a log Bayes factor as one of its
     own in each.
     """
-    whole, same = of_all_runs(problem), with_all_starts(problem, fit)
+    whole, same = problem.of_all_runs, with_all_starts(problem, fit)
     late = same.theta.size > fit.theta.size
     (same,) = fit_all(whole, [same], steps=8) if late else evaluate(whole, [same])
     terms = NonparametricCorrection(whole, same)

@@ -15,7 +15,8 @@ from scipy.special import chdtrc
 
 from locosweep.diagnosis.effects.catalogue import own_variables
 from locosweep.diagnosis.estimate.least_squares import jacobian_of
-from locosweep.diagnosis.estimate.motion import ALL, motion_of, response, terms_of
+from locosweep.diagnosis.estimate.motion import ALL, motion_of, terms_of
+from locosweep.diagnosis.estimate.slides import corrected, corrections
 from locosweep.diagnosis.select.prediction import over_deviations
 from locosweep.diagnosis.select.thresholds import SIGNIFICANCE
 
@@ -57,16 +58,14 @@ class NonparametricCorrection:
         knots += [(len(laws), 0.0)] * int(inside.sum())
         basis = np.zeros((len(names), fit.residual.size))
         at = 0
-        for kind, is_force in ((forces, True), (readings, False)):
-            if kind:
-                terms = np.vstack([t for _, t in kind])
-                dx, dv = response(terms, motion) if is_force else (terms, np.zeros_like(terms))
-                found = problem.whitened(dx, dv)
-                basis[at : at + len(terms), : found.shape[1]] = found
-                at += len(terms)
+        for kind, slides in ((forces, motion.slides), (readings, None)):
+            terms = [own for _, own in kind]
+            end = at + sum(map(len, terms))
+            corrections(problem, terms, slides, basis[at:end])
+            at = end
         if inside.any():
             basis[at:] = jacobian_of(problem, fit)[inside]
-        gram = basis @ basis.T
+        gram, moments = _products(basis, at, fit.residual, corrected(problem))
         norm = np.sqrt(np.diag(gram))
         seen = np.flatnonzero(norm > 1e-9)
         self._basis, self._places, self._norm = basis, seen, norm[seen]
@@ -81,7 +80,7 @@ class NonparametricCorrection:
         self.covariance = sizes * correlation * (law[:, None] == law)
         self.names = np.array(names, dtype=object)[seen]
         self.gram = gram[np.ix_(seen, seen)] / sizes
-        self.moments = (basis @ fit.residual)[seen] / self._norm
+        self.moments = moments[seen] / self._norm
 
     def sizes_beside(self, variable: str, noise: float, effect: str) -> tuple[Floats, Floats]:
         """Return the likeliest sizes of a correction's terms, and their deviations.
@@ -257,6 +256,25 @@ class NonparametricCorrection:
                 if chance < SIGNIFICANCE:
                     rows.append((variable, (fall - base) / total))
         return sorted(rows, key=lambda row: -row[1])
+
+
+def _products(
+    basis: Floats, count: int, residual: Floats, corrected: Sequence[slice]
+) -> tuple[Floats, Floats]:
+    """Return products of rows with each other, and with a residual.
+
+    The first `count` rows are 0 but where they are `corrected`.
+    """
+    terms, beside = basis[:count], basis[count:]
+    gram, moments = np.zeros((len(basis), len(basis))), np.zeros(len(basis))
+    for own in corrected:
+        gram[:count, :count] += terms[:, own] @ terms[:, own].T
+        gram[count:, :count] += beside[:, own] @ terms[:, own].T
+        moments[:count] += terms[:, own] @ residual[own]
+    gram[:count, count:] = gram[count:, :count].T
+    gram[count:, count:] = beside @ beside.T
+    moments[count:] = beside @ residual
+    return gram, moments
 
 
 def _negative_log_density(

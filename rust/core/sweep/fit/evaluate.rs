@@ -4,10 +4,9 @@ use super::super::replay::{Part, replay_into};
 use super::coordinates::Fit;
 use super::experiment::{Experiment, Point, Spot};
 use super::job::{How, Request, replayed};
-use super::misfit::{Measured, Misfit, Source};
-use super::rows::{Product, Project, Reading, Whiten, whiten};
+use super::misfit::{Measured, Misfit};
+use super::rows::{Product, Reading, Whiten, whiten};
 use crate::error::Result;
-use crate::lane::{Level, run};
 use crate::replays::packs::Column;
 use nalgebra::DVector;
 
@@ -138,30 +137,6 @@ pub fn readings(
         first = last;
     }
     Ok(())
-}
-
-/// Changes of x and v over some spans in the form of residuals, into `to`.
-pub fn whitened(
-    misfit: &Misfit,
-    changes: [&[f64]; 2],
-    spans: &[usize],
-    level: Level,
-    to: &mut [f64],
-) {
-    let mut first = 0;
-    for (rank, span) in spans.iter().enumerate() {
-        let measured = &misfit.measured[*span];
-        let mut row = vec![0.0; measured.stride()];
-        for (c, source) in misfit.sources.iter().enumerate() {
-            let Source::Replayed(k @ (0 | 1)) = *source else { continue };
-            let at = c * measured.padded..c * measured.padded + measured.samples;
-            let own = changes[k][first..].iter().zip(&measured.weights[at.clone()]);
-            row[at].iter_mut().zip(own).for_each(|(e, (change, w))| *e = change * w);
-        }
-        first += measured.samples;
-        run(level, Project { measured, row: &mut row });
-        misfit.place(&row, spans, rank, to);
-    }
 }
 
 impl Misfit {

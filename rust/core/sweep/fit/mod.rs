@@ -3,6 +3,7 @@
 
 mod compared;
 mod coordinates;
+mod corrections;
 mod derivatives;
 mod equation_error;
 mod evaluate;
@@ -15,9 +16,10 @@ mod rows;
 
 pub use compared::{Asked, Compared, Normal};
 pub use coordinates::{Coordinate, Fit, Replayed, What};
+pub use corrections::{Terms, corrections};
 pub use derivatives::jacobian;
 pub use equation_error::{Blocks, EquationError, Motion};
-pub use evaluate::{Evaluated, evaluate, readings, residuals, whitened};
+pub use evaluate::{Evaluated, evaluate, readings, residuals};
 pub use experiment::{Begin, Experiment, Point, Span};
 pub use job::How;
 pub use marquardt::{Ended, FINE, Rule, fit};
