@@ -358,6 +358,19 @@ def test_waves_between_the_lengths_of_the_grid_are_found(share: float) -> None:
 
 
 @pytest.mark.slow
+def test_a_small_gap_with_soft_stops_is_a_spring() -> None:
+    nuisances, scale = free_case({})
+    stiffness = scale.level / (0.01 * scale.travel)
+    values = {"b": 1e-4 * scale.travel, "m_d": 1e-3, "k": stiffness, "d": 0.5}
+    soft = ("transmission_backlash", "soft", values)
+    gap = nuisances.differences([(soft,)])[0]
+    springs = [rival_distances(nuisances, gap, own=own) for own in (None, soft)]
+    by_grid, near = (found["transmission_compliance"] for found in springs)
+    assert np.linalg.norm(gap) > 20.0
+    assert near < min(ALIKE, 0.5 * by_grid)
+
+
+@pytest.mark.slow
 def test_a_small_check_from_end_to_end(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "check"
     given = ["blind-check", "--cases", "3", "--gap-free", "2", "--seed", "11", "--out", str(out)]
