@@ -18,7 +18,7 @@ import locosweep as ls
 import locosweep.plot
 from locosweep.plot import caption, style
 from locosweep.plot.numbers import PlainNumbers
-from locosweep.plot.save import save_figure
+from locosweep.plot.save import lay_out, save_figure
 from locosweep.provenance import spec_hash
 from locosweep.registry import parameter
 
@@ -229,6 +229,17 @@ def test_axes_of_one_value(shape, tmp_path):
     r = ls.sweep("mean_velocity", **MU, slope_deg=slopes, segments=counts)
     save_figure(r.plot.heatmap(), tmp_path / "a.png")
     save_figure(r.plot.curves("segments", slope_deg=0), tmp_path / "b.png")
+
+
+def test_a_figure_that_was_laid_out_is_saved_as_one_that_was_not(speed, tmp_path):
+    for name in ("plain.png", "laid_out.png"):
+        figure = speed.plot.heatmap(anchor_weight=1).figure
+        assert figure.get_layout_engine() is not None
+        if name == "laid_out.png":
+            lay_out(figure)
+            assert figure.get_layout_engine() is None
+        save_figure(figure, tmp_path / name)
+    assert (tmp_path / "plain.png").read_bytes() == (tmp_path / "laid_out.png").read_bytes()
 
 
 def test_own_axes_are_used(speed):

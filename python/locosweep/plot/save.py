@@ -70,6 +70,20 @@ def save_figure(
         root.savefig(temporary, format=kind, dpi=_DPI, metadata=_metadata(kind, command, spec))
 
 
+def lay_out(figure: Figure) -> None:
+    """Lay out a figure that is saved and then thrown away.
+
+    Where an engine does so while it is saved, matplotlib draws all of it twice.
+    """
+    engine = figure.get_layout_engine()
+    if engine is None:
+        return
+    figure.set_dpi(_DPI)
+    engine.execute(figure)
+    with mpl.rc_context({"figure.autolayout": False, "figure.constrained_layout.use": False}):
+        figure.set_layout_engine(None)
+
+
 def _metadata(kind: str, command: str | None, spec: str | None) -> dict[str, str | None]:
     software = f"locosweep {_core.version()}"
     given = {"Command": command, "Spec": spec}

@@ -198,12 +198,13 @@ class Diagnosis:
         from locosweep.diagnosis.report.model_file import write_augmented
         from locosweep.diagnosis.report.page import page
         from locosweep.files.folder import filling
-        from locosweep.plot.save import save_figure
+        from locosweep.plot.save import lay_out, save_figure
 
         names = ("report.json", "augmented.toml", "report.html", "report.md", *FILES)
         with filling(out, names, force=force) as folder:
             shown = {}
             for name, figure in pictures(self).items():
+                lay_out(figure)
                 save_figure(figure, folder / name, command=command)
                 shown[name] = (folder / name).read_bytes()
             for name, text in (("report.json", report_text(self.report)),
