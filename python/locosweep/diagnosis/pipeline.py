@@ -49,7 +49,13 @@ from locosweep.diagnosis.select.law_mismatch import BY_TIME
 from locosweep.diagnosis.select.reading_steps import stepped_readings
 from locosweep.diagnosis.select.search import Search
 from locosweep.diagnosis.select.spectral_line import spectral_line
-from locosweep.diagnosis.select.verdict import Choice, choose, kept_may_show_a_gap, partial_choice
+from locosweep.diagnosis.select.verdict import (
+    Choice,
+    choose,
+    kept_may_show_a_gap,
+    leaving_line,
+    partial_choice,
+)
 from locosweep.diagnosis.select.whiteness import stray_readings
 from locosweep.engine import whole
 from locosweep.errors import InputError
@@ -351,7 +357,9 @@ def _select(data: _Data, task: _Task) -> _Selected:
         selected = _Selected(search, refuted, (said,))
     problem, residual = selected.search.problem, selected.choice.fit.residual
     if line := spectral_line(problem, residual):
-        selected = replace(selected, warnings=(*selected.warnings, line.told(problem)))
+        found = leaving_line(selected.search, selected.choice, line)
+        told = (*selected.warnings, line.told(problem))
+        selected = replace(selected, choice=found, warnings=told)
     if selected.choice.status == "unexplained" and not selected.choice.outdone:
         return _graded(data, task, selected)
     if data.plan is None:

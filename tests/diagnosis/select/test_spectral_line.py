@@ -172,7 +172,9 @@ def test_hum_alone_is_unexplained_and_told() -> None:
     assert found.report["verdict"]["remaining"]["shape"][0]["variable"] == "frequency"
 
 
-def test_hum_beside_a_cause_is_told_and_leaves_its_name() -> None:
+def test_hum_beside_a_cause_leaves_its_name_and_is_what_remains() -> None:
     found = diagnose(with_hum({"payload_mass": {"dm": 0.05}}), ROBOT)
+    assert found.status == "partial", found
     assert "payload_mass" in found.equivalent[0], found
     assert any("oscillates at 23 Hz" in said for said in found.report["warnings"])
+    assert found.report["verdict"]["remaining"]["shape"][0]["variable"] == "frequency"

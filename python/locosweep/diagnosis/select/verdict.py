@@ -76,7 +76,7 @@ class Choice:
     missed: bool = False
     """True if the fit leaves of the runs kept from it more than the others show."""
     line: SpectralLine | None = None
-    """Line in the spectrum of what the nominal model leaves, where no effect takes of that."""
+    """Line in the spectrum of what the fit leaves, where that looks like noise otherwise."""
     law_of_none: bool = False
     """True if a law of an effect's variable leaves but noise, and goes as no law of that effect."""
 
@@ -142,6 +142,16 @@ def partial_choice(first: Choice, found: Graded, fits: Found) -> Choice:
         probability=limits.CONFIRMED_PROBABILITY
         * float(np.prod([cause.weight for cause in found.causes])),
     )
+
+
+def leaving_line(search: Search, choice: Choice, line: SpectralLine) -> Choice:
+    """Return a choice whose causes leave a line: they do not explain what oscillates."""
+    if not choice.fit.model.names or choice.status == "unexplained":
+        return choice
+    found = replace(
+        choice, status="unexplained", line=line, classes=[], sets=[], law_mismatch=False
+    )
+    return replace(found, probability=_probability(search, found))
 
 
 @dataclass(frozen=True)
