@@ -91,24 +91,25 @@ impl Task for Weigh<'_> {
         };
         let (of_x, of_v) = (channel(0), channel(1));
         let own = first..first + measured.samples;
-        let mut write = |at: Option<usize>, i: usize, changes: &[f64]| {
-            let Some(at) = at else { return };
-            let weight = measured.weights[at + i];
-            for (k, change) in changes.iter().enumerate() {
-                rows[k * stride + at + i] = change * weight;
-            }
-        };
         match what {
             Terms::Readings => {
-                for i in 0..own.len() {
-                    for (k, term) in terms.iter().enumerate() {
-                        if let Some(at) = of_x {
-                            rows[k * stride + at + i] = term[first + i] * measured.weights[at + i];
-                        }
+                let Some(at) = of_x else { return };
+                let weights = &measured.weights[at..at + own.len()];
+                for (row, term) in rows.chunks_exact_mut(stride).zip(terms) {
+                    let changes = term[own.clone()].iter().zip(weights);
+                    for (e, (change, weight)) in row[at..].iter_mut().zip(changes) {
+                        *e = change * weight;
                     }
                 }
             }
             Terms::Forces(motion) => {
+                let mut write = |at: Option<usize>, i: usize, changes: &[f64]| {
+                    let Some(at) = at else { return };
+                    let weight = measured.weights[at + i];
+                    for (k, change) in changes.iter().enumerate() {
+                        rows[k * stride + at + i] = change * weight;
+                    }
+                };
                 // What is missing of the last ones is a term again, and is not read.
                 let forces = std::array::from_fn(|k| terms[k.min(terms.len() - 1)]);
                 linear_responses::<TERMS>(
