@@ -375,7 +375,12 @@ impl Misfit {
         if rows == 0 || samples == 0 {
             return Ok(());
         }
-        let whole = |_| input_error(py, "terms and to must be contiguous".to_owned());
+        let unordered = || input_error(py, "terms and to must be stored row by row".to_owned());
+        // A table that is stored column by column has a slice, too.
+        if !(to.is_c_contiguous() && terms.iter().all(|table| table.is_c_contiguous())) {
+            return Err(unordered());
+        }
+        let whole = |_| unordered();
         let mut each: Vec<&[f64]> = Vec::with_capacity(rows);
         for table in &terms {
             each.extend(table.as_slice().map_err(whole)?.chunks_exact(samples));

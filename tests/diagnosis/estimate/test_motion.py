@@ -124,6 +124,24 @@ def test_swept_distance_starts_anew_where_the_head_turns() -> None:
     assert (m.swept >= 0.0).all()
 
 
+def test_ways_since_a_rest_or_a_turn_are_those_of_a_walk_along_the_samples() -> None:
+    """Slides both ways, rests and turns; each run begins anew."""
+    own = search_for({}).problem
+    m = motion_of(own, Fit(Model((), ()), Nuisances(), np.zeros(0)))
+    swept, turned = np.zeros_like(m.x), np.zeros_like(m.x)
+    for i in range(1, m.x.size):
+        if m.run[i] != m.run[i - 1]:
+            continue
+        step = m.x[i] - m.x[i - 1]
+        swept[i] = swept[i - 1] + step if m.v[i] > 0.0 else 0.0
+        turned[i] = turned[i - 1] + step if m.v[i] * m.v[i - 1] > 0.0 else 0.0
+    assert (m.v == 0.0).any()
+    assert swept.any()
+    assert turned.min() < 0.0 < turned.max()
+    np.testing.assert_allclose(m.swept, swept, atol=1e-12)
+    np.testing.assert_allclose(m.turned, turned, atol=1e-12)
+
+
 def test_an_error_by_the_way_since_the_start_is_in_the_terms_of_a_reading() -> None:
     """As of a bent scale, in runs that begin in different places and mostly rest."""
     ramp = np.clip(np.linspace(-4.0, 5.0, 500), 0.0, 1.0)

@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from diagnosis_small import measured, problem
 from locosweep.diagnosis.estimate.least_squares import Fit, Model, Nuisances
 from locosweep.diagnosis.estimate.motion import motion_of
 from locosweep.diagnosis.estimate.problem import Problem
 from locosweep.diagnosis.estimate.slides import Slides, corrected, corrections
+from locosweep.errors import InputError
 
 
 def sliding(damping: float = 0.0, samples: int = 400) -> tuple[np.ndarray, Slides]:
@@ -84,6 +86,21 @@ def test_corrections_are_what_the_same_changes_of_readings_make_of_residuals() -
         both = np.zeros_like(found)
         corrections(replace(own, threads=2), [terms], slides, both)
         np.testing.assert_array_equal(both[:, :-2], found[:, :-2])
+
+
+def test_tables_that_do_not_fit_get_one_clear_line() -> None:
+    own = problem(measured({}))
+    samples, width = own.samples_of(own.fitted), own.residuals([own.plain()]).shape[1]
+    terms, to = np.zeros((2, samples)), np.zeros((2, width))
+    wrong = [(terms, np.zeros((3, width))), (terms[:, 1:], to), (terms, to[:, 1:])]
+    for given, rows in wrong:
+        with pytest.raises(InputError, match="as many rows"):
+            corrections(own, [given], None, rows)
+    by_columns = np.asfortranarray(terms)
+    for given, rows in ((by_columns, to), (terms, np.asfortranarray(to))):
+        with pytest.raises(InputError, match="row by row"):
+            corrections(own, [given], None, rows)
+    corrections(own, [], None, to[:0])
 
 
 def with_readings_moved(own: Problem, dx: np.ndarray, dv: np.ndarray) -> np.ndarray:
