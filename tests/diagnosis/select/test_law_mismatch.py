@@ -112,6 +112,34 @@ def test_a_law_far_off_by_its_own_formula_is_found_behind_others() -> None:
     assert found.fit.model.names == ("viscous_friction",)
 
 
+def late(runs: list[Run], *, loaded: bool) -> pl.DataFrame:
+    """Runs in which a load is picked up after 1.2 s, or friction rises then, told without it."""
+    nominal = measured({}, runs, "v")
+    real = []
+    for run in runs:
+        v = nominal.filter(pl.col("run") == run.label)["v"].to_numpy()
+        less = 3e-4 * (run.drive - 0.05 * v) if loaded else 6e-4 * np.sign(v)
+        real.append(replace(run, drive=run.drive - less * (run.t > 1.2)))
+    told = pl.Series(np.concatenate([run.drive for run in runs]))
+    return measured({}, real).with_columns(drive=told)
+
+
+@pytest.mark.parametrize(
+    ("name", "loaded", "may"),
+    [
+        ("friction_drift", True, False),
+        ("supply_sag", True, False),
+        # A load would be slower to turn round, too.
+        ("friction_drift", False, True),
+    ],
+)
+def test_what_changes_at_once_is_no_drift_where_it_may_be_a_load(
+    name: str, loaded: bool, may: bool
+) -> None:
+    search, (fit,) = fits_of(late(drives(count=5), loaded=loaded), name)
+    assert law_mismatch._goes_as_it_may(search, fit) == may
+
+
 def test_no_effect_is_tried_twice_for_another_law(monkeypatch: pytest.MonkeyPatch) -> None:
     """Fits are refitted when they are tried, and the list of those to try next is bounded."""
     frame = measured({"quadratic_drag": {"c2": 0.05}}, drives())

@@ -6,12 +6,12 @@ from diagnosis_search import search_of
 from diagnosis_small import tethered
 from locosweep.diagnosis.effects.catalogue import FURTHER
 from locosweep.diagnosis.estimate.motion import ALL
-from locosweep.diagnosis.select.law_mismatch import BY_TIME
+from locosweep.diagnosis.select.law_mismatch import BY_TIME, MASS
 from locosweep.diagnosis.select.shape import KINDS, shape_of, shapes, unlisted_of
 
 
 def test_every_variable_has_words() -> None:
-    assert set(KINDS) == {*ALL, *FURTHER.values(), BY_TIME, "line"}
+    assert set(KINDS) == {*ALL, *FURTHER.values(), BY_TIME, MASS, "line"}
     assert {kind.parity for kind in KINDS.values()} <= {"odd", "even", "none"}
 
 

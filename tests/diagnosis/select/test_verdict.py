@@ -79,6 +79,20 @@ def test_where_a_law_of_no_effect_leaves_but_noise_nothing_is_named(
     assert (choice.outdone, choice.law_of_none) == (of_none, of_none)
 
 
+@pytest.mark.parametrize(("ahead", "named"), [(-100.0, True), (0.0, False)])
+def test_a_law_of_no_effect_refutes_several_effects_that_do_no_better(
+    monkeypatch: pytest.MonkeyPatch, ahead: float, named: bool
+) -> None:
+    both = ("sensor_drift", "viscous_friction")
+    search = search_for({"viscous_friction": {"c": 0.01}, "sensor_drift": {"b": 1e-4}}, *both)
+    pair = fit_of(search, *both)
+    law = OtherLaw(search.score(pair) - ahead, fit_of(search, both[0]), of_none=True)
+    monkeypatch.setattr(verdict, "best_with_other_law", lambda *_: law)
+    choice = choose(search, 2)
+    assert choice.status == ("explained" if named else "unexplained")
+    assert (not choice.classes, choice.law_of_none) == (not named, not named)
+
+
 @pytest.mark.parametrize(("share", "named"), [(0.6, True), (0.1, False)])
 def test_a_law_that_only_its_likelihood_speaks_for_has_no_rival_in_another_variable(
     monkeypatch: pytest.MonkeyPatch, share: float, named: bool

@@ -193,6 +193,9 @@ def regressors(variable: str, m: Motion) -> list[Regressor]:
             return [Regressor(m.drive, moving, 1.0, _KNOTS_BENT)]
         case "sag":
             return [Regressor(m.t, moving, m.drive)]
+        case "mass":
+            # Drive and weight alike act on a larger mass; drag alone does not grow with it.
+            return [Regressor(m.t, moving, (m.damping * m.v - m.force) / m.mass)]
         case "acceleration":
             rate = np.gradient(m.v, m.t + m.run * (m.t.max() + 1.0))
             return [Regressor(rate, moving, 1.0)]

@@ -44,6 +44,10 @@ _TRIED_NEXT = 3
 UNLISTED = (BY_PLACE, "acceleration")
 """Variables of forces that no effect stands for: the position in either direction, as of a tether,
 a magnet or a wall, and the acceleration."""
+OVER_TIME = ("time", "sag")
+"""Variables of friction, and of a drive, that change over the time of a run."""
+MASS = "mass"
+"""Variable of a mass that changes over the time of a run, which no effect stands for."""
 BY_TIME = "push"
 """Variable of a force that no effect stands for, either: the time, other in each run."""
 
@@ -156,8 +160,7 @@ def _goes_as_it_may(search: Search, fit: Fit) -> bool:
 
     The registry says of which effects laws only rise, or fall (`monotone`), and of which they
     never jump (`continuous`). A ground that rocks makes a force that rises and falls: it is no
-    drift of friction. A mass that is picked up makes the drive act less from then on: no supply
-    sags so.
+    drift of friction.
     """
     for name in fit.model.names:
         law = effect(name)
@@ -168,11 +171,24 @@ def _goes_as_it_may(search: Search, fit: Fit) -> bool:
         problem = search.problem
         if law.monotone and monotone_loss(problem, base, variable) > limits.LEAST_GAIN:
             return False
-        if law.continuous:
-            drawn = force_law(problem, base, variable)
-            if drawn is not None and drawn.found is not None and drawn.found.may_jump:
-                return False
+        if law.continuous and _jumps(problem, base, variable):
+            return False
     return True
+
+
+def _jumps(problem: Problem, base: Fit, variable: str) -> bool:
+    """Return whether a law may change at once, and what would do so is as likely.
+
+    From when a mass is picked up, the drive acts less and friction more: no supply sags so, nor
+    does friction drift.
+    """
+    law = force_law(problem, base, variable)
+    if law is None or law.found is None or not law.found.may_jump:
+        return False
+    if variable not in OVER_TIME:
+        return True
+    mass = force_law(problem, base, MASS)
+    return mass is not None and mass.log_factor > law.log_factor - limits.LEAST_GAIN
 
 
 def several_do_better(search: Search, law: Fit, sets: Sequence[Fit]) -> bool:

@@ -71,19 +71,25 @@ KINDS = {
         "load", "odd", "friction that depends on the load", "a gear or a guide",
         Axis("N", "1", "|F|"),
     ),
-    "time": Kind("time", "odd", "friction that depends on the time", "warming up or wear", _TIME),
+    "time": Kind(
+        "time", "odd", "friction that depends on the time", "warming up, wear or a load", _TIME
+    ),
     "swept": Kind("distance swept", "odd", "resistance that grows with the way", "a heap", _WAY),
     "turned": Kind("distance since a turn", "odd", "force after a turn", "a bristle or play", _WAY),
     "drive": Kind(
         "drive", "none", "drive force by another curve", "an amplifier's curve", Axis("N", "1", "F")
     ),
     "sag": Kind(
-        "time", "none", "drive that changes over time", "a supply that sags",
+        "time", "none", "drive that changes over time", "a supply that sags or a load",
         Axis("s", "1/s", "t", of="1"),
     ),
     "acceleration": Kind(
         "acceleration", "even", "force by acceleration", "a mass that moves too",
         Axis("m/s^2", "kg", "a"),
+    ),
+    "mass": Kind(
+        "time", "none", "mass that changes over time", "a load that is picked up or lost",
+        Axis("s", "kg/s", "t", of="kg"),
     ),
     "history": Kind("earlier drive", "none", "drive that acts late", "a filter or a spring"),
     "change": Kind("command", "none", "commands late by turns", "a drive read now and then"),

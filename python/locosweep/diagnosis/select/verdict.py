@@ -205,7 +205,7 @@ def choose(search: Search, most: int) -> Choice:
     if rest and grown.law is not None and not law_of_none:
         # Several effects come nearer, but not to noise as a law does.
         score, found, mismatch, rest = grown.law.score, grown.law.fit, True, []
-    if rest:
+    if rest or _is_one_law_of_none(search, grown.law, found):
         choice = Choice("unexplained", found, known, whiteness, shape=rest, law_of_none=law_of_none)
         return _with_ranks(search, choice, tried)
     search.progress("rivals")
@@ -279,6 +279,16 @@ def _grown(search: Search, known: Collection, level: list[Fit], most: int) -> _G
         if len(found.model.names) < count and not remaining(problem, found):
             break
     return _Grown(known, level, found, near, law=law)
+
+
+def _is_one_law_of_none(search: Search, law: OtherLaw | None, found: Fit) -> bool:
+    """Return whether one law that no effect has does as well as several effects.
+
+    It refutes them then, as a force that no effect stands for does.
+    """
+    if law is None or not law.of_none or len(found.model.names) < 2:
+        return False
+    return law.score <= search.score(found) + limits.LEAST_GAIN
 
 
 def _are_causes(search: Search, sets: Sequence[Fit], law: Fit) -> bool:

@@ -327,6 +327,8 @@ effects! {
         meaning: "friction changes over the time of a run",
         variable: Some(Variable::Time),
         monotone: true,
+        // What changes at once is as well a mass that is picked up.
+        continuous: true,
         contains: &["coulomb_error"],
         magnitude: Magnitude { shapes: &[SLOWLY], ..EFFECT.magnitude },
         over: &[("share", "[0.15, 0.5, 1.5]")],
@@ -473,7 +475,7 @@ effects! {
         meaning: "the supply sags over the time of a run",
         variable: Some(Variable::Sag),
         monotone: true,
-        // What falls at once is as well a mass that is picked up.
+        // As of friction over time.
         continuous: true,
         contains: &["drive_gain_error"],
         magnitude: Magnitude { high: "1", shapes: &[SLOWLY], ..EFFECT.magnitude },
