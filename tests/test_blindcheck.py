@@ -371,6 +371,22 @@ def test_a_small_gap_with_soft_stops_is_a_spring() -> None:
 
 
 @pytest.mark.slow
+def test_a_spring_near_a_joint_is_refitted() -> None:
+    """It differs in all its numbers from the soft stops that it is looked for beside."""
+    nuisances, scale = free_case({})
+    stiffness = scale.level / (0.01 * scale.travel)
+    own = {"b": 1e-4 * scale.travel, "m_d": 5e-3, "k": stiffness, "d": 0.5}
+    spring = {"k": 0.8 * stiffness, "d": 0.3, "m_d": 5.15e-3}
+    gap = nuisances.differences([(("transmission_compliance", "law", spring),)])[0]
+    found = [
+        rival_distances(nuisances, gap, own=("transmission_backlash", form, own))
+        for form in ("law", "soft")
+    ]
+    by_grid, near = (one["transmission_compliance"] for one in found)
+    assert near < ALIKE < 0.2 * by_grid
+
+
+@pytest.mark.slow
 def test_a_small_check_from_end_to_end(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "check"
     given = ["blind-check", "--cases", "3", "--gap-free", "2", "--seed", "11", "--out", str(out)]

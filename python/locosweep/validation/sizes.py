@@ -34,10 +34,15 @@ _RIGID = {
     "transmission_compliance": "transmission_backlash",
 }
 """Causes that are the same at a rigid joint: a further mass on the side of the drive."""
-_STIFFNESSES = np.geomspace(0.5, 2.0, 25)
-"""Of springs near a joint, in its own: steps of 6 %. Case 11 of `blind-check --only another-law
---cases 110 --seed 26464`, a gap of 25 um with soft stops, is a spring of 0.84 up to 9 standard
-deviations; of those with other damping and masses the nearest was at 63."""
+_STIFFNESSES, _DAMPINGS = np.geomspace(0.5, 2.0, 25), (0.1, 1.0)
+"""Of springs near a joint, in its own; the nearest one is refitted. Of `blind-check --only
+another-law`, case 11 of `--seed 26464`, a gap of 25 um with soft stops, is a spring of 0.84 of
+their stiffness up to 9 standard deviations, and case 57 of `--cases 80 --seed 29191`, of 1.4 mm,
+one of 0.7 and a tenth of their damping, where the nearest with all of it is at 34."""
+_NUDGE = 0.01
+"""Change of the logarithm of a spring's numbers for their sensitivities."""
+_LONGEST = 0.5
+"""Change of it that a refit makes at once, at most."""
 _FINER = 4
 """Times that values on either side of the best one are tried."""
 _NO_PLAY = 1e-9
@@ -185,10 +190,11 @@ def rival_distances(
         effects = [(rival.effect(s),) for rival, s in strengths]
         return [off(d) for d in nuisances.differences(effects)]
 
-    joints = _joints_near(own, scale) if own and own[0] in _RIGID else []
-    seen = nuisances.differences([(joint,) for _, joint in joints]) if joints else []
-    for (cause, _), change in zip(joints, seen, strict=True):
-        best[cause] = min(best[cause], float(np.linalg.norm(gap - off(change))))
+    def left_by(joints: Sequence[Effect]) -> list[Floats]:
+        return [gap - off(d) for d in nuisances.differences([(joint,) for joint in joints])]
+
+    for cause, rest in _joints_near(own, scale, left_by).items() if own else ():
+        best[cause] = min(best[cause], rest)
     left = _refitted(rivals, gap, responses)
     for cause in dict.fromkeys(rival.cause for rival in rivals if rival.refined is not None):
         _between(left, cause, scale, lambda finer: _refitted(finer, gap, responses))
@@ -197,21 +203,58 @@ def rival_distances(
     return best
 
 
-def _joints_near(own: Effect, scale: Scale) -> list[tuple[str, Effect]]:
-    """Return joints that may act as a joint does, each with the cause that it stands for.
+def _joints_near(
+    own: Effect, scale: Scale, left_by: Callable[[Sequence[Effect]], list[Floats]]
+) -> dict[str, float]:
+    """Return what joints that may act as a joint does leave of its gap, by cause.
 
     A rigid one, and springs of its stiffness or about it: a gap with soft stops that is small
     beside their give is a spring, of a mass and a damping that no grid holds.
     """
-    _, form, values = own
-    stiff = {"b": _NO_PLAY * scale.travel, "m_d": values["m_d"]}
-    found: list[tuple[str, Effect]] = [(_RIGID[own[0]], ("transmission_backlash", "law", stiff))]
+    name, form, values = own
+    if name not in _RIGID:
+        return {}
+    rigid = ("transmission_backlash", "law", {"b": _NO_PLAY * scale.travel, "m_d": values["m_d"]})
+    found = {_RIGID[name]: float(np.linalg.norm(left_by([rigid])[0]))}
     if form != "law" and "k" in values:
-        spring = {name: values[name] for name in ("d", "m_d")}
-        for factor in _STIFFNESSES.tolist():
-            near = {"k": factor * values["k"], **spring}
-            found.append(("transmission_compliance", ("transmission_compliance", "law", near)))
+        springs = [
+            {"k": k * values["k"], "d": d * values["d"], "m_d": values["m_d"]}
+            for k in _STIFFNESSES.tolist()
+            for d in _DAMPINGS
+        ]
+        rest = _refitted_spring(springs, left_by)
+        found["transmission_compliance"] = min(found.get("transmission_compliance", rest), rest)
     return found
+
+
+def _refitted_spring(
+    springs: Sequence[dict[str, float]], left_by: Callable[[Sequence[Effect]], list[Floats]]
+) -> float:
+    """Refit the numbers of the best of some springs; return what it leaves of a gap."""
+    names = list(springs[0])
+
+    def left_at(points: Floats) -> list[Floats]:
+        numbers = [dict(zip(names, np.exp(p).tolist(), strict=True)) for p in points]
+        return left_by([("transmission_compliance", "law", own) for own in numbers])
+
+    at = np.log([[spring[name] for name in names] for spring in springs])
+    rests = left_at(at)
+    nearest = int(np.argmin([np.linalg.norm(rest) for rest in rests]))
+    point, rest, damping = at[nearest], rests[nearest], 0.0
+    for _ in range(_STEPS):
+        columns = np.array(left_at(point + _NUDGE * np.eye(len(names)))) - rest
+        if not np.isfinite(columns).all():
+            break
+        columns /= _NUDGE
+        known = columns @ columns.T
+        known[np.diag_indices_from(known)] *= 1.0 + damping
+        step = -np.linalg.lstsq(known, columns @ rest, rcond=None)[0]
+        step *= min(1.0, _LONGEST / max(float(np.abs(step).max()), 1e-300))
+        (new,) = left_at(point[None] + step)
+        better = bool(np.linalg.norm(new) < np.linalg.norm(rest))
+        damping = 0.1 * damping if better else max(10.0 * damping, 0.1)
+        point, rest = (point + step, new) if better else (point, rest)
+    return float(np.linalg.norm(rest))
 
 
 def _between(
