@@ -46,9 +46,7 @@ impl Samples<'_> {
     }
 }
 
-/// Longest step for friction that is steep along speed or track, and for friction that
-/// bends smoothly, where a joint or a lag stands beside it, s.
-const STEEP: f64 = 1e-3;
+/// Longest step for friction that bends smoothly where a joint or a lag stands beside it, s.
 const BENT: f64 = 2e-3;
 /// Largest error of the speed in a step of a head without a link, m/s, as a solution of third
 /// order shows it; the step itself is of fourth order. Both set by `cargo test --test replay`: the
@@ -216,8 +214,7 @@ fn behind_link<L: Lane>(
         }
         Link::Joint(_) => segment.commanded(state.t, &state.clock),
     };
-    let longest = if plant.is_steep() { STEEP } else { BENT };
-    let longest = (!plant.is_linear()).then_some(longest.min(samples.interval));
+    let longest = (!plant.is_linear()).then_some(BENT.min(samples.interval));
     let times = (samples.interval, longest);
     let method = state.x.outlined(
         #[inline(always)]
