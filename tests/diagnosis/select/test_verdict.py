@@ -90,7 +90,8 @@ def test_a_law_of_no_effect_refutes_several_effects_that_do_no_better(
     monkeypatch.setattr(verdict, "best_with_other_law", lambda *_: law)
     choice = choose(search, 2)
     assert choice.status == ("explained" if named else "unexplained")
-    assert (not choice.classes, choice.law_of_none) == (not named, not named)
+    assert (not choice.classes, choice.outdone) == (not named, not named)
+    assert choice.unlisted == ("" if named else "clock")
 
 
 @pytest.mark.parametrize(("share", "named"), [(0.6, True), (0.1, False)])

@@ -205,8 +205,19 @@ def choose(search: Search, most: int) -> Choice:
     if rest and grown.law is not None and not law_of_none:
         # Several effects come nearer, but not to noise as a law does.
         score, found, mismatch, rest = grown.law.score, grown.law.fit, True, []
-    if rest or _is_one_law_of_none(search, grown.law, found):
+    if rest:
         choice = Choice("unexplained", found, known, whiteness, shape=rest, law_of_none=law_of_none)
+        return _with_ranks(search, choice, tried)
+    if variable := _law_of_none(search, grown.law, found):
+        choice = Choice(
+            "unexplained",
+            found,
+            known,
+            whiteness,
+            law_of_none=True,
+            unlisted=variable,
+            beside=search.none,
+        )
         return _with_ranks(search, choice, tried)
     search.progress("rivals")
     if len(found.model.names) > 1:
@@ -281,14 +292,15 @@ def _grown(search: Search, known: Collection, level: list[Fit], most: int) -> _G
     return _Grown(known, level, found, near, law=law)
 
 
-def _is_one_law_of_none(search: Search, law: OtherLaw | None, found: Fit) -> bool:
-    """Return whether one law that no effect has does as well as several effects.
+def _law_of_none(search: Search, law: OtherLaw | None, found: Fit) -> str:
+    """Return the variable of a law that no effect has and that does as well as several effects.
 
     It refutes them then, as a force that no effect stands for does.
     """
     if law is None or not law.of_none or len(found.model.names) < 2:
-        return False
-    return law.score <= search.score(found) + limits.LEAST_GAIN
+        return ""
+    as_well = law.score <= search.score(found) + limits.LEAST_GAIN
+    return VARIABLES[law.fit.model.names[0]] if as_well else ""
 
 
 def _are_causes(search: Search, sets: Sequence[Fit], law: Fit) -> bool:
