@@ -49,7 +49,7 @@ fn waves_are_followed(link: Effect, numbers: &[f64]) {
         for strength in [0.63, 1.0, 2.8] {
             let along: &[f64] = &[0.9, wave, 0.7];
             let effects = [(link, numbers), (Effect::PositionDependentFriction, along)];
-            let all = errors(&effects, strength, &[1, 2, 5], 2e-7);
+            let all = errors(&effects, strength, &[1, 2, 5, 10, 25], 2e-7);
             // Of which up to a half is the plain integration's own.
             let most = all.iter().copied().fold(0.0, f64::max);
             let name = link.info().name;
@@ -74,6 +74,19 @@ fn waves_of_friction_along_the_way_behind_a_spring() {
     waves_are_followed(Effect::TransmissionCompliance, &usual(Effect::TransmissionCompliance));
 }
 
+/// A step of a whole sample and its halves would both miss a fall that is passed within one.
+#[test]
+fn a_sharp_fall_of_friction_behind_links_is_not_missed_between_samples() {
+    let fall: &[f64] = &[0.3, 1e-3, 2.0];
+    let links: [(Effect, &[f64]); 2] =
+        [(Effect::DriveLag, &[20e-3]), (Effect::TransmissionCompliance, &[300.0, 0.5, 0.03])];
+    for link in links {
+        let effects = [link, (Effect::StribeckFriction, fall)];
+        let all = errors(&effects, 1.0, &[1, 5], 2e-7);
+        assert!((all[0] - all[1]).abs() < 0.2 * MICROMETRE, "{}: {all:?} m", link.0.info().name);
+    }
+}
+
 /// A contact that opens and closes leaves more to chance, in the plain integration most.
 #[test]
 #[ignore = "takes ten seconds"]
@@ -83,7 +96,7 @@ fn friction_that_bends_behind_a_spring_or_a_gap() {
     {
         for bent in [Effect::StribeckFriction, Effect::LoadDependentFriction] {
             let (a, b) = (usual(link), usual(bent));
-            let all = errors(&[(link, &a[..]), (bent, &b[..])], 1.0, &[1, 2, 5], longest);
+            let all = errors(&[(link, &a[..]), (bent, &b[..])], 1.0, &[1, 2, 5, 10, 25], longest);
             let most = all.iter().copied().fold(0.0, f64::max);
             let names = (link.info().name, bent.info().name);
             assert!(most < MICROMETRE, "{names:?}: {all:?} m");

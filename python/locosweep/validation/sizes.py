@@ -40,15 +40,18 @@ another-law`, case 11 of `--seed 26464`, a gap of 25 um with soft stops, is a sp
 their stiffness up to 9 standard deviations, and case 57 of `--cases 80 --seed 29191`, of 1.4 mm,
 one of 0.7 and a tenth of their damping, where the nearest with all of it is at 34."""
 _NUDGE = 0.01
-"""Change of the logarithm of a spring's numbers for their sensitivities."""
+"""Change of the logarithm of a spring's numbers for their sensitivities. Not derived."""
 _LONGEST = 0.5
-"""Change of it that a refit makes at once, at most."""
+"""Change of it that a refit makes at once, at most: a spring of another stiffness swings out of
+step, and says nothing of farther ones. Not derived."""
 _FINER = 4
 """Times that values on either side of the best one are tried."""
 _NO_PLAY = 1e-9
+"""Play of a rigid joint, in the travel: what no sensor sees. Not derived."""
 _SMALL = 0.1
 """Standard deviations by which uncertain values are moved for their sensitivities."""
 _STEPS = 6
+"""Steps of Gauss and Newton in which uncertain values, or a spring, are refitted. Not derived."""
 _FURTHEST = 8.0
 """Standard deviations that an uncertain value is shifted by, at most."""
 

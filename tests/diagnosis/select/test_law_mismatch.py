@@ -8,6 +8,7 @@ import numpy as np
 import polars as pl
 import pytest
 
+from locosweep.diagnosis.effects.catalogue import VARIABLES
 from locosweep.diagnosis.effects.scale import scale_of
 from locosweep.diagnosis.estimate.least_squares import (
     Fit,
@@ -18,6 +19,7 @@ from locosweep.diagnosis.estimate.least_squares import (
 )
 from locosweep.diagnosis.estimate.problem import Problem
 from locosweep.diagnosis.select import law_mismatch
+from locosweep.diagnosis.select.force_law import force_law
 from locosweep.diagnosis.select.law_mismatch import (
     best_with_other_law,
     formula_share,
@@ -137,6 +139,10 @@ def test_what_changes_at_once_is_no_drift_where_it_may_be_a_load(
     name: str, loaded: bool, may: bool
 ) -> None:
     search, (fit,) = fits_of(late(drives(count=5), loaded=loaded), name)
+    law = force_law(search.problem, search.none, VARIABLES[name])
+    assert law is not None
+    assert law.found is not None
+    assert law.found.may_jump
     assert law_mismatch._goes_as_it_may(search, fit) == may
 
 

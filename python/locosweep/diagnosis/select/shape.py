@@ -88,8 +88,7 @@ KINDS = {
         Axis("m/s^2", "kg", "a"),
     ),
     "mass": Kind(
-        "time", "none", "mass that changes over time", "a load that is picked up or lost",
-        Axis("s", "kg/s", "t", of="kg"),
+        "time", "none", "mass that changes over time", "a load that is picked up or lost"
     ),
     "history": Kind("earlier drive", "none", "drive that acts late", "a filter or a spring"),
     "change": Kind("command", "none", "commands late by turns", "a drive read now and then"),

@@ -176,16 +176,14 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
                 (turn * (interval / LOOK)).min(zero.splat(MOST_LOOKS))
             }
         };
-        let bent = longest.is_some();
-        let refines = bent && refinement::is_needed(&law, rates.is_lag);
-        // Steps that know their error are as long as it allows.
-        let longest = longest.filter(|_| !refines).unwrap_or(interval);
-        let least = interval / longest;
+        let least = interval / longest.unwrap_or(interval);
         // As many equal steps as fill an interval.
         let looks = (look.max(zero.splat(least)).max(one) * (1.0 - 1e-9)).floor() + 1.0;
         let dt = one * interval / looks * 0.5_f64.powi(HALVINGS);
         let modes = if is_gap { MODES.len() } else { JOINED_MODES };
         let levels = levels(&rates, dt, modes);
+        let bent = longest.is_some();
+        let refines = bent && refinement::is_needed(&law, rates.is_lag);
         let stride = refinement::stride(&law);
         let reach = zero.splat(levels.len() as f64);
         let steady = segment.drive.is_steady();
@@ -417,7 +415,7 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         self.release(mask, t);
         let from = self.now;
         let drive = self.mean(t, dt, state);
-        let (to, inputs, _) = self.midpoint(level, &from, (t, dt), drive);
+        let (to, inputs) = self.midpoint(level, &from, (t, dt), drive);
         let (own, touch) = self.overruns(&to, t + dt);
         let happens = L::and(mask, zero.lt(own.max(touch)));
         self.now = to.or(mask, from);

@@ -98,8 +98,8 @@ impl<L: Lane, F> ElasticDrive<'_, '_, L, F> {
         (-back * self.segment.per_mass, drive)
     }
 
-    /// Where a step of a level leads from `from` with friction as it is at its middle, what
-    /// acts over it, and what would with friction as it is at `from`.
+    /// Where a step of a level leads from `from` with friction as it is at its middle, and
+    /// what acts over it.
     #[inline(always)]
     pub(super) fn midpoint(
         &self,
@@ -107,13 +107,12 @@ impl<L: Lane, F> ElasticDrive<'_, '_, L, F> {
         from: &Now<L>,
         (t, dt): (L, L),
         drive: L,
-    ) -> (Now<L>, (L, L), (L, L)) {
-        let first = self.inputs(from, from, (t, dt), drive);
-        let mut inputs = first;
+    ) -> (Now<L>, (L, L)) {
+        let mut inputs = self.inputs(from, from, (t, dt), drive);
         if self.bent && level > 0 {
-            let middle = self.moved(&self.levels[level - 1], from, first);
+            let middle = self.moved(&self.levels[level - 1], from, inputs);
             inputs = self.inputs(&middle, from, (t, dt), drive);
         }
-        (self.moved(&self.levels[level], from, inputs), inputs, first)
+        (self.moved(&self.levels[level], from, inputs), inputs)
     }
 }

@@ -68,13 +68,13 @@ impl<L: Lane, F> ElasticDrive<'_, '_, L, F> {
         let from = self.now;
         let half = dt * 0.5;
         let drive = self.mean(t, dt, state);
-        let (whole, inputs, first) = self.midpoint(level, &from, (t, dt), drive);
+        let (whole, inputs) = self.midpoint(level, &from, (t, dt), drive);
         // Up to an event, friction is taken as at the middle.
-        let bend = (inputs.0 - first.0).abs() * dt;
+        let bend = (inputs.0 - self.inputs(&from, &from, (t, dt), drive).0).abs() * dt;
         let drive = self.mean(t, half, state);
-        let (middle, ..) = self.midpoint(level - 1, &from, (t, half), drive);
+        let (middle, _) = self.midpoint(level - 1, &from, (t, half), drive);
         let drive = self.mean(t + half, half, state);
-        let (halves, ..) = self.midpoint(level - 1, &middle, (t + half, half), drive);
+        let (halves, _) = self.midpoint(level - 1, &middle, (t + half, half), drive);
         let end = halves.beyond(&whole);
 
         let (own, touch) = self.overruns(&end, t + dt);

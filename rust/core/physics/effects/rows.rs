@@ -475,7 +475,7 @@ effects! {
         meaning: "the supply sags over the time of a run",
         variable: Some(Variable::Sag),
         monotone: true,
-        // As of friction over time.
+        // What falls at once is as well a mass that is picked up.
         continuous: true,
         contains: &["drive_gain_error"],
         magnitude: Magnitude { high: "1", shapes: &[SLOWLY], ..EFFECT.magnitude },
