@@ -11,6 +11,7 @@ mod system;
 use super::drive_resolution::outruns_step;
 use super::event_location::Cubic;
 use super::{Advance, Clock, MOST_STIFF_STEPS, State, Tally};
+use crate::cube_root;
 use crate::lane::Lane;
 use crate::physics::friction::{Bristle, ContactState, MOST_STATES};
 use crate::physics::segment::Segment;
@@ -377,14 +378,4 @@ fn take_here<L: Lane>(
     state.x = x;
     state.v = v;
     tally.look(x, v);
-}
-
-/// Third root over lanes, good to a few percent: it only sizes steps.
-#[inline(always)]
-fn cube_root<L: Lane>(x: L) -> L {
-    // x^(1/3) = x^(1/4) x^(1/16) x^(1/64) ..., four factors leave 0.4 %.
-    let a = x.sqrt().sqrt();
-    let b = a.sqrt().sqrt();
-    let c = b.sqrt().sqrt();
-    (a * b) * (c * c.sqrt().sqrt())
 }

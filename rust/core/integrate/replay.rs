@@ -46,12 +46,6 @@ impl Samples<'_> {
     }
 }
 
-/// Longest step for friction that is steep along speed or track, and for friction that
-/// bends smoothly, where a joint or a lag stands beside it, s. Steps that know their error need the
-/// first one, too: with whole samples of 5 ms, a step and its halves both miss a fall of friction
-/// within 1 mm/s, and 4 um of the position. Held by `cargo test --test replay sharp_fall`.
-const STEEP: f64 = 1e-3;
-const BENT: f64 = 2e-3;
 /// Largest error of the speed in a step of a head without a link, m/s, as a solution of third
 /// order shows it; the step itself is of fourth order. Both set by `cargo test --test replay`: the
 /// position stays within a micrometre over seconds, where steep friction leaves three with 1e-9.
@@ -218,12 +212,18 @@ fn behind_link<L: Lane>(
         }
         Link::Joint(_) => segment.commanded(state.t, &state.clock),
     };
-    let longest = if plant.is_steep() { STEEP } else { BENT };
-    let longest = (!plant.is_linear()).then_some(longest.min(samples.interval));
-    let times = (samples.interval, longest);
+    let bent = if plant.is_linear() { None } else { Some(scale(plant, samples)) };
     let method = state.x.outlined(
         #[inline(always)]
-        || ElasticDrive::new(segment, plant.friction, link, (&state, first), (times, go_on)),
+        || {
+            ElasticDrive::new(
+                segment,
+                plant.friction,
+                link,
+                (&state, first),
+                (samples.interval, bent, go_on),
+            )
+        },
     );
     over_samples(
         plant,
@@ -273,13 +273,19 @@ fn in_steps<L: Lane>(
     read: impl FnMut(usize, Reading<L>),
 ) {
     let contact = &Bound::<Measured, L>(plant.friction);
-    let largest = samples.drive.iter().fold(0.0, |most: f64, drive| most.max(drive.abs()));
-    let fastest = plant.path.gain.abs() * largest / plant.mass;
-    let scale = (fastest * (1.0 / ACCELERATION)).max(fastest.splat(1.0)).frozen();
-    let speed_error = scale * if plant.is_steep() { STEEP_ERROR } else { SMOOTH_ERROR };
+    let speed_error =
+        scale(plant, samples) * if plant.is_steep() { STEEP_ERROR } else { SMOOTH_ERROR };
     let method = RungeKutta::<_, _, _, true>::new(segment, contact, true, segment.step, go_on)
         .within(plant.wavelength() * STRIDE, speed_error);
     unlinked(plant, segment, method, samples, read);
+}
+
+/// Factor on the errors that steps may make, see `ACCELERATION`.
+#[inline(always)]
+fn scale<L: Lane>(plant: &Plant<L>, samples: Samples) -> L {
+    let largest = samples.drive.iter().fold(0.0, |most: f64, drive| most.max(drive.abs()));
+    let fastest = plant.path.gain.abs() * largest / plant.mass;
+    (fastest * (1.0 / ACCELERATION)).max(fastest.splat(1.0)).frozen()
 }
 
 /// A head that nothing parts from its drive.

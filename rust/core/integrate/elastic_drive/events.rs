@@ -1,6 +1,7 @@
 //! Events within a step: stops, break-aways and contacts that close or open, found by
 //! halving the step and, within the shortest one, by the straight line.
 
+use super::one_step::{ByMap, BySeries};
 use super::{ElasticDrive, Now};
 use crate::Tally;
 use crate::lane::Lane;
@@ -24,7 +25,6 @@ impl<L: Lane, F> ElasticDrive<'_, '_, L, F> {
     #[allow(clippy::too_many_arguments)]
     pub(super) fn meet(
         &mut self,
-        level: usize,
         (mask, happens): (L::Mask, L::Mask),
         from: &Now<L>,
         inputs: (L, L),
@@ -44,16 +44,16 @@ impl<L: Lane, F> ElasticDrive<'_, '_, L, F> {
             self.now.direction = L::select(lost, zero.splat(1.0), self.now.direction);
         }
         let happens = L::and(happens, L::not(lost));
-        let (low, gone) = self.before(level, from, inputs, t);
-        // The rest lies within the shortest step: by the straight line.
+        let (low, gone) = self.before(L::select(happens, dt, zero), from, inputs, t);
         let short = self.levels[0].dt;
-        let far = self.moved(&self.levels[0], &low, inputs);
+        // The rest lies within the shortest one: by the straight line.
+        let far = self.moved(ByMap(0), &low, inputs, None);
         let (before, after) =
             (self.overruns(&low, t + gone), self.overruns(&far, t + gone + short));
         let (own, touch) = (crossing(before.0, after.0), crossing(before.1, after.1));
         let first = own.min(touch);
         let creep = L::select(happens, short * first, zero);
-        let mut met = self.crept(creep, &low, inputs);
+        let mut met = self.moved(BySeries(creep), &low, inputs, None);
         let own_event = L::and(zero.lt(after.0), own.le(touch));
         let slides = zero.lt(from.direction.abs());
         let stops = L::and(own_event, slides);
@@ -70,33 +70,24 @@ impl<L: Lane, F> ElasticDrive<'_, '_, L, F> {
         L::select(happens, used, L::select(mask, dt, zero))
     }
 
-    /// The last state before an event within a step, by halving, and its time.
+    /// The last state before an event within a step of `dt`, by maps of ever shorter parts, and
+    /// its time.
     #[inline(always)]
-    fn before(&self, level: usize, from: &Now<L>, inputs: (L, L), t: L) -> (Now<L>, L) {
+    fn before(&self, dt: L, from: &Now<L>, inputs: (L, L), t: L) -> (Now<L>, L) {
         let zero = t.splat(0.0);
         let (mut low, mut gone) = (*from, zero);
-        for level in self.levels[..level].iter().rev() {
-            let trial = self.moved(level, &low, inputs);
-            let after = gone + level.dt;
+        for (level, part) in self.levels.iter().enumerate().rev() {
+            let after = gone + part.dt;
+            let within = after.lt(dt);
+            if !L::any(within) {
+                continue;
+            }
+            let trial = self.moved(ByMap(level), &low, inputs, None);
             let (own, touch) = self.overruns(&trial, t + after);
-            let clear = own.max(touch).le(zero);
+            let clear = L::and(within, own.max(touch).le(zero));
             low = trial.or(clear, low);
             gone = L::select(clear, after, gone);
         }
         (low, gone)
-    }
-
-    /// Stops what a last short stretch has carried past rest.
-    #[inline(always)]
-    pub(super) fn settle(&mut self, mask: L::Mask, t: L) {
-        let zero = t.splat(0.0);
-        let past = L::and(mask, (self.now.direction * self.now.v).lt(zero));
-        if L::any(past) {
-            self.now.v = L::select(past, zero, self.now.v);
-            self.now.sliding_distance = L::select(past, zero, self.now.sliding_distance);
-            let (push, over) = self.excess(&self.now, t);
-            let direction = L::select(zero.lt(over), push.sign(), zero);
-            self.now.direction = L::select(past, direction, self.now.direction);
-        }
     }
 }

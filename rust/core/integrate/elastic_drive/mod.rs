@@ -1,8 +1,7 @@
 //! Exact propagation of a head behind a lag, a spring or a gap, under Coulomb and
 //! viscous friction: linear between events, so a step is one product with a matrix
-//! exponential worked out beforehand. Friction and gravity that bend with the motion
-//! are taken at the middle of each step, an exponential midpoint rule of order two;
-//! where friction bends within few steps, they know their error (see `refinement`).
+//! exponential worked out beforehand. Where friction and gravity bend with the motion, steps
+//! know their error (see `refinement`); in one with an event they are taken at its middle.
 //!
 //! The state besides the head's position is (a, b, v): of a lag its force a; of a
 //! joint the stretch a and the speed b of the drive's side; v is the head's speed.
@@ -11,15 +10,18 @@
 
 mod calm;
 mod events;
+mod lengths;
 mod one_step;
 mod propagation;
 mod refinement;
 
 use super::{Advance, State, Tally};
 use crate::lane::Lane;
-use crate::physics::effects::{Coefficients, Joint, Measured};
+use crate::physics::effects::{Coefficients, Effect, Joint, Measured};
 use crate::physics::friction::{ContactState, Dry};
 use crate::physics::segment::Segment;
+use lengths::Length;
+use one_step::{ByMap, BySeries, Step};
 use propagation::{HALVINGS, JOINED_MODES, Level, MODES, Rates, levels};
 
 /// What stands between the drive and the head.
@@ -37,7 +39,7 @@ const LOOK: f64 = 0.35;
 /// Looks between two samples, at most: as many as an oscillation has that lasts from one to the
 /// next. What is faster sways too little for its events to matter. Set by
 /// `cargo test --release --test replay few_looks`: 64 times as many move the head by 1e-9 m at
-/// most, by 2e-8 m where friction bends.
+/// most, by 3e-7 m where friction bends, which is what its steps leave.
 const MOST_LOOKS: f64 = 18.0;
 /// Looks between two samples behind a lag: its force bends, and the speed may dip.
 const LAG_LOOKS: f64 = 2.0;
@@ -83,14 +85,21 @@ pub struct ElasticDrive<'a, 'b, L: Lane, F> {
     is_gap: bool,
     /// 1 where a lag is too short to be one.
     at_once: L,
-    /// Whether friction and gravity are more than numbers.
+    /// Whether friction and gravity are more than numbers: steps know their error then, see
+    /// `refinement`.
     bent: bool,
-    /// Whether steps know their error, see `refinement`.
-    refines: bool,
+    /// Whether they may fall or kink within a small part of a step.
+    steep: bool,
+    /// Factor on the errors that a step may make.
+    allowed: L,
     /// Longest way of such a step, m.
     stride: L,
-    /// Highest level of steps that its error allows a lane.
+    /// Longest step that the error of the last one allows a lane that slides, s.
     reach: L,
+    /// Longest step by a series, s.
+    short: L,
+    /// Levels from which on some lanes, and all, have no series.
+    mapped: (usize, usize),
     /// Whether there may be stretches in which nothing happens, see `calm`.
     calms: bool,
     /// Modes that a lane may be in, the first so many of `MODES`.
@@ -124,14 +133,15 @@ impl<L: Lane, F: FnMut() -> bool> Advance<L> for ElasticDrive<'_, '_, L, F> {
 
 impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
     /// The link gives the force `first` at the start. `interval` is the usual time between
-    /// samples, `longest` the longest step where friction or gravity bend with the motion.
+    /// samples; where friction or gravity are `bent` by the motion, errors may be larger by that
+    /// factor.
     #[inline(always)]
     pub fn new(
         segment: &'b Segment<'a, L>,
         law: Coefficients<L>,
         link: Link<L>,
         (start, first): (&State<L>, L),
-        ((interval, longest), go_on): ((f64, Option<f64>), F),
+        (interval, bent, go_on): (f64, Option<L>, F),
     ) -> Self {
         let zero = start.x.splat(0.0);
         let one = zero.splat(1.0);
@@ -176,16 +186,30 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
                 (turn * (interval / LOOK)).min(zero.splat(MOST_LOOKS))
             }
         };
-        let least = interval / longest.unwrap_or(interval);
         // As many equal steps as fill an interval.
-        let looks = (look.max(zero.splat(least)).max(one) * (1.0 - 1e-9)).floor() + 1.0;
+        let looks = (look.max(one) * (1.0 - 1e-9)).floor() + 1.0;
         let dt = one * interval / looks * 0.5_f64.powi(HALVINGS);
         let modes = if is_gap { MODES.len() } else { JOINED_MODES };
-        let levels = levels(&rates, dt, modes);
-        let bent = longest.is_some();
-        let refines = bent && refinement::is_needed(&law, rates.is_lag);
+        let steep = [
+            Effect::StribeckFriction,
+            Effect::PositionDependentFriction,
+            Effect::LoadDependentFriction,
+        ];
+        let (steep, allowed) = (law.active.any(&steep), bent.unwrap_or(one));
+        let bent = bent.is_some();
+        let levels = levels(&rates, dt, modes, bent);
         let stride = refinement::stride(&law);
-        let reach = zero.splat(levels.len() as f64);
+        let reach = zero.splat(f64::INFINITY);
+        let short = rates.short().max(levels[0].dt).frozen();
+        let mut mapped = (levels.len(), levels.len());
+        for (i, level) in levels.iter().enumerate().rev() {
+            if L::any(short.lt(level.dt)) {
+                mapped.0 = i;
+            }
+            if !L::any(level.dt.le(short)) {
+                mapped.1 = i;
+            }
+        }
         let steady = segment.drive.is_steady();
         let calms = !rates.is_lag && steady && calm::is_possible(law.active);
         ElasticDrive {
@@ -196,9 +220,12 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
             is_gap,
             at_once,
             bent,
-            refines,
+            steep,
+            allowed,
             stride,
             reach,
+            short,
+            mapped,
             calms,
             modes,
             steady,
@@ -259,6 +286,13 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         (-self.law.viscous).mul_add(speed, Measured::resistance(&self.law, speed, &contact_state))
     }
 
+    /// Acceleration of the head by friction without its viscous part and by gravity.
+    #[inline(always)]
+    fn pull(&self, now: &Now<L>, t: L) -> L {
+        let level = self.level(now, now.direction, self.push(now), t);
+        -now.direction.mul_add(level, self.segment.pull_back(now.x)) * self.segment.per_mass
+    }
+
     /// What pushes the head at rest, and by how much it exceeds what holds it.
     #[inline(always)]
     fn excess(&self, now: &Now<L>, t: L) -> (L, L) {
@@ -287,14 +321,23 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
     fn overruns(&self, now: &Now<L>, t: L) -> (L, L) {
         let zero = t.splat(0.0);
         let slides = zero.lt(now.direction.abs());
-        let own = L::select(slides, -(now.direction * now.v), self.excess(now, t).1);
+        let mut own = -(now.direction * now.v);
+        if L::any(L::not(slides)) {
+            own = L::select(slides, own, self.excess(now, t).1);
+        }
+        (own, self.touches(now))
+    }
+
+    /// The contact's part of it.
+    #[inline(always)]
+    fn touches(&self, now: &Now<L>) -> L {
+        let zero = now.x.splat(0.0);
         if !self.is_gap {
-            return (own, zero.splat(-1.0));
+            return zero.splat(-1.0);
         }
         let side = now.a.sign();
         let (deep, push) = (side * self.depth(now), side * self.contact(now));
-        let closes = deep.min(push);
-        (own, L::select(zero.lt(now.joined), -push, closes))
+        L::select(zero.lt(now.joined), -push, deep.min(push))
     }
 
     /// Mean of what the drive gives from `t` on over `dt`, within a stretch.
@@ -308,7 +351,6 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
     fn stretch(&mut self, state: &State<L>, tally: &mut Tally<L>, left: L, events: &mut L) {
         let zero = left.splat(0.0);
         let (mut t, mut left) = (state.t, left);
-        let shortest = self.levels[0].dt;
         let drive = self.segment.drive.mean(t, left, &state.clock);
         self.steady_force = drive;
         self.now.a = L::select(zero.lt(self.at_once), drive, self.now.a);
@@ -320,60 +362,45 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
                 || self.is_calm(&self.now, t, left, drive),
             );
         }
-        let mut at = self.levels.len();
-        while at > 0 {
-            let span = self.levels[at - 1].dt;
-            // What rounding leaves of a sum of steps is no step.
-            let mut fits = (span * (1.0 - 1e-7)).le(left);
-            if self.refines {
-                fits = L::and(fits, self.reaches(at - 1));
+        let top = if L::any(calm) { self.levels.len() } else { LOOKED + 1 + self.bent as usize };
+        let mut at = top;
+        let least = self.levels[0].dt * 1e-6;
+        loop {
+            let active = least.lt(left);
+            if !L::any(active) {
+                break;
             }
-            if at - 1 > LOOKED {
-                fits = L::and(fits, calm);
-            }
-            if !L::any(fits) {
-                at -= 1;
-                continue;
-            }
-            let dt = L::select(fits, left.min(span), zero);
-            // The time of a whole step is that of its map, whatever the end hangs on.
-            let dt = dt.frozen();
-            let (mut used, mut plain) = (zero, fits);
-            if self.refines {
-                (used, plain) = zero.outlined(
-                    #[inline(always)]
-                    || self.refined(at - 1, fits, (t, state), dt),
-                );
-            }
-            if L::any(plain) {
-                used = used + self.step(at - 1, plain, (t, state), tally, dt, events);
+            let (length, takes) = self.longest(&mut at, active, left, calm);
+            let used = match length {
+                Length::Level(level) => {
+                    // The time of a whole step is that of its map, whatever the end hangs on.
+                    let dt = left.min(self.levels[level].dt).frozen();
+                    let dt = L::select(takes, dt, zero);
+                    self.take(ByMap(level), takes, (t, state), tally, dt, events)
+                }
+                Length::Short(dt) => {
+                    let dt = L::select(takes, dt, zero);
+                    zero.outlined(
+                        #[inline(always)]
+                        || self.take(BySeries(dt), takes, (t, state), tally, dt, events),
+                    )
+                }
+            };
+            if self.bent {
+                // The next one may be longer.
+                at = top;
             }
             let rest = left - used;
             // What is left of nothing may still hang on when an event was.
             let nothing = if L::DERIVED { rest - rest.frozen() } else { zero };
             let rest = L::select(zero.lt(rest), rest, nothing);
-            left = L::select(fits, rest, left);
+            left = L::select(takes, rest, left);
             t = t + used;
-            if self.refines {
-                // Every lane takes the longest step that it may.
-                at = self.levels.len();
-            }
         }
-        let open = (shortest * 1e-6).lt(left);
-        if L::any(open) {
-            zero.outlined(
-                #[inline(always)]
-                || {
-                    let drive = self.mean(t, left, state);
-                    let inputs = self.inputs(&self.now, &self.now, (t, left), drive);
-                    self.now = self.crept(L::select(open, left, zero), &self.now, inputs);
-                    self.settle(open, t + left);
-                },
-            );
-        } else if L::DERIVED {
+        if L::DERIVED {
             let drive = self.mean(t, left, state);
-            let inputs = self.inputs(&self.now, &self.now, (t, left), drive);
-            let end = self.crept(left - left.frozen(), &self.now, inputs);
+            let inputs = self.inputs(&self.now, (t, left), drive);
+            let end = self.moved(BySeries(left - left.frozen()), &self.now, inputs, None);
             let now = &mut self.now;
             for (own, end) in [
                 (&mut now.x, end.x),
@@ -385,6 +412,30 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
                 *own = own.frozen() + (end - end.frozen());
             }
         }
+    }
+
+    /// Takes a step on the lanes of `mask`; returns the time that this took.
+    #[inline(always)]
+    fn take(
+        &mut self,
+        step: impl Step<L>,
+        mask: L::Mask,
+        (t, state): (L, &State<L>),
+        tally: &mut Tally<L>,
+        dt: L,
+        events: &mut L,
+    ) -> L {
+        let (mut used, mut plain) = (dt.splat(0.0), mask);
+        if self.bent {
+            (used, plain) = dt.outlined(
+                #[inline(always)]
+                || self.refined(step, mask, (t, state), dt),
+            );
+        }
+        if L::any(plain) {
+            used = used + self.step(step, plain, (t, state), tally, dt, events);
+        }
+        used
     }
 
     /// Lets go at once what rests and is free to.
@@ -399,12 +450,12 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         }
     }
 
-    /// One step of a level on the lanes of `mask`, to the first event of each;
+    /// One step on the lanes of `mask`, to the first event of each;
     /// returns the time that this took.
     #[inline(always)]
     fn step(
         &mut self,
-        level: usize,
+        step: impl Step<L>,
         mask: L::Mask,
         (t, state): (L, &State<L>),
         tally: &mut Tally<L>,
@@ -415,7 +466,7 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         self.release(mask, t);
         let from = self.now;
         let drive = self.mean(t, dt, state);
-        let (to, inputs) = self.midpoint(level, &from, (t, dt), drive);
+        let (to, inputs) = self.midpoint(step, &from, (t, dt), drive);
         let (own, touch) = self.overruns(&to, t + dt);
         let happens = L::and(mask, zero.lt(own.max(touch)));
         self.now = to.or(mask, from);
@@ -424,7 +475,7 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         }
         zero.outlined(
             #[inline(always)]
-            || self.meet(level, (mask, happens), &from, inputs, (t, dt), tally, events),
+            || self.meet((mask, happens), &from, inputs, (t, dt), tally, events),
         )
     }
 }

@@ -1,11 +1,73 @@
 //! One step of a head behind a joint or a lag, whatever happens within: friction and gravity as
 //! they are at its middle.
 
-use super::propagation::{Inputs, Level, MODES};
+use super::propagation::{Changes, Inputs, MODES};
 use super::{ElasticDrive, Now};
 use crate::lane::Lane;
-use crate::lane::exp::speed_factor;
-use crate::physics::effects::Effect;
+
+/// How a step is taken. Two types, so that the frequent one is compiled without the other.
+pub(super) trait Step<L: Lane>: Copy {
+    fn half(self) -> Self;
+    /// Where it leads a lane of a mode.
+    fn end<F>(
+        self,
+        drive: &ElasticDrive<L, F>,
+        from: &Inputs<L>,
+        changes: Option<Changes<L>>,
+        mode: usize,
+    ) -> [L; 4];
+}
+
+/// The map of a level.
+#[derive(Clone, Copy)]
+pub(super) struct ByMap(pub usize);
+
+impl<L: Lane> Step<L> for ByMap {
+    /// No level that is stepped over is the lowest.
+    #[inline(always)]
+    fn half(self) -> Self {
+        ByMap(self.0 - 1)
+    }
+    #[inline(always)]
+    fn end<F>(
+        self,
+        drive: &ElasticDrive<L, F>,
+        from: &Inputs<L>,
+        changes: Option<Changes<L>>,
+        mode: usize,
+    ) -> [L; 4] {
+        let level = &drive.levels[self.0];
+        let end = level.maps[mode].apply(from);
+        match changes {
+            Some(changes) => level.bends[mode].add(changes, end),
+            None => end,
+        }
+    }
+}
+
+/// Taylor's series, over any short time.
+#[derive(Clone, Copy)]
+pub(super) struct BySeries<L>(pub L);
+
+impl<L: Lane> Step<L> for BySeries<L> {
+    #[inline(always)]
+    fn half(self) -> Self {
+        BySeries(self.0 * 0.5)
+    }
+    #[inline(always)]
+    fn end<F>(
+        self,
+        drive: &ElasticDrive<L, F>,
+        from: &Inputs<L>,
+        changes: Option<Changes<L>>,
+        mode: usize,
+    ) -> [L; 4] {
+        self.0.outlined(
+            #[inline(always)]
+            || drive.rates.series(from, changes, self.0, MODES[mode]),
+        )
+    }
+}
 
 /// `a` where the mask holds, `b` elsewhere.
 #[inline(always)]
@@ -18,29 +80,20 @@ fn either<L: Lane>(mask: L::Mask, a: [L; 4], b: [L; 4]) -> [L; 4] {
 }
 
 impl<L: Lane, F> ElasticDrive<'_, '_, L, F> {
-    /// One step of a level from `now`, whatever happens within.
+    /// One step from `now`, whatever happens within, with inputs that change over it, if any.
     #[inline(always)]
-    pub(super) fn moved(&self, level: &Level<L>, now: &Now<L>, inputs: (L, L)) -> Now<L> {
+    pub(super) fn moved(
+        &self,
+        step: impl Step<L>,
+        now: &Now<L>,
+        inputs: (L, L),
+        changes: Option<Changes<L>>,
+    ) -> Now<L> {
         let (offset, at) = self.inward(now, inputs);
         let end = self.by_mode(
             now,
             #[inline(always)]
-            |mode| level.maps[mode].apply(&at),
-        );
-        self.gone(now, end, offset)
-    }
-
-    /// The same over any time up to the shortest step.
-    #[inline(always)]
-    pub(super) fn crept(&self, dt: L, now: &Now<L>, inputs: (L, L)) -> Now<L> {
-        let (offset, at) = self.inward(now, inputs);
-        let end = self.by_mode(
-            now,
-            #[inline(always)]
-            |mode| {
-                let (slides, joined) = MODES[mode];
-                self.rates.series(&at, dt, slides, joined)
-            },
+            |mode| step.end(self, &at, changes, mode),
         );
         self.gone(now, end, offset)
     }
@@ -85,34 +138,28 @@ impl<L: Lane, F> ElasticDrive<'_, '_, L, F> {
         (offset, [now.a - offset, now.b, now.v, g, u])
     }
 
-    /// What acts over a step from `from`, friction as it is at `now`.
+    /// What acts over a step, friction as it is at `now` and at the step's middle in time.
     #[inline(always)]
-    pub(super) fn inputs(&self, now: &Now<L>, from: &Now<L>, (t, dt): (L, L), drive: L) -> (L, L) {
-        let mut load = self.push(now);
-        if self.rates.is_lag && self.law.active.has(Effect::LoadDependentFriction) {
-            // Mean over the step.
-            load = (from.a - drive).mul_add(speed_factor(dt * self.rates.lag), drive);
-        }
-        let level = self.level(now, now.direction, load, dt.mul_add(dt.splat(0.5), t));
-        let back = now.direction.mul_add(level, self.segment.pull_back(now.x));
-        (-back * self.segment.per_mass, drive)
+    pub(super) fn inputs(&self, now: &Now<L>, (t, dt): (L, L), drive: L) -> (L, L) {
+        (self.pull(now, dt.mul_add(dt.splat(0.5), t)), drive)
     }
 
-    /// Where a step of a level leads from `from` with friction as it is at its middle, and
+    /// Where a step leads from `from` with friction as it is at its middle, and
     /// what acts over it.
     #[inline(always)]
     pub(super) fn midpoint(
         &self,
-        level: usize,
+        step: impl Step<L>,
         from: &Now<L>,
         (t, dt): (L, L),
         drive: L,
     ) -> (Now<L>, (L, L)) {
-        let mut inputs = self.inputs(from, from, (t, dt), drive);
-        if self.bent && level > 0 {
-            let middle = self.moved(&self.levels[level - 1], from, inputs);
-            inputs = self.inputs(&middle, from, (t, dt), drive);
+        let mut inputs = self.inputs(from, (t, dt), drive);
+        let zero = dt.splat(0.0);
+        if self.bent && L::any(zero.lt(from.direction.abs())) {
+            let middle = self.moved(step.half(), from, inputs, None);
+            inputs = self.inputs(&middle, (t, dt), drive);
         }
-        (self.moved(&self.levels[level], from, inputs), inputs)
+        (self.moved(step, from, inputs, None), inputs)
     }
 }

@@ -1,60 +1,106 @@
-//! Steps that know their error, for friction that bends within a step: each is taken whole
-//! and in two halves, and halved until both agree.
+//! Steps that know their error, for friction and gravity that bend with the motion: an
+//! exponential Runge-Kutta method of order four. What is linear is propagated exactly, what
+//! bends enters as a parabola in time through its values at the start, the middle and the end
+//! of a step (S. M. Cox, P. C. Matthews, Exponential time differencing for stiff systems,
+//! Journal of Computational Physics 176, 2002, ETD4RK).
 
-use super::propagation::HALVINGS;
+use super::one_step::Step;
 use super::{ElasticDrive, Now};
-use crate::State;
 use crate::lane::Lane;
 use crate::physics::effects::{Coefficients, Effect};
+use crate::{State, cube_root};
 
-/// Largest difference of the speed between a whole step and its halves, m/s. Set by
-/// `cargo test --release --test replay behind_links`: 1e-7 leaves up to a micrometre of the
-/// position, this less than the plain integration does.
-const SPEED_ERROR: f64 = 3e-8;
-/// Longest way of a step as a share of the wavelength of friction along the track: whole and
-/// halves may agree because both miss a wave. The same as without a link, `STRIDE` in
-/// `replay.rs`, set there by `cargo test --test replay fast_waves`.
+/// Largest change of the speed that the parabola's bend makes in a step, m/s: the error of a
+/// method of order two, far above the step's own. It sees what falls within a step, which a
+/// difference of two high orders can miss. Set by `cargo test --release --test replay links`.
+const SPEED_ERROR: f64 = 1e-6;
+/// Largest change of the speed by what friction changes over a step with an event, m/s: friction
+/// is taken as at the middle there. Set by the same command.
+const EVENT_ERROR: f64 = 1e-7;
+/// Longest way of a step as a share of the wavelength of friction along the track: all values of
+/// a step may miss a wave. The same as without a link, `STRIDE` in `replay.rs`, set there by
+/// `cargo test --test replay fast_waves`.
 const STRIDE: f64 = 0.125;
-/// Most halvings of a step: a law that jumps has no short enough one. Of a millisecond they
-/// leave two microseconds, in which a newton changes the speed of the paper's head by 7 um/s.
-const MOST_HALVINGS: usize = 9;
-/// What half a step leaves of the difference, as one part in so many: it goes with the third
-/// power.
-const PER_HALVING: f64 = 8.0;
+/// Shortest step that knows its error, s: a law that jumps has no short enough one. In it a newton
+/// changes the speed of the paper's head by 7 um/s.
+const SHORTEST: f64 = 2e-6;
+/// What a step takes of the length that its error allows, so that the next is seldom cut
+/// again; and how far one step may shrink or grow at a time, as its error is an estimate.
+const SAFETY: f64 = 0.9;
+const MOST_SHRINK: f64 = 0.1;
+const MOST_GROWTH: f64 = 8.0;
+/// Errors below this are rounding, in shares of what is allowed.
+const NO_ERROR: f64 = 1e-9;
 
-/// Whether friction changes so fast along the track, the speed or the oscillation of a joint
-/// that usual steps are too long, or needlessly short.
-pub(super) fn is_needed<L>(law: &Coefficients<L>, is_lag: bool) -> bool {
-    let steep = [Effect::StribeckFriction, Effect::PositionDependentFriction];
-    law.active.any(&steep) || !is_lag && law.active.has(Effect::LoadDependentFriction)
-}
-
-/// Longest way of a step.
+/// Longest way of such a step.
 pub(super) fn stride<L: Lane>(law: &Coefficients<L>) -> L {
     let waves = law.active.has(Effect::PositionDependentFriction);
     let like = law.per_length;
     if waves { (like.splat(STRIDE) / like).frozen() } else { like.splat(f64::INFINITY) }
 }
 
-/// Shortest level of steps that are tried in halves.
-const LEAST: usize = HALVINGS as usize - MOST_HALVINGS;
+/// Where a step leads, and what bends on the way.
+struct Curve<L> {
+    middle: Now<L>,
+    end: Now<L>,
+    /// Acceleration by friction and gravity at the start, the middle and the end.
+    pulls: [L; 3],
+}
 
 impl<L: Lane, F> ElasticDrive<'_, '_, L, F> {
-    /// Lanes that may take a step of a level. Motion at rest is exact, whatever the step.
     #[inline(always)]
-    pub(super) fn reaches(&self, level: usize) -> L::Mask {
-        let zero = self.reach.splat(0.0);
-        let rests = self.now.direction.abs().le(zero);
-        L::or(rests, zero.splat(level as f64).le(self.reach))
+    fn curve(
+        &self,
+        step: impl Step<L>,
+        from: &Now<L>,
+        (t, state): (L, &State<L>),
+        dt: L,
+    ) -> Curve<L> {
+        let (half, part) = (dt * 0.5, step.half());
+        let before = self.mean(t, half, state);
+        let first = self.pull(from, t);
+        let near = self.moved(part, from, (first, before), None);
+        let early = self.pull(&near, t + half);
+        let mut flat = dt.lt(dt);
+        let mut plain = *from;
+        if !self.steep {
+            // What hardly changes over half a step, and does not fall, is as good as its value in
+            // the middle.
+            flat = ((early - first).abs() * dt).le(self.allowed * SPEED_ERROR);
+            plain = self.moved(step, from, (early, self.mean(t, dt, state)), None);
+            if !L::any(L::not(flat)) {
+                return Curve { middle: near, end: plain, pulls: [first, early, early] };
+            }
+        }
+        let after = self.mean(t + half, half, state);
+        let middle = self.moved(part, from, (early, before), None);
+        let late = self.pull(&middle, t + half);
+        let far = self.moved(part, &near, (late * 2.0 - first, after), None);
+        let last = self.pull(&far, t + dt);
+
+        let midway = (early + late) * 0.5;
+        let square = (first - midway * 2.0 + last) * 2.0;
+        let rise = last - first - square;
+        let swell = (after - before) * 2.0;
+        let held = (first, (before + after - swell) * 0.5);
+        let end = self.moved(step, from, held, Some([rise, square, swell]));
+        let pulls = [first, L::select(flat, early, midway), L::select(flat, early, last)];
+        Curve { middle: near.or(flat, middle), end: plain.or(flat, end), pulls }
     }
 
-    /// Takes the lanes of `mask` whose step of a level is short enough, and holds no event,
-    /// over it, and keeps what the next one may reach. Returns the time that this took, and
-    /// the lanes of which a plain step is good enough; all others are to try a shorter one.
+    /// Positive where what slides has passed zero or its contact has closed or would pull.
+    #[inline(always)]
+    fn turned(&self, now: &Now<L>) -> L {
+        (-(now.direction * now.v)).max(self.touches(now))
+    }
+
+    /// Takes the lanes of `mask` whose step is short enough, and holds no event, over it, and
+    /// keeps what the next one may reach. Returns the time that this took, and the lanes of
+    /// which a plain step is good enough; all others are to try a shorter one.
     #[inline(always)]
     pub(super) fn refined(
         &mut self,
-        level: usize,
+        step: impl Step<L>,
         mask: L::Mask,
         (t, state): (L, &State<L>),
         dt: L,
@@ -62,60 +108,40 @@ impl<L: Lane, F> ElasticDrive<'_, '_, L, F> {
         let zero = dt.splat(0.0);
         self.release(mask, t);
         let slides = L::and(mask, zero.lt(self.now.direction.abs()));
-        if level < LEAST || !L::any(slides) {
+        let slides = L::and(slides, zero.splat(SHORTEST).lt(dt));
+        if !L::any(slides) {
             return (zero, mask);
         }
         let from = self.now;
-        let half = dt * 0.5;
-        let drive = self.mean(t, dt, state);
-        let (whole, inputs) = self.midpoint(level, &from, (t, dt), drive);
-        // Up to an event, friction is taken as at the middle.
-        let bend = (inputs.0 - self.inputs(&from, &from, (t, dt), drive).0).abs() * dt;
-        let drive = self.mean(t, half, state);
-        let (middle, _) = self.midpoint(level - 1, &from, (t, half), drive);
-        let drive = self.mean(t + half, half, state);
-        let (halves, _) = self.midpoint(level - 1, &middle, (t + half, half), drive);
-        let end = halves.beyond(&whole);
+        let Curve { middle, end, pulls: [first, midway, last] } =
+            self.curve(step, &from, (t, state), dt);
 
-        let (own, touch) = self.overruns(&end, t + dt);
-        let happens = zero.lt(own.max(touch));
-        let allowed = zero.splat(SPEED_ERROR);
-        let error = L::select(happens, bend, (halves.v - whole.v).abs());
-        let way = dt * from.v.abs().max(whole.v.abs());
-        let long = L::or(allowed.lt(error), self.stride.lt(way));
-        let rough = if level > LEAST { L::and(slides, long) } else { zero.lt(zero) };
+        let one = zero.splat(1.0);
+        let happens = zero.lt(self.turned(&end));
+        let passes = L::and(zero.lt(self.turned(&middle)), L::not(happens));
+        let change = (midway - first).abs().max((last - first).abs()) * dt;
+        let bend = (first - midway * 2.0 + last).abs() * (dt * (1.0 / 6.0));
+        let error = L::select(happens, change * (1.0 / EVENT_ERROR), bend * (1.0 / SPEED_ERROR));
+        let error = error / self.allowed;
+        let way = dt * from.v.abs().max(end.v.abs()) / self.stride;
+        let long = L::or(L::or(one.lt(error), one.lt(way)), passes);
+        let rough = L::and(slides, long);
 
-        let now = zero.splat(level as f64);
-        let far = (allowed * PER_HALVING).lt(error);
-        let cut = L::select(far, now - 2.0, now - 1.0).max(zero.splat(LEAST as f64));
-        let smooth = L::and((error * PER_HALVING).le(allowed), (way * 2.0).le(self.stride));
-        let grown = L::select(smooth, self.reach.max(now + 1.0), self.reach);
-        let reach = L::select(rough, cut, grown);
+        let share = cube_root(error).max(way).max(one * NO_ERROR);
+        let factor = (one * SAFETY / share).max(one * MOST_SHRINK).min(one * MOST_GROWTH);
+        // A stop is approached to a part of the way.
+        let stops = (end.direction * end.v).lt(zero);
+        let stop = from.v / (from.v - end.v) * SAFETY;
+        let factor = L::select(stops, factor.min(stop.max(one * MOST_SHRINK)), factor);
+        let touches = L::and(happens, L::not(stops));
+        let factor = L::select(L::or(passes, touches), factor.min(one * 0.5), factor);
+        let reach = dt * factor;
+        // A step that was cut for other reasons says nothing about a longer one.
+        let reach = L::select(rough, reach.max(zero.splat(SHORTEST)), self.reach.max(reach));
         self.reach = L::select(slides, reach, self.reach).frozen();
 
         let taken = L::and(slides, L::not(L::or(rough, happens)));
         self.now = end.or(taken, from);
         (L::select(taken, dt, zero), L::and(mask, L::not(L::or(rough, taken))))
     }
-}
-
-impl<L: Lane> Now<L> {
-    /// Where `self`, two steps of order two, and `whole`, one over the same time, point to.
-    #[inline(always)]
-    fn beyond(&self, whole: &Now<L>) -> Now<L> {
-        Now {
-            x: limit(self.x, whole.x),
-            a: limit(self.a, whole.a),
-            b: limit(self.b, whole.b),
-            v: limit(self.v, whole.v),
-            sliding_distance: limit(self.sliding_distance, whole.sliding_distance),
-            ..*self
-        }
-    }
-}
-
-/// Limit of a number by two steps of order two and by one over the same time.
-#[inline(always)]
-fn limit<L: Lane>(halves: L, whole: L) -> L {
-    (halves - whole).mul_add(halves.splat(1.0 / 3.0), halves)
 }

@@ -268,8 +268,9 @@ impl<L: Lane> Plant<L> {
             Effect::PositionDependentFriction,
             Effect::LubricantBuildup,
         ];
-        // The load of a joint follows its own oscillation.
-        let loaded = self.joint.is_some() && self.active.has(Effect::LoadDependentFriction);
+        // The load behind a joint or a lag changes between events.
+        let linked = self.joint.is_some() || self.path.lags;
+        let loaded = linked && self.active.has(Effect::LoadDependentFriction);
         !self.rotary && !loaded && !self.active.any(&bent)
     }
 
