@@ -65,6 +65,37 @@ fn steps_that_know_their_error_do_not_look_at_their_neighbours() {
     }
 }
 
+/// Neighbours choose steps of other kinds: a lag of 0.1 ms leaves no series to any length, one of
+/// 50 ms no map. Samples are even, and not.
+#[test]
+fn lags_of_any_length_do_not_look_at_their_neighbours() {
+    let even = run(400, 2e-3);
+    let mut uneven = even.clone();
+    for (i, time) in uneven.times.iter_mut().enumerate() {
+        *time += 5e-4 * libm::sin(i as f64);
+    }
+    let bent = [None, Some(Effect::StribeckFriction), Some(Effect::QuadraticDrag)];
+    for (run, level) in [&even, &uneven]
+        .into_iter()
+        .flat_map(|run| Level::available().into_iter().map(move |level| (run, level)))
+    {
+        for bent in bent {
+            let make = |i: usize| {
+                let mut values = bent.map_or([0.0; EFFECT_PARAMS], on);
+                values[Effect::DriveLag.first()] = 1e-4 * libm::pow(500.0, i as f64 / 18.0);
+                let active = bent.into_iter().fold(Active::default(), |all, one| all.with(one));
+                column(active.with(Effect::DriveLag), values, 400)
+            };
+            let many: Vec<Column> = (0..19).map(make).collect();
+            let together = all(&many, run, level);
+            for (i, column) in many.iter().enumerate() {
+                let alone = &all(std::slice::from_ref(column), run, level)[0];
+                assert!(*alone == together[i], "{bent:?} {i} {}", level.name());
+            }
+        }
+    }
+}
+
 /// A column per effect and size, of two runs, in windows of several lengths.
 fn mixed() -> Vec<Column> {
     let mut columns = Vec::new();

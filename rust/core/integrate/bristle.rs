@@ -10,8 +10,8 @@ mod system;
 
 use super::drive_resolution::outruns_step;
 use super::event_location::Cubic;
+use super::step_control::cube_root;
 use super::{Advance, Clock, MOST_STIFF_STEPS, State, Tally};
-use crate::cube_root;
 use crate::lane::Lane;
 use crate::physics::friction::{Bristle, ContactState, MOST_STATES};
 use crate::physics::segment::Segment;

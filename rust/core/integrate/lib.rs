@@ -20,6 +20,7 @@ pub mod replay;
 pub mod robot;
 pub mod runge_kutta;
 pub mod smooth;
+mod step_control;
 mod tally;
 
 pub use tally::{Tally, Watch};
@@ -188,14 +189,4 @@ pub fn drive<L: Lane>(
     method.advance(&mut state, &mut tally, duration);
     let elastic = method.elastic(&state);
     tally.end(segment, &state, elastic)
-}
-
-/// Third root over lanes, good to a few percent: it only sizes steps.
-#[inline(always)]
-pub(crate) fn cube_root<L: Lane>(x: L) -> L {
-    // x^(1/3) = x^(1/4) x^(1/16) x^(1/64) ..., four factors leave 0.4 %.
-    let a = x.sqrt().sqrt();
-    let b = a.sqrt().sqrt();
-    let c = b.sqrt().sqrt();
-    (a * b) * (c * c.sqrt().sqrt())
 }

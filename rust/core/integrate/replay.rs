@@ -4,7 +4,7 @@
 use super::anchored_body::AnchoredBody;
 use super::bristle::{self, Rosenbrock};
 use super::dry_contact::Bound;
-use super::elastic_drive::{ElasticDrive, Link};
+use super::elastic_drive::{Bent, ElasticDrive, Link};
 use super::event_location::Cubic;
 use super::exact::{self, Exact};
 use super::runge_kutta::RungeKutta;
@@ -212,7 +212,12 @@ fn behind_link<L: Lane>(
         }
         Link::Joint(_) => segment.commanded(state.t, &state.clock),
     };
-    let bent = if plant.is_linear() { None } else { Some(scale(plant, samples)) };
+    let mut bent = None;
+    if !plant.is_linear() {
+        let steep = plant.is_steep() || plant.has_varying_load();
+        let (allowed, stride) = (scale(plant, samples), plant.wavelength() * STRIDE);
+        bent = Some(Bent { steep, allowed, stride: stride.frozen() });
+    }
     let method = state.x.outlined(
         #[inline(always)]
         || {
@@ -280,7 +285,7 @@ fn in_steps<L: Lane>(
     unlinked(plant, segment, method, samples, read);
 }
 
-/// Factor on the errors that steps may make, see `ACCELERATION`.
+/// Factor on the errors of the speed that steps may make, see `ACCELERATION`.
 #[inline(always)]
 fn scale<L: Lane>(plant: &Plant<L>, samples: Samples) -> L {
     let largest = samples.drive.iter().fold(0.0, |most: f64, drive| most.max(drive.abs()));

@@ -8,6 +8,7 @@
 use super::drive_resolution::{looks, outruns_step, outruns_wait};
 use super::dry_contact::{DryContact, Slide, wait};
 use super::event_location::Cubic;
+use super::step_control::{MOST_GROWTH, MOST_SHRINK, SAFETY};
 use super::{Advance, MOST_STEPS, State, Tally};
 use crate::lane::Lane;
 use crate::physics::segment::Segment;
@@ -68,11 +69,6 @@ impl<'a, 'b, C: DryContact<L> + ?Sized, L: Lane, F, const CONTROL: bool>
 /// Shortest controlled step, as a share of the longest: a law that jumps has no short
 /// enough one.
 const SHORTEST: f64 = 1e-6;
-/// What a step takes of the length that its error allows, so that the next is seldom cut
-/// again; and how far one step may shrink or grow at a time, as its error is an estimate.
-const SAFETY: f64 = 0.9;
-const MOST_SHRINK: f64 = 0.1;
-const MOST_GROWTH: f64 = 4.0;
 /// Errors below this are rounding, m/s.
 const NO_ERROR: f64 = 1e-30;
 

@@ -4,9 +4,11 @@
 use super::{ElasticDrive, LOOKED};
 use crate::lane::Lane;
 
-/// Level of the smallest steps that an interval is divided into by maps where a series would do.
+/// Level of the smallest steps that an interval is divided into by maps where a series would do:
+/// an eighth of the time between two looks, as a shorter reach is mostly that of an event. Not
+/// derived.
 const SMALLEST: usize = LOOKED - 3;
-/// Shares of a step that are rounding.
+/// Shares of a step that are rounding: times of samples are differences of larger numbers.
 const ROUNDING: f64 = 1e-7;
 
 /// What a step may be.
@@ -45,8 +47,12 @@ impl<L: Lane, F> ElasticDrive<'_, '_, L, F> {
                 let twice = self.bent && level == LOOKED + 1;
                 fits = L::and(fits, if twice { L::or(calm, slides) } else { calm });
             }
+            // A series is as good, but where whole steps fill the rest.
             if level < self.mapped.1.min(LOOKED) && L::any(fits) {
-                fits = L::and(fits, L::or(self.short.lt(span), self.is_even(left)));
+                let long = self.short.lt(span);
+                let even = level >= SMALLEST;
+                let maps = if even { L::or(long, self.is_even(left)) } else { long };
+                fits = L::and(fits, maps);
             }
             if L::any(fits) {
                 return (Length::Level(level), fits);

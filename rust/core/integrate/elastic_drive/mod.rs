@@ -6,7 +6,7 @@
 //! The state besides the head's position is (a, b, v): of a lag its force a; of a
 //! joint the stretch a and the speed b of the drive's side; v is the head's speed.
 //! Exponentials are kept for steps of h, h/2, h/4, ... (see `propagation`): events are
-//! found by halving (see `events`), and any rest of an interval is made up of them.
+//! found by halving (see `events`). The rest of an interval is a step by a series (see `lengths`).
 
 mod calm;
 mod events;
@@ -17,12 +17,13 @@ mod refinement;
 
 use super::{Advance, State, Tally};
 use crate::lane::Lane;
-use crate::physics::effects::{Coefficients, Effect, Joint, Measured};
+use crate::physics::effects::{Coefficients, Joint, Measured};
 use crate::physics::friction::{ContactState, Dry};
 use crate::physics::segment::Segment;
 use lengths::Length;
 use one_step::{ByMap, BySeries, Step};
 use propagation::{HALVINGS, JOINED_MODES, Level, MODES, Rates, levels};
+pub use refinement::Bent;
 
 /// What stands between the drive and the head.
 #[derive(Clone, Copy)]
@@ -88,12 +89,8 @@ pub struct ElasticDrive<'a, 'b, L: Lane, F> {
     /// Whether friction and gravity are more than numbers: steps know their error then, see
     /// `refinement`.
     bent: bool,
-    /// Whether they may fall or kink within a small part of a step.
-    steep: bool,
-    /// Factor on the errors that a step may make.
-    allowed: L,
-    /// Longest way of such a step, m.
-    stride: L,
+    /// In what way.
+    bends: Bent<L>,
     /// Longest step that the error of the last one allows a lane that slides, s.
     reach: L,
     /// Longest step by a series, s.
@@ -133,15 +130,14 @@ impl<L: Lane, F: FnMut() -> bool> Advance<L> for ElasticDrive<'_, '_, L, F> {
 
 impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
     /// The link gives the force `first` at the start. `interval` is the usual time between
-    /// samples; where friction or gravity are `bent` by the motion, errors may be larger by that
-    /// factor.
+    /// samples. Friction or gravity may be `bent` by the motion.
     #[inline(always)]
     pub fn new(
         segment: &'b Segment<'a, L>,
         law: Coefficients<L>,
         link: Link<L>,
         (start, first): (&State<L>, L),
-        (interval, bent, go_on): (f64, Option<L>, F),
+        (interval, bent, go_on): (f64, Option<Bent<L>>, F),
     ) -> Self {
         let zero = start.x.splat(0.0);
         let one = zero.splat(1.0);
@@ -190,15 +186,9 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         let looks = (look.max(one) * (1.0 - 1e-9)).floor() + 1.0;
         let dt = one * interval / looks * 0.5_f64.powi(HALVINGS);
         let modes = if is_gap { MODES.len() } else { JOINED_MODES };
-        let steep = [
-            Effect::StribeckFriction,
-            Effect::PositionDependentFriction,
-            Effect::LoadDependentFriction,
-        ];
-        let (steep, allowed) = (law.active.any(&steep), bent.unwrap_or(one));
-        let bent = bent.is_some();
+        let straight = Bent { steep: false, allowed: one, stride: zero };
+        let (bent, bends) = (bent.is_some(), bent.unwrap_or(straight));
         let levels = levels(&rates, dt, modes, bent);
-        let stride = refinement::stride(&law);
         let reach = zero.splat(f64::INFINITY);
         let short = rates.short().max(levels[0].dt).frozen();
         let mut mapped = (levels.len(), levels.len());
@@ -220,9 +210,7 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
             is_gap,
             at_once,
             bent,
-            steep,
-            allowed,
-            stride,
+            bends,
             reach,
             short,
             mapped,
@@ -362,8 +350,11 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
                 || self.is_calm(&self.now, t, left, drive),
             );
         }
+        // Steps of levels above go beyond a look: where nothing happens, or as one that is bent
+        // looks at its middle.
         let top = if L::any(calm) { self.levels.len() } else { LOOKED + 1 + self.bent as usize };
         let mut at = top;
+        // What rounding leaves is no step.
         let least = self.levels[0].dt * 1e-6;
         loop {
             let active = least.lt(left);
@@ -376,13 +367,13 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
                     // The time of a whole step is that of its map, whatever the end hangs on.
                     let dt = left.min(self.levels[level].dt).frozen();
                     let dt = L::select(takes, dt, zero);
-                    self.take(ByMap(level), takes, (t, state), tally, dt, events)
+                    self.step(ByMap(level), takes, (t, state), tally, dt, events)
                 }
                 Length::Short(dt) => {
                     let dt = L::select(takes, dt, zero);
                     zero.outlined(
                         #[inline(always)]
-                        || self.take(BySeries(dt), takes, (t, state), tally, dt, events),
+                        || self.step(BySeries(dt), takes, (t, state), tally, dt, events),
                     )
                 }
             };
@@ -414,30 +405,6 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         }
     }
 
-    /// Takes a step on the lanes of `mask`; returns the time that this took.
-    #[inline(always)]
-    fn take(
-        &mut self,
-        step: impl Step<L>,
-        mask: L::Mask,
-        (t, state): (L, &State<L>),
-        tally: &mut Tally<L>,
-        dt: L,
-        events: &mut L,
-    ) -> L {
-        let (mut used, mut plain) = (dt.splat(0.0), mask);
-        if self.bent {
-            (used, plain) = dt.outlined(
-                #[inline(always)]
-                || self.refined(step, mask, (t, state), dt),
-            );
-        }
-        if L::any(plain) {
-            used = used + self.step(step, plain, (t, state), tally, dt, events);
-        }
-        used
-    }
-
     /// Lets go at once what rests and is free to.
     #[inline(always)]
     fn release(&mut self, mask: L::Mask, t: L) {
@@ -463,6 +430,16 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         events: &mut L,
     ) -> L {
         let zero = dt.splat(0.0);
+        let (mut used, mut mask) = (zero, mask);
+        if self.bent {
+            (used, mask) = zero.outlined(
+                #[inline(always)]
+                || self.refined(step, mask, (t, state), dt),
+            );
+            if !L::any(mask) {
+                return used;
+            }
+        }
         self.release(mask, t);
         let from = self.now;
         let drive = self.mean(t, dt, state);
@@ -471,11 +448,12 @@ impl<'a, 'b, L: Lane, F> ElasticDrive<'a, 'b, L, F> {
         let happens = L::and(mask, zero.lt(own.max(touch)));
         self.now = to.or(mask, from);
         if !L::any(happens) {
-            return L::select(mask, dt, zero);
+            return used + L::select(mask, dt, zero);
         }
-        zero.outlined(
+        let met = zero.outlined(
             #[inline(always)]
             || self.meet((mask, happens), &from, inputs, (t, dt), tally, events),
-        )
+        );
+        used + met
     }
 }

@@ -1,5 +1,5 @@
-//! One step of a head behind a joint or a lag, whatever happens within: friction and gravity as
-//! they are at its middle.
+//! One step of a head behind a joint or a lag, whatever happens within, by a map or a series;
+//! and the one with friction and gravity as they are at its middle.
 
 use super::propagation::{Changes, Inputs, MODES};
 use super::{ElasticDrive, Now};

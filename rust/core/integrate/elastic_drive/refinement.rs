@@ -6,9 +6,9 @@
 
 use super::one_step::Step;
 use super::{ElasticDrive, Now};
+use crate::State;
 use crate::lane::Lane;
-use crate::physics::effects::{Coefficients, Effect};
-use crate::{State, cube_root};
+use crate::step_control::{MOST_GROWTH, MOST_SHRINK, SAFETY, cube_root};
 
 /// Largest change of the speed that the parabola's bend makes in a step, m/s: the error of a
 /// method of order two, far above the step's own. It sees what falls within a step, which a
@@ -17,26 +17,21 @@ const SPEED_ERROR: f64 = 1e-6;
 /// Largest change of the speed by what friction changes over a step with an event, m/s: friction
 /// is taken as at the middle there. Set by the same command.
 const EVENT_ERROR: f64 = 1e-7;
-/// Longest way of a step as a share of the wavelength of friction along the track: all values of
-/// a step may miss a wave. The same as without a link, `STRIDE` in `replay.rs`, set there by
-/// `cargo test --test replay fast_waves`.
-const STRIDE: f64 = 0.125;
 /// Shortest step that knows its error, s: a law that jumps has no short enough one. In it a newton
-/// changes the speed of the paper's head by 7 um/s.
+/// changes the speed of the paper's head by 7 um/s. Not derived.
 const SHORTEST: f64 = 2e-6;
-/// What a step takes of the length that its error allows, so that the next is seldom cut
-/// again; and how far one step may shrink or grow at a time, as its error is an estimate.
-const SAFETY: f64 = 0.9;
-const MOST_SHRINK: f64 = 0.1;
-const MOST_GROWTH: f64 = 8.0;
 /// Errors below this are rounding, in shares of what is allowed.
 const NO_ERROR: f64 = 1e-9;
 
-/// Longest way of such a step.
-pub(super) fn stride<L: Lane>(law: &Coefficients<L>) -> L {
-    let waves = law.active.has(Effect::PositionDependentFriction);
-    let like = law.per_length;
-    if waves { (like.splat(STRIDE) / like).frozen() } else { like.splat(f64::INFINITY) }
+/// Friction and gravity that bend with the motion.
+#[derive(Clone, Copy)]
+pub struct Bent<L> {
+    /// Whether they may fall or kink within a small part of a step.
+    pub steep: bool,
+    /// Factor on the errors that a step may make.
+    pub allowed: L,
+    /// Longest way of a step, m: all values of one may miss a wave of friction along the track.
+    pub stride: L,
 }
 
 /// Where a step leads, and what bends on the way.
@@ -48,6 +43,7 @@ struct Curve<L> {
 }
 
 impl<L: Lane, F> ElasticDrive<'_, '_, L, F> {
+    /// Where a step leads by the parabola through three of its values.
     #[inline(always)]
     fn curve(
         &self,
@@ -63,10 +59,10 @@ impl<L: Lane, F> ElasticDrive<'_, '_, L, F> {
         let early = self.pull(&near, t + half);
         let mut flat = dt.lt(dt);
         let mut plain = *from;
-        if !self.steep {
+        if !self.bends.steep {
             // What hardly changes over half a step, and does not fall, is as good as its value in
             // the middle.
-            flat = ((early - first).abs() * dt).le(self.allowed * SPEED_ERROR);
+            flat = ((early - first).abs() * dt).le(self.bends.allowed * SPEED_ERROR);
             plain = self.moved(step, from, (early, self.mean(t, dt, state)), None);
             if !L::any(L::not(flat)) {
                 return Curve { middle: near, end: plain, pulls: [first, early, early] };
@@ -122,8 +118,8 @@ impl<L: Lane, F> ElasticDrive<'_, '_, L, F> {
         let change = (midway - first).abs().max((last - first).abs()) * dt;
         let bend = (first - midway * 2.0 + last).abs() * (dt * (1.0 / 6.0));
         let error = L::select(happens, change * (1.0 / EVENT_ERROR), bend * (1.0 / SPEED_ERROR));
-        let error = error / self.allowed;
-        let way = dt * from.v.abs().max(end.v.abs()) / self.stride;
+        let error = error / self.bends.allowed;
+        let way = dt * from.v.abs().max(end.v.abs()) / self.bends.stride;
         let long = L::or(L::or(one.lt(error), one.lt(way)), passes);
         let rough = L::and(slides, long);
 
@@ -136,7 +132,7 @@ impl<L: Lane, F> ElasticDrive<'_, '_, L, F> {
         let touches = L::and(happens, L::not(stops));
         let factor = L::select(L::or(passes, touches), factor.min(one * 0.5), factor);
         let reach = dt * factor;
-        // A step that was cut for other reasons says nothing about a longer one.
+        // The last step before the end of a stretch is short for no error of its own.
         let reach = L::select(rough, reach.max(zero.splat(SHORTEST)), self.reach.max(reach));
         self.reach = L::select(slides, reach, self.reach).frozen();
 

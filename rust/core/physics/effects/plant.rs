@@ -268,10 +268,13 @@ impl<L: Lane> Plant<L> {
             Effect::PositionDependentFriction,
             Effect::LubricantBuildup,
         ];
-        // The load behind a joint or a lag changes between events.
+        !self.rotary && !self.has_varying_load() && !self.active.any(&bent)
+    }
+
+    /// Whether friction hangs on a load that changes between events: behind a joint or a lag.
+    pub fn has_varying_load(&self) -> bool {
         let linked = self.joint.is_some() || self.path.lags;
-        let loaded = linked && self.active.has(Effect::LoadDependentFriction);
-        !self.rotary && !loaded && !self.active.any(&bent)
+        linked && self.active.has(Effect::LoadDependentFriction)
     }
 
     /// Wavelength of friction along the track, m; infinite where it does not vary there.
