@@ -566,11 +566,12 @@ class Misfit:
         Chi2 of fits over some spans, and, where they are kept, their residuals and last
         those of what is known before.
         """
-    def fit(self, /, fits: SupportsGetItem[int, Incomplete], known: SupportsGetItem[int, bool], spans: SupportsGetItem[int, SupportsIndex], steps: SupportsIndex, tolerance: SupportsFloat | SupportsIndex, least: SupportsFloat | SupportsIndex, threads: SupportsIndex) -> tuple[list[tuple[Incomplete, float, Incomplete, float]], int]:
+    def fit(self, /, fits: SupportsGetItem[int, Incomplete], known: SupportsGetItem[int, bool], spans: SupportsGetItem[int, SupportsIndex], steps: SupportsIndex, tolerance: SupportsFloat | SupportsIndex, least: SupportsFloat | SupportsIndex | None, threads: SupportsIndex) -> tuple[list[tuple[Incomplete, float, Incomplete, float]], int]:
         """
         Improve fits; `known` says of which chi2 is known, `least` is the
-        smallest one that others have come to. Returns theta, chi2, covariance
-        and damping of each, and the number of samples that were replayed.
+        smallest one that others have come to, None where each fit stands alone.
+        Returns theta, chi2, covariance and damping of each, and the number of
+        samples that were replayed.
         """
     def jacobian(self, /, fit: Incomplete, spans: SupportsGetItem[int, SupportsIndex], threads: SupportsIndex) -> Incomplete:
         """

@@ -122,7 +122,7 @@ impl EquationError {
         threads: usize,
     ) -> PyResult<Vec<(Bound<'py, PyArray1<f64>>, f64)>> {
         let mut fits = made(py, &fits)?;
-        let rule = Rule { steps, tolerance, share: FINE, least: f64::INFINITY };
+        let rule = Rule { steps, tolerance, share: FINE, least: Some(f64::INFINITY) };
         through_door(py, threads, |how| fit::fit(&self.core, &mut fits, rule, how))?;
         let given = |fit: fit::Fit| {
             let theta = fit.theta.as_slice().to_vec().into_pyarray(py);

@@ -432,8 +432,9 @@ impl Misfit {
     }
 
     /// Improve fits; `known` says of which chi2 is known, `least` is the
-    /// smallest one that others have come to. Returns theta, chi2, covariance
-    /// and damping of each, and the number of samples that were replayed.
+    /// smallest one that others have come to, None where each fit stands alone.
+    /// Returns theta, chi2, covariance and damping of each, and the number of
+    /// samples that were replayed.
     #[allow(clippy::too_many_arguments)]
     fn fit<'py>(
         &self,
@@ -443,7 +444,7 @@ impl Misfit {
         spans: Vec<usize>,
         steps: usize,
         tolerance: f64,
-        least: f64,
+        least: Option<f64>,
         threads: usize,
     ) -> PyResult<(Vec<Found<'py>>, u64)> {
         let mut made = self.fits(py, &fits, &spans, &known)?;

@@ -173,7 +173,7 @@ pub fn minimise(
         limit: f64::INFINITY,
     }];
     let share = residuals.settled();
-    let rule = Rule { steps, tolerance: 0.0, share, least: f64::INFINITY };
+    let rule = Rule { steps, tolerance: 0.0, share, least: None };
     let ended = fit(&over, &mut fits, rule, how)?;
     let [found] = fits;
     let cost = found.chi2.unwrap_or(f64::INFINITY);

@@ -64,6 +64,20 @@ def test_a_fit_out_of_reach_of_its_limit_is_left() -> None:
     assert left.chi2 > followed.chi2 + 20.0
 
 
+def test_a_fit_that_stands_alone_goes_on_beside_a_better_one() -> None:
+    search = search_for(TRUE)
+    none = search.none.nuisance
+    slow = search.model(("stribeck_friction",))
+    (poor,) = start_fits(search.nuisances, slow, np.array([[0.5, 0.02, 2.0]]), none)
+    (best,) = fit_all(search.problem, [started()[1]], steps=30)
+    (end,) = fit_all(search.problem, [poor], steps=20)
+    left = fit_all(search.problem, [poor, best], steps=20)[0]
+    alone = fit_all(search.problem, [poor, best], steps=20, least=None)[0]
+    assert left.chi2 > end.chi2 + 1.0
+    assert alone.chi2 == end.chi2
+    np.testing.assert_array_equal(alone.theta, end.theta)
+
+
 def test_the_jacobian_is_that_of_central_differences() -> None:
     problem, start = started()
     (fit,) = evaluate(problem, [start])

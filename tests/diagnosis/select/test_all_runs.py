@@ -17,7 +17,7 @@ def test_a_fit_to_all_runs_is_one_with_none_kept() -> None:
     runs = measured(DRAG)
     kept, whole = search_of(runs, *DRAG, held=(2,)), search_of(runs, *DRAG)
     some, every = fit_of(kept, *DRAG), fit_of(whole, *DRAG)
-    found = fitted_to_all(kept, some)
+    (found,) = fitted_to_all(kept, [some])
     assert found.parameters == pytest.approx(every.parameters, rel=1e-4)
     assert found.chi2 == pytest.approx(every.chi2, abs=0.02)
     assert some.parameters != pytest.approx(every.parameters, rel=1e-5)

@@ -198,12 +198,13 @@ def fit_all(
     runs: Sequence[int] | None = None,
     steps: int = 12,
     tolerance: float = FINE,
-    least: float = np.inf,
+    least: float | None = np.inf,
 ) -> list[Fit]:
     """Return fits improved until their chi2 falls by less than `tolerance`, or `steps` are made.
 
     One that would not catch up with the best one, nor with the chi2 of `least` that others came
-    to, is left; so is one whose `limit` is out of reach. `runs` count, or those that are fitted.
+    to, is left, unless `least` is None: then each stands alone. So is one whose `limit` is out of
+    reach. `runs` count, or those that are fitted.
     """
     chosen = problem.chosen(runs)
     known = [fit.seen == (problem, chosen) for fit in fits]

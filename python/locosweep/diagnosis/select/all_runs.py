@@ -10,6 +10,8 @@ import numpy as np
 from locosweep.diagnosis.estimate.least_squares import Fit, fit_all
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from locosweep.diagnosis.estimate.problem import Problem
     from locosweep.diagnosis.select.search import Search
 
@@ -23,8 +25,8 @@ def with_all_starts(problem: Problem, fit: Fit) -> Fit:
     return Fit(fit.model, nuisances, np.insert(fit.theta, [at] * len(late), 0.0))
 
 
-def fitted_to_all(search: Search, fit: Fit) -> Fit:
-    """Return a model fitted to all runs, from its values for some of them."""
+def fitted_to_all(search: Search, fits: Sequence[Fit]) -> list[Fit]:
+    """Return models fitted to all runs, each from its values for some of them."""
     problem = search.problem
-    (fit,) = fit_all(problem.of_all_runs, [with_all_starts(problem, fit)], steps=search.steps)
-    return fit
+    starts = [with_all_starts(problem, fit) for fit in fits]
+    return fit_all(problem.of_all_runs, starts, steps=search.steps, least=None)

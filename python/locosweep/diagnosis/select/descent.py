@@ -107,11 +107,12 @@ def beyond_ridges(search: Search, fit: Fit) -> Fit:
         low, high = fit.bounds
         trials = [fit.unfitted(u) for u in thetas if ((low <= u) & (u <= high)).all()]
         seen = sorted(evaluate(search.problem, trials, residuals=False), key=chi2_of)
-        starts = [one.unfitted() for one in seen[:FEW]]
+        # What comes back to where it is already is not followed to its end.
+        starts = [replace(one.unfitted(), limit=fit.chi2 - 1.0) for one in seen[:FEW]]
         end = min(fit_all(search.problem, starts, steps=search.steps), key=chi2_of, default=fit)
         if end.chi2 > fit.chi2 - 1.0:
             break
-        fit = end
+        fit = replace(end, limit=np.inf)
     return fit
 
 

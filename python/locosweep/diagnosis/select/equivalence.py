@@ -97,5 +97,5 @@ def _ties_over_all_runs(search: Search, found: Fit, rival: Fit) -> bool:
         return False
     if search.score(rival) - search.score(found) > limits.TIE:
         return False
-    ours, theirs = (search.score(fitted_to_all(search, one)) for one in (found, rival))
+    ours, theirs = map(search.score, fitted_to_all(search, (found, rival)))
     return theirs - ours <= limits.TIE

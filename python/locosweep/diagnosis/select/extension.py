@@ -227,10 +227,10 @@ def _is_unknown(fit: Fit, i: int) -> bool:
 def _valley_end(search: Search, fit: Fit, runs: Sequence[int]) -> list[Fit]:
     """Return the best end of starts along a fit's valley, if it has one.
 
-    Each is followed alone: beside better ones, slow steps along a valley that bends would end.
+    Each stands alone: beside better ones, slow steps along a valley that bends would end.
     """
     starts = along_valley(search.along, fit) if search.along else []
-    ends = [fit_all(search.problem, [s], runs=runs, steps=search.steps)[0] for s in starts]
+    ends = fit_all(search.problem, starts, runs=runs, steps=search.steps, least=None)
     return [min(ends, key=chi2_of).unfitted()] if ends else []
 
 

@@ -75,18 +75,21 @@ def best_with_other_law(search: Search, level: Sequence[Fit]) -> OtherLaw | None
         if variable not in own_variables(name for fit in tried for name in fit.model.names):
             tried += islice(_through(variable, level), 1)
     found = []
-    for i, fit in enumerate(tried):
-        if _is_hopeless(search.problem, fit):
-            continue
+    done = 0
+    while done < len(tried):
+        new = [i for i in range(done, len(tried)) if not _is_hopeless(search.problem, tried[i])]
+        done = len(tried)
         # A search leaves what falls behind, but another law starts from where a formula ends.
-        (tried[i],) = fit_all(search.problem, [fit], steps=search.steps)
-        scored, others = _score_with_other_law(search, tried[i])
-        if scored is not None:
-            found.append((*scored, i))
-        for variable in _acting(others):
-            through = _through(variable, level)
-            new = (f for f in through if all(f.model.names != g.model.names for g in tried))
-            tried += islice(new, int(len(tried) < _MOST_TRIED))
+        ends = fit_all(search.problem, [tried[i] for i in new], steps=search.steps, least=None)
+        for i, fit in zip(new, ends, strict=True):
+            tried[i] = fit
+            scored, others = _score_with_other_law(search, fit)
+            if scored is not None:
+                found.append((*scored, i))
+            for variable in _acting(others):
+                through = _through(variable, level)
+                more = (f for f in through if all(f.model.names != g.model.names for g in tried))
+                tried += islice(more, int(len(tried) < _MOST_TRIED))
     if not found:
         return None
     of_none, _, score, i = min(found)
@@ -202,7 +205,7 @@ def several_do_better(search: Search, law: Fit, sets: Sequence[Fit]) -> bool:
     own = own_variables(law.model.names)
     noise = noise_level(problem, NonparametricCorrection(problem, law).corrected_residual(own))
     if kept:
-        law, *sets = (fitted_to_all(search, one) for one in (law, *sets))
+        law, *sets = fitted_to_all(search, (law, *sets))
         problem = problem.of_all_runs
     factor = NonparametricCorrection(problem, law).log_bayes_factor(own, noise)
     least = min(search.score(fit) for fit in sets)

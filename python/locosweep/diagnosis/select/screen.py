@@ -127,14 +127,13 @@ def pairs_beside(search: Search, known: Iterable[Fit], runs: Sequence[int]) -> l
     alone = [fit for name in search.names for fit in rows_beside(search, name, none)]
     alone += [fit.unfitted() for fit in known]
     here, free = _free_changes(problem, none, runs)
-    changes = np.array([change for _, change in _changed(problem, alone, runs, here, free)])
-    changes[~np.isfinite(changes).all(axis=1)] = 0.0
+    changes = _changes(problem, alone, runs, here, free)
     _, factors, _ = _scalings(changes, -here.residual)
     # What is far too strong says little of a weaker one.
     weak = np.flatnonzero(np.abs(factors) < _WEAK)
-    weaker = [scaled(alone[i], float(factors[i])) for i in weak]
-    for i, (fit, change) in zip(weak, _changed(problem, weaker, runs, here, free), strict=True):
-        alone[i], changes[i] = fit, change if np.isfinite(change).all() else 0.0
+    for i in weak:
+        alone[i] = scaled(alone[i], float(factors[i]))
+    changes[weak] = _changes(problem, [alone[i] for i in weak], runs, here, free)
     starts = _starts_of_pairs(search, alone, here.residual, changes, none)
     return sorted(evaluate(problem, starts, runs), key=lambda fit: fit.chi2)
 
@@ -189,7 +188,7 @@ def informative_runs(problem: Problem, fit: Fit) -> list[int]:
 
 
 def scan_beside(
-    problem: Problem, fits: Iterable[Fit], runs: Sequence[int], beside: Fit
+    problem: Problem, fits: Sequence[Fit], runs: Sequence[int], beside: Fit
 ) -> tuple[list[Screened], float]:
     """Evaluate many starts on some runs, and what each promises beside a fit.
 
@@ -200,12 +199,14 @@ def scan_beside(
     """
     known, free = _free_changes(problem, beside, runs)
 
-    def screened(fits: Iterable[Fit]) -> Iterator[Screened]:
-        for fit, change in _changed(problem, fits, runs, known, free):
-            size, factor, fall = (float(v[0]) for v in _scalings(change[None], -known.residual))
-            sure = bool(np.isfinite(fall)) and size > 0.0
-            promised = min(fit.chi2, known.chi2 - fall) if sure else fit.chi2
-            yield Screened(fit.without_residual(), promised, factor if sure else 1.0)
+    def screened(fits: Sequence[Fit]) -> Iterator[Screened]:
+        for some, changes in _changed(problem, fits, runs, known, free):
+            size, factor, fall = _scalings(changes, -known.residual)
+            sure = np.isfinite(fall) & (size > 0.0)
+            chi2 = np.array([fit.chi2 for fit in some])
+            promised = np.where(sure, np.minimum(chi2, known.chi2 - fall), chi2).tolist()
+            factors = np.where(sure, factor, 1.0).tolist()
+            yield from map(Screened, (fit.without_residual() for fit in some), promised, factors)
 
     found = list(screened(fits))
     pairs = [(s.fit, scaled(s.fit, s.factor)) for s in found if abs(s.factor) < _WEAK]
@@ -220,14 +221,26 @@ def _free_changes(problem: Problem, beside: Fit, runs: Sequence[int]) -> tuple[F
 
 
 def _changed(
-    problem: Problem, fits: Iterable[Fit], runs: Sequence[int], known: Fit, free: Floats
-) -> Iterator[tuple[Fit, Floats]]:
-    """Evaluate starts on some runs, a few at a time, and what each changes beyond what is free."""
-    fits = list(fits)
+    problem: Problem, fits: Sequence[Fit], runs: Sequence[int], known: Fit, free: Floats
+) -> Iterator[tuple[list[Fit], Floats]]:
+    """Evaluate starts on some runs, a few at a time, and what they change beyond what is free.
+
+    Changes have a row a start.
+    """
     for i in range(0, len(fits), _AT_ONCE):
-        for fit in evaluate(problem, fits[i : i + _AT_ONCE], runs):
-            change = fit.residual - known.residual
-            yield fit, change - free @ (free.T @ change)
+        some = evaluate(problem, fits[i : i + _AT_ONCE], runs)
+        changes = np.array([fit.residual for fit in some]) - known.residual
+        yield some, changes - (changes @ free) @ free.T
+
+
+def _changes(
+    problem: Problem, fits: Sequence[Fit], runs: Sequence[int], known: Fit, free: Floats
+) -> Floats:
+    """Return what starts change on some runs beyond what is free; 0 where that is no number."""
+    parts = [changes for _, changes in _changed(problem, fits, runs, known, free)]
+    changes = np.vstack(parts or [np.zeros((0, known.residual.size))])
+    changes[~np.isfinite(changes).all(axis=1)] = 0.0
+    return changes
 
 
 def scaled(fit: Fit, scale: float) -> Fit:

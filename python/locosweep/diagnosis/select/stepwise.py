@@ -110,6 +110,7 @@ def exchanged(search: Search, known: Collection, best: Fit) -> tuple[Fit, Collec
             swaps |= extend(search, known.adding(swaps), base, search.names, rival=best)
             known = known.having_extended(names - {name})
         known = known.adding(swaps)
+        best = known.fits[names]
         new = _best(search, {names: best, **swaps})
         if not _takes_the_place(search, best, new):
             return best, known

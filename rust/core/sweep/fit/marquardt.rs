@@ -37,8 +37,9 @@ pub struct Rule {
     /// of chi2.
     pub tolerance: f64,
     pub share: f64,
-    /// Smallest chi2 that other fits have come to; infinite where there are none.
-    pub least: f64,
+    /// Smallest chi2 that other fits have come to, infinite where there are none; nothing where
+    /// each fit stands alone, whatever those beside it come to.
+    pub least: Option<f64>,
 }
 
 /// What a job has done.
@@ -51,7 +52,8 @@ pub struct Ended {
 }
 
 /// Improves fits until their chi2 falls by less than the tolerance, or the steps are made;
-/// one that would not catch up with the best one is left, and one whose limit is out of reach.
+/// one that would not catch up with the best one is left unless it stands alone, and one whose
+/// limit is out of reach.
 pub fn fit<O: Objective>(
     objective: &O,
     fits: &mut [Fit<O::Model>],
@@ -76,7 +78,7 @@ pub fn fit<O: Objective>(
         if todo.is_empty() {
             break;
         }
-        let least = fits.iter().map(of).fold(rule.least, f64::min);
+        let least = rule.least.map(|least| fits.iter().map(of).fold(least, f64::min));
         evaluated += todo.iter().map(|i| objective.samples_of_derivatives(&fits[*i])).sum::<u64>();
         let unknown: Vec<usize> = todo.iter().copied().filter(|i| known[*i].is_none()).collect();
         let here: Vec<_> =
@@ -123,7 +125,7 @@ pub fn fit<O: Objective>(
                 (fit.theta, fit.chi2) = (group[k].theta.clone(), Some(new));
                 fit.damping = group[k].damping.max(LEAST_DAMPING);
                 (known[at], last[at]) = (compared[k].normal.take(), k);
-                let behind = COARSE * (new - least - NEAR).max(0.0);
+                let behind = least.map_or(0.0, |least| COARSE * (new - least - NEAR).max(0.0));
                 old - new < rule.tolerance + rule.share * new + behind
             } else {
                 fit.damping *= STUCK;
