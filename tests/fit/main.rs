@@ -133,7 +133,7 @@ fn start(damping: f64) -> Fit {
     }
 }
 
-const RULE: Rule = Rule { steps: 30, tolerance: 1e-3, share: FINE, least: f64::INFINITY };
+const RULE: Rule = Rule { steps: 30, tolerance: 1e-3, share: FINE, least: Some(f64::INFINITY) };
 
 fn fitted(misfit: &Misfit, level: Level, threads: usize) -> Vec<Fit> {
     let mut fits: Vec<Fit> = [0.01, 0.03, 0.3].into_iter().map(start).collect();
@@ -209,17 +209,17 @@ fn a_fit_that_would_not_catch_up_is_left() {
     let (misfit, control) = (misfit(), Control::default());
     let objective = OverSpans { misfit: &misfit, spans: &SPANS };
     let how = how(Level::current().unwrap(), 1, &control);
-    let ends = |least: f64| {
+    let ends = |least: Option<f64>| {
         let mut one = [start(0.01)];
         let ended = fit(&objective, &mut one, Rule { least, ..RULE }, &how).unwrap();
         assert!(ended.open.is_empty());
         (ended.evaluated, one[0].chi2.unwrap())
     };
-    let (alone, end) = ends(f64::INFINITY);
+    let (alone, end) = ends(None);
     // Others are far ahead: what the last steps gain is too little for their distance.
-    let (behind, left) = ends(end - 1e9);
+    let (behind, left) = ends(Some(end - 1e9));
     assert!(behind < alone && left >= end, "{behind} of {alone}, {left} and {end}");
-    assert_eq!(ends(end), (alone, end));
+    assert_eq!(ends(Some(end)), (alone, end));
 }
 
 #[test]
