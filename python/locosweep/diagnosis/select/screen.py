@@ -229,8 +229,10 @@ def _changed(
     """
     for i in range(0, len(fits), _AT_ONCE):
         some = evaluate(problem, fits[i : i + _AT_ONCE], runs)
-        changes = np.array([fit.residual for fit in some]) - known.residual
-        yield some, changes - (changes @ free) @ free.T
+        changes = np.array([fit.residual for fit in some])
+        changes -= known.residual
+        changes -= (changes @ free) @ free.T
+        yield some, changes
 
 
 def _changes(
