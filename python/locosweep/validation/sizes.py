@@ -16,7 +16,7 @@ from locosweep.validation.laws import CAUSES, Scale
 from locosweep.validation.rivals import Rival, refined_step, rivals_between, rivals_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from numpy.typing import NDArray
 
@@ -52,6 +52,9 @@ _SMALL = 0.1
 """Standard deviations by which uncertain values are moved for their sensitivities."""
 _STEPS = 6
 """Steps of Gauss and Newton in which uncertain values, or a spring, are refitted. Not derived."""
+_DAMPED = (0.0, 1e-6, 1e-4, 1e-2, 1.0)
+"""Shares of what all columns hold that are added to what each does: where several values do nearly
+the same, a step without goes far along what they do not share, to nothing. Not derived."""
 _FURTHEST = 8.0
 """Standard deviations that an uncertain value is shifted by, at most."""
 
@@ -120,22 +123,32 @@ class Nuisances:
         read = self.experiment.read([world], COARSE, self.threads)[0]
         seen = self._per_run(self.experiment.whitened(read))
         names = list(self.experiment.rig.uncertainty)
+
+        def rests(shifts: Iterable[Floats]) -> list[Floats]:
+            """Return what shifts of the uncertain values leave, their own prices last."""
+            every = list(shifts)
+            worlds = [self._shifted(names, moved) for moved in every]
+            reads = self.experiment.read(worlds, COARSE, self.threads)
+            there = (self._per_run(self.experiment.whitened(r)) for r in reads)
+            return [np.concatenate([seen - t, -m]) for t, m in zip(there, every, strict=True)]
+
         moved = np.zeros(len(names))
-        best = float(np.linalg.norm(seen - self._per_run(self.base)))
+        rest = np.concatenate([seen - self._per_run(self.base), moved])
         for _ in range(_STEPS if names else 0):
-            at = [moved, *(moved + _SMALL * row for row in np.eye(len(names)))]
-            reads = self.experiment.read(
-                [self._shifted(names, m) for m in at], COARSE, self.threads
-            )
-            here, *near = (self._per_run(self.experiment.whitened(r)) for r in reads)
-            rest = np.concatenate([seen - here, -moved])
-            columns = np.vstack([(np.array(near) - here).T / _SMALL, np.eye(len(names))])
+            near = rests(moved + _SMALL * row for row in np.eye(len(names)))
+            columns = (rest - np.array(near)).T / _SMALL
             if not np.isfinite(columns).all():
                 break
-            best = min(best, float(np.linalg.norm(rest)))
-            step = np.linalg.lstsq(columns, rest, rcond=None)[0]
-            moved = np.clip(moved + step, -_FURTHEST, _FURTHEST)
-        return best
+            known, along = columns.T @ columns, columns.T @ rest
+            damped = (known + share * np.trace(known) * np.eye(len(names)) for share in _DAMPED)
+            steps = (np.linalg.solve(one, along) for one in damped)
+            tried = [np.clip(moved + step, -_FURTHEST, _FURTHEST) for step in steps]
+            left = rests(tried)
+            best = min(range(len(left)), key=lambda i: float(np.linalg.norm(left[i])))
+            if not np.linalg.norm(left[best]) < np.linalg.norm(rest):
+                break
+            moved, rest = tried[best], left[best]
+        return float(np.linalg.norm(rest))
 
     def _shifted(self, names: Sequence[str], moved: Floats) -> World:
         shifts = dict(self.world.shifts)
