@@ -53,9 +53,9 @@ _SMALL = 0.1
 _STEPS = 6
 """Steps of Gauss and Newton in which uncertain values, or a spring, are refitted. Not derived."""
 _DAMPED = (0.0, 1e-6, 1e-4, 1e-2, 1.0)
-"""Shares of the trace of a refit's normal matrix that are added to its diagonal; each step tries all
-and takes the best. Without, a step goes far astray where several values do nearly the same. Their
-spacing is not derived."""
+"""Shares of the trace of a refit's normal matrix that are added to its diagonal; each step tries
+all and takes the best. Without, a step goes far astray where several values do nearly the same.
+Their spacing is not derived."""
 _FURTHEST = 8.0
 """Standard deviations that an uncertain value is shifted by, at most."""
 
