@@ -185,7 +185,7 @@ class TestEnergy:
         [
             ("stribeck", "runge_kutta", 4),
             ("tanh", "runge_kutta", 4),
-            ("lugre", "rosenbrock_fixed", 3),
+            ("lugre", "rosenbrock_fixed", 4),
         ],
     )
     def test_residual_falls_with_the_order(self, law: str, method: str, order: float) -> None:
@@ -294,21 +294,22 @@ class TestOrder:
             ("static_viscous", "dormand_prince_fixed", True, 5, 0.1),
             ("static_viscous", "dormand_prince_fixed", False, 1, 0.004),
             ("tanh", "runge_kutta", True, 4, 0.016),
-            ("lugre", "rosenbrock_fixed", True, 3, 0.004),
+            ("lugre", "rosenbrock_fixed", True, 4, 0.0025),
         ],
     )
     def test_of_fixed_steps(
         self, law: str, method: str, locate: bool, order: float, first: float
     ) -> None:
-        # Of fifth order errors soon fall to those of the reference.
-        ratio = 1.5 if order == 5 else 2
+        # Of small errors the reference's soon are the larger part.
+        ratio = 1.5 if order == 5 or law == "lugre" else 2
         steps = [first / ratio**k for k in range(6)]
         errors = errors_over(law, method, "time_step", steps, locate=locate)
         slope = regress(steps, errors)
         print(
             f"\n{law}, {method}, locate={locate}: order {slope:.3f}", [f"{e:.1e}" for e in errors]
         )
-        assert slope == pytest.approx(order, abs=0.15)
+        # Long stiff steps are better than their order.
+        assert order - 0.15 < slope < order + (0.4 if method == "rosenbrock_fixed" else 0.15)
 
     @pytest.mark.parametrize(
         ("law", "method"),

@@ -160,6 +160,6 @@ def test_text_of_a_number_is_no_range_and_counts_have_no_unit():
 
 def test_text_of_a_trajectory_names_what_failed():
     given = {"law": "dahl", "method": "rosenbrock_fixed", "time_step": 0.05, "mass": 0.3}
-    run = ls.simulate(**given, **MU, drive_force=[1.0, 1e8], samples=11)
+    run = ls.simulate(**given, **MU, drive_force=[0.1, 1e8], samples=11)
     assert "2 trajectories of 11 samples up to 1 s" in repr(run)
     assert "1 with status diverged" in repr(run)

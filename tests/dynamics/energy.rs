@@ -9,8 +9,8 @@ fn allowed(method: &str) -> f64 {
         "runge_kutta" => 2e-3,
         "dormand_prince" => 1e-4,
         "dormand_prince_fixed" => 2e-3,
-        "rosenbrock" => 1e-4,
-        _ => 5e-2,
+        "rosenbrock" => 1e-6,
+        _ => 1e-4,
     }
 }
 
@@ -21,8 +21,12 @@ fn every_law_turns_work_into_heat() {
     for case in everything() {
         // One pass of the ledger over all kinds of motion: pushed, sliding freely, pulled.
         let case = case.over("start_speed", vec![-0.3, 0.0, 0.05, 0.4]);
-        let case = case.over("slope_deg", vec![-6.0, 2.0]);
+        let mut case = case.over("slope_deg", vec![-6.0, 2.0]);
         let method = case.choice.method.clone().unwrap();
+        if method == "rosenbrock_fixed" {
+            // Bristles that are dragged along from rest bend within microseconds.
+            case = case.with(&[("time_step", 2e-4)]);
+        }
         let (values, codes) =
             results(&case.job(&["dissipated", "energy_residual", "work_in"]), options(1, 64));
         for i in 0..values[0].len() {

@@ -117,9 +117,26 @@ fn bristles_behind_a_joint_are_followed_to_micrometres() {
                 let (x, rear) = errors(&[bristle, joint, other], &run, 5e-7);
                 // What presses the bristle changes with the ringing of the joint.
                 let pressed = other.0 == Effect::LoadDependentFriction;
-                let allowed = if pressed { 12.0 } else { 3.0 } * MICROMETRE;
+                let allowed = if pressed { 3.0 } else { 1.0 } * MICROMETRE;
                 let names = [joint, other].map(|effect| effect.0.info().name);
                 assert!(x.max(rear) < allowed, "{names:?}: x {x} m, x_rear {rear} m");
+            }
+        }
+    }
+}
+
+/// Friction along the way changes under a bristle within a step.
+#[test]
+fn bristles_on_waves_are_followed_to_micrometres() {
+    for (numbers, allowed) in [([1e3, 5.0], 3.0), ([2e4, 60.0], 3.0), ([1e6, 400.0], 8.0)] {
+        for wave in [0.004, 0.05] {
+            for dt in [5e-3, 0.02] {
+                let along: (Effect, &[f64]) =
+                    (Effect::PositionDependentFriction, &[0.5, wave, 0.7]);
+                let bristle: (Effect, &[f64]) = (Effect::PreslidingCompliance, &numbers);
+                let (x, _) = errors(&[bristle, along], &pulses(dt, 1.0), 5e-7);
+                let what = format!("{numbers:?}, waves of {wave} m, samples of {dt} s");
+                assert!(x < allowed * MICROMETRE, "{what}: {x} m");
             }
         }
     }

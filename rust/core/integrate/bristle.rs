@@ -1,21 +1,19 @@
-//! Stiff steps for bristle laws: a Rosenbrock method of order 3 with an embedded
-//! one of order 2, L-stable and stiffly accurate, so that bristles a thousand
+//! Stiff steps for bristle laws: a Rosenbrock method of order 4 with an embedded
+//! one of order 3, L-stable and stiffly accurate, so that bristles a thousand
 //! times faster than the motion neither limit the step nor ring.
 //!
-//! RODAS3 of Sandu, Verwer, Blom, Spee, Carmichael and Potra 1997: four stages,
-//! three evaluations, one small linear system per step. Every lane has its own
-//! step size; none changes with its neighbours.
+//! Every lane has its own step size; none changes with its neighbours.
 
+mod rodas;
 mod system;
 
 use super::drive_resolution::outruns_step;
 use super::event_location::Cubic;
-use super::step_control::cube_root;
-use super::{Advance, Clock, MOST_STIFF_STEPS, State, Tally};
+use super::step_control::{MOST_GROWTH, MOST_SHRINK, SAFETY};
+use super::{Advance, MOST_STIFF_STEPS, State, Tally};
 use crate::lane::Lane;
-use crate::physics::friction::{Bristle, ContactState, MOST_STATES};
+use crate::physics::friction::{Bristle, MOST_STATES};
 use crate::physics::segment::Segment;
-use system::{Ledger, Solver};
 
 pub struct Rosenbrock<'a, 'b, C: ?Sized, L, F> {
     pub segment: &'b Segment<'a, L>,
@@ -30,8 +28,11 @@ pub struct Rosenbrock<'a, 'b, C: ?Sized, L, F> {
 const PATIENCE: u32 = 64;
 /// Smallest step, as a share of the time left; below, a trajectory is given up.
 const SMALLEST: f64 = 1e-13;
+/// Errors beyond which a step shrinks or grows by all that one may, also where there is no number.
+const LEAST_ERROR: f64 = 1e-9;
+const MOST_ERROR: f64 = 1e6;
 
-/// x, v, then the bristle states; the last two are work and heat.
+/// x, v, then the bristle states.
 type Vector<L> = [L; MOST_STATES + 2];
 
 impl<C: BristleContact<L> + ?Sized, L: Lane, F: FnMut() -> bool> Advance<L>
@@ -151,15 +152,16 @@ where
             accepted = L::and(active, L::or(fine, tiny));
             let given_up = L::and(active, L::and(tiny, L::not(fine)));
             tally.lost = L::select(given_up, tally.lost + 1.0, tally.lost);
-            // Error falls with the third power of the step.
-            let error = L::select(finite, step.error.max(zero.splat(1e-9)), zero.splat(1e6));
-            let factor = (cube_root(error) * (1.0 / 0.9)).max(zero.splat(1.0 / 6.0));
-            let factor = factor.min(zero.splat(5.0));
-            let proposed = (dt / factor).frozen();
+            // Error falls with the fourth power of the step.
+            let error =
+                L::select(finite, step.error.max(zero.splat(LEAST_ERROR)), one * MOST_ERROR);
+            let factor =
+                (one * SAFETY / error.sqrt().sqrt()).max(one * MOST_SHRINK).min(one * MOST_GROWTH);
+            let proposed = (dt * factor).frozen();
             // The last stretch before a station says nothing about the step that
             // fits, unless it was too long.
             let keep = L::and(last, proposed.lt(self.next));
-            let keep = L::and(keep, step.error.le(one));
+            let keep = L::and(keep, fine);
             let next = L::select(keep, self.next, proposed);
             self.next = L::select(active, next, self.next);
         }
@@ -170,155 +172,6 @@ where
         self.segment.drive.turn_over(&mut state.clock, piece_end, over);
         tally.steps = L::select(active, tally.steps + 1.0, tally.steps);
     }
-}
-
-impl<Q: Bristle, L: Lane> Bound<Q, L> {
-    #[inline(always)]
-    fn rates(
-        &self,
-        segment: &Segment<L>,
-        law: &Q::Coefficients<L>,
-        t: L,
-        clock: &Clock<L>,
-        y: &Vector<L>,
-    ) -> (L, [L; MOST_STATES], L, L) {
-        t.outlined(
-            #[inline(always)]
-            || self.rates_here(segment, law, t, clock, y),
-        )
-    }
-
-    #[inline(always)]
-    fn rates_here(
-        &self,
-        segment: &Segment<L>,
-        law: &Q::Coefficients<L>,
-        t: L,
-        clock: &Clock<L>,
-        y: &Vector<L>,
-    ) -> (L, [L; MOST_STATES], L, L) {
-        let (x, v) = (y[0], y[1]);
-        let z: [L; MOST_STATES] = std::array::from_fn(|i| y[2 + i]);
-        let mut rates = Q::rates(law, v, &z);
-        let against = Q::force(law, v, &z, &rates);
-        let force = segment.force(t, clock, x, v);
-        let mut push = force - segment.pull_back(x) - against;
-        if let Some((driven, per_mass)) = Q::driven(law) {
-            push = push - force;
-            rates[driven] = force.mul_add(per_mass, rates[driven]);
-        }
-        (push * segment.per_mass, rates, force, against)
-    }
-
-    #[inline(always)]
-    fn attempt_here(&self, segment: &Segment<L>, state: &State<L>, dt: L, energy: bool) -> Step<L> {
-        let zero = dt.splat(0.0);
-        let count = Q::STATES;
-        let mut y: Vector<L> = [zero; MOST_STATES + 2];
-        (y[0], y[1]) = (state.x, state.v);
-        y[2..2 + count].copy_from_slice(&state.z[..count]);
-        // Where the law varies along the way it is taken at the step's middle.
-        let middle = ContactState {
-            direction: state.v.sign(),
-            x: (dt * 0.5).mul_add(state.v, state.x),
-            sliding_distance: state.sliding_distance,
-            drive: segment.commanded(state.t, &state.clock),
-            t: state.t + dt * 0.5,
-        };
-        let law = Q::placed(&self.0, &middle);
-        let partials = Q::partials(&law, state.v, &state.z);
-        let per_dt = dt.splat(1.0) / dt;
-        let solver = Solver::new::<Q>(segment, &partials, state.x, per_dt * 2.0);
-        let force_t = segment.force_slope(state.t, &state.clock);
-        // What the drive accelerates, and how that changes with time.
-        let (pushed, per_mass) = match Q::driven(&law) {
-            Some((driven, per_mass)) => (2 + driven, per_mass),
-            None => (1, segment.per_mass),
-        };
-        let slope_t = force_t * per_mass;
-
-        let (a, rates, f1, r1) = self.rates(segment, &law, state.t, &state.clock, &y);
-        // Stage 1: f + dt/2 f_t.
-        let mut right: Vector<L> = [zero; MOST_STATES + 2];
-        let fill = |right: &mut Vector<L>, v: L, a: L, rates: &[L; MOST_STATES]| {
-            right[0] = v;
-            right[1] = a;
-            right[2..2 + count].copy_from_slice(&rates[..count]);
-        };
-        fill(&mut right, y[1], a, &rates);
-        right[pushed] = (dt * 0.5).mul_add(slope_t, right[pushed]);
-        let k1 = solver.solve::<Q>(&right);
-        // Work and friction are components like any other, only that nothing
-        // depends on them.
-        let ledger = Ledger::new::<Q>(segment, &partials, (f1, r1), y[1], per_dt * 2.0);
-        let (power1, rubbing1) = (f1 * y[1], r1 * y[1]);
-        let power_t = force_t * (y[1] * dt);
-        let w1 = ledger.solve::<Q>((power1 + power_t * 0.5, rubbing1), &k1);
-        // Stage 2: the same f + 4/dt k1 + 3/2 dt f_t.
-        fill(&mut right, y[1], a, &rates);
-        right[pushed] = (dt * 1.5).mul_add(slope_t, right[pushed]);
-        for (right, k1) in right.iter_mut().zip(&k1) {
-            *right = (per_dt * 4.0).mul_add(*k1, *right);
-        }
-        let k2 = solver.solve::<Q>(&right);
-        let with = |base: (L, L), sum: (L, L)| (base.0 + sum.0, base.1 + sum.1);
-        let times = |w: (L, L), by: L| (w.0 * by, w.1 * by);
-        let w2 = ledger
-            .solve::<Q>(with((power1 + power_t * 1.5, rubbing1), times(w1, per_dt * 4.0)), &k2);
-        // Stage 3 at y + 2 k1.
-        let mut at = y;
-        for (at, k1) in at.iter_mut().zip(&k1) {
-            *at = *at + *k1 * 2.0;
-        }
-        let later = state.t + dt;
-        let (a, rates, f3, r3) = self.rates(segment, &law, later, &state.clock, &at);
-        fill(&mut right, at[1], a, &rates);
-        for i in 0..right.len() {
-            right[i] = per_dt.mul_add(k1[i] - k2[i], right[i]);
-        }
-        let k3 = solver.solve::<Q>(&right);
-        let back = times((w1.0 - w2.0, w1.1 - w2.1), per_dt);
-        let w3 = ledger.solve::<Q>(with((f3 * at[1], r3 * at[1]), back), &k3);
-        // Stage 4 at y + 2 k1 + k3.
-        for (at, k3) in at.iter_mut().zip(&k3) {
-            *at = *at + *k3;
-        }
-        let (a, rates, f4, r4) = self.rates(segment, &law, later, &state.clock, &at);
-        fill(&mut right, at[1], a, &rates);
-        for i in 0..right.len() {
-            right[i] = per_dt.mul_add(k1[i] - k2[i] - k3[i] * (8.0 / 3.0), right[i]);
-        }
-        let k4 = solver.solve::<Q>(&right);
-        let (work, heat) = if energy {
-            let back = with(back, times(w3, per_dt * (-8.0 / 3.0)));
-            let w4 = ledger.solve::<Q>(with((f4 * at[1], r4 * at[1]), back), &k4);
-            (w1.0 * 2.0 + w3.0 + w4.0, w1.1 * 2.0 + w3.1 + w4.1)
-        } else {
-            (zero, zero)
-        };
-        let mut z = [zero; MOST_STATES];
-        let mut error = zero;
-        for i in 0..2 + count {
-            let new = at[i] + k4[i];
-            let scale = scale::<Q, L>(segment.tolerance, i, y[i], new);
-            error = error.max((k4[i] / scale).abs());
-            at[i] = new;
-        }
-        z[..count].copy_from_slice(&at[2..2 + count]);
-        let error = L::select(error.not_nan(), error, zero.splat(f64::INFINITY));
-        Step { x: at[0], v: at[1], z, work, heat, error }
-    }
-}
-
-/// Size of an error that just passes.
-#[inline(always)]
-fn scale<Q: Bristle, L: Lane>(tolerance: L, i: usize, from: L, to: L) -> L {
-    let floor = match i {
-        0 => 1e-6,
-        1 => 1e-4,
-        _ => Q::FLOORS[i - 2],
-    };
-    tolerance * (from.abs().max(to.abs()) + floor)
 }
 
 /// Takes a finished step into state and tally, where `mask` holds.

@@ -114,7 +114,7 @@ impl Method {
         (
             Method::Rosenbrock,
             "rosenbrock",
-            "stiff third-order steps, their size from tolerance: bristle and smooth laws",
+            "stiff fourth-order steps, their size from tolerance: bristle and smooth laws",
         ),
         (Method::RosenbrockFixed, "rosenbrock_fixed", "the same with steps of time_step"),
     ];

@@ -109,8 +109,11 @@ impl<'a, L: Lane> Segment<'a, L> {
     /// Derivative of the force by time at fixed position and speed.
     #[inline(always)]
     pub fn force_slope(&self, t: L, clock: &Clock<L>) -> L {
+        let held = self.spring * self.pull;
+        if self.drive.is_steady() {
+            return held;
+        }
         let free = self.drive.force(t, clock).abs().lt(self.limit);
-        let slope = L::select(free, self.drive.slope(t, clock), t.splat(0.0));
-        self.spring.mul_add(self.pull, slope)
+        held + L::select(free, self.drive.slope(t, clock), t.splat(0.0))
     }
 }

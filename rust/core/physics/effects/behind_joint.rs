@@ -36,11 +36,11 @@ impl<L: Lane> Jointed<L> {
     /// The friction under the force that the joint gives.
     #[inline(always)]
     fn under(&self, push: L) -> Coefficients<L> {
-        let mut friction = self.friction;
-        if friction.active.has(Effect::LoadDependentFriction) {
-            friction.here = pressed(friction.here, push, friction.load);
+        let friction = self.friction;
+        if !friction.active.has(Effect::LoadDependentFriction) {
+            return friction;
         }
-        friction
+        friction.with_level(pressed(friction.here, push, friction.load))
     }
 
     /// Momentum of the drive's side.
@@ -87,6 +87,11 @@ impl Bristle for BehindJoint {
     #[inline(always)]
     fn driven<L: Lane>(law: &Jointed<L>) -> Option<(usize, L)> {
         Some((SIDE_SPEED, law.joint.mass.splat(1.0) / law.joint.mass))
+    }
+
+    #[inline(always)]
+    fn varies<L: Lane>(law: &Jointed<L>) -> bool {
+        Measured::varies(&law.friction)
     }
 
     #[inline(always)]

@@ -39,8 +39,9 @@ pub struct Coefficients<L> {
     pub buildup: L,
     pub stiffness: L,
     pub damping: L,
-    /// What the position adds to the level of a bristle there.
+    /// Level of a bristle where it is, without the fall; and its stiffness over that level.
     pub here: L,
+    pub per_way: L,
 }
 
 impl<L: Lane> Coefficients<L> {
@@ -69,11 +70,29 @@ impl<L: Lane> Coefficients<L> {
         ploughed(self.buildup * at.sliding_distance, at)
     }
 
+    /// The law with a bristle at a level.
+    #[inline(always)]
+    pub(super) fn with_level(self, level: L) -> Self {
+        let per_way = self.stiffness / level.max(level.splat(LEAST_LEVEL));
+        Coefficients { here: level, per_way, ..self }
+    }
+
+    /// Stiffness of the bristle over the level of sliding at a speed.
+    #[inline(always)]
+    fn bend(&self, speed: L) -> L {
+        if self.active.has(Effect::StribeckFriction) {
+            let level = self.sliding(speed, self.here);
+            self.stiffness / level.max(level.splat(LEAST_LEVEL))
+        } else {
+            self.per_way
+        }
+    }
+
     /// Derivative of the bristle's rate by its level.
     #[inline(always)]
     pub(super) fn per_level(&self, v: L, z: &[L; MOST_STATES]) -> L {
-        let level = self.sliding(v.abs(), self.here).max(v.splat(LEAST_LEVEL));
-        (self.stiffness * v.abs()) * (z[0] / (level * level))
+        let bend = self.bend(v.abs());
+        (bend * bend) * (v.abs() * (z[0] / self.stiffness))
     }
 
     /// Level of sliding at a speed, without what is smooth in it.
@@ -130,6 +149,7 @@ impl<L: Lane> Coefficients<L> {
             stiffness: zero.splat(1.0),
             damping: zero,
             here: zero,
+            per_way: zero,
         }
     }
 }
@@ -171,20 +191,30 @@ impl Bristle for Measured {
     const STATES: usize = 1;
 
     #[inline(always)]
+    fn varies<L: Lane>(law: &Coefficients<L>) -> bool {
+        law.active.any(&[
+            Effect::DirectionDependentFriction,
+            Effect::PositionDependentFriction,
+            Effect::FrictionDrift,
+            Effect::LoadDependentFriction,
+            Effect::LubricantBuildup,
+        ])
+    }
+
+    #[inline(always)]
     fn placed<L: Lane>(law: &Coefficients<L>, at: &ContactState<L>) -> Coefficients<L> {
-        let mut law = *law;
-        law.here = law.level(at);
+        let mut level = law.level(at);
         if law.active.has(Effect::LubricantBuildup) {
-            law.here = law.here + law.heap(at);
+            level = level + law.heap(at);
         }
-        law
+        law.with_level(level)
     }
 
     #[inline(always)]
     fn rates<L: Lane>(law: &Coefficients<L>, v: L, z: &[L; MOST_STATES]) -> [L; MOST_STATES] {
         let zero = v.splat(0.0);
-        let level = law.sliding(v.abs(), law.here).max(zero.splat(LEAST_LEVEL));
-        let rate = v - (law.stiffness * v.abs()) * (z[0] / level);
+        let speed = v.abs();
+        let rate = (-(law.bend(speed) * z[0])).mul_add(speed, v);
         [rate, zero, zero, zero]
     }
 
@@ -203,23 +233,19 @@ impl Bristle for Measured {
     #[inline(always)]
     fn partials<L: Lane>(law: &Coefficients<L>, v: L, z: &[L; MOST_STATES]) -> Partials<L> {
         let zero = v.splat(0.0);
-        let floor = zero.splat(LEAST_LEVEL);
         let speed = v.abs();
-        let level = law.sliding(speed, law.here).max(floor);
+        let bend = law.bend(speed);
         let sign = L::select(v.lt(zero), zero.splat(-1.0), zero.splat(1.0));
-        let fall = if law.active.has(Effect::StribeckFriction) {
+        let pull = bend * speed;
+        let mut pull_v = bend * sign;
+        if law.active.has(Effect::StribeckFriction) {
             // The fall has no derivative at rest for exponents below 1: a
             // difference over a small share of the Stribeck speed.
             let width = zero.splat(1e-4) / law.per_stribeck;
             let after = law.sliding(speed + width, law.here);
-            (after - law.sliding(speed, law.here)) / width
-        } else {
-            zero
-        };
-        let per_level = zero.splat(1.0) / level;
-        let pull = (law.stiffness * speed) * per_level;
-        let pull_v =
-            (law.stiffness * per_level) * sign * (zero.splat(1.0) - (speed * per_level) * fall);
+            let fall = (after - law.sliding(speed, law.here)) / width;
+            pull_v = pull_v * (zero.splat(1.0) - pull * (fall / law.stiffness));
+        }
         let rate_v = zero.splat(1.0) - pull_v * z[0];
         let mut partials = Partials::zero(v);
         partials.rate_v[0] = rate_v;

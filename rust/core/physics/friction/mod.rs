@@ -311,7 +311,14 @@ pub trait Bristle: Law {
 
     fn partials<L: Lane>(law: &Self::Coefficients<L>, v: L, z: &[L; MOST_STATES]) -> Partials<L>;
 
-    /// The law at a position; most are the same everywhere.
+    /// Whether it is another law at another place, time, direction or drive: see `placed`.
+    #[inline(always)]
+    fn varies<L: Lane>(law: &Self::Coefficients<L>) -> bool {
+        let _ = law;
+        false
+    }
+
+    /// The law where and when it acts; most are the same everywhere.
     #[inline(always)]
     fn placed<L: Lane>(law: &Self::Coefficients<L>, at: &ContactState<L>) -> Self::Coefficients<L> {
         let _ = at;
