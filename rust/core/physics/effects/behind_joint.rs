@@ -82,7 +82,7 @@ impl Law for BehindJoint {
 impl Bristle for BehindJoint {
     const STATES: usize = 3;
     /// As those of the head's position and speed.
-    const FLOORS: [f64; MOST_STATES] = [1e-8, 1e-6, 1e-4, 1.0];
+    const FLOORS: [f64; MOST_STATES] = [1e-8, 1e-6, 1e-3, 1.0];
 
     #[inline(always)]
     fn driven<L: Lane>(law: &Jointed<L>) -> Option<(usize, L)> {
