@@ -72,7 +72,7 @@ fn bristles(c: &mut Criterion) {
         ("bristle_damping", 1e5f64.sqrt()),
         ("pull_speed", 0.1),
         ("duration", if trial() { 0.5 } else { 10.0 }),
-        ("tolerance", 1e-5),
+        ("tolerance", 1e-4),
     ];
     let job = job("final_position", &by("lugre", "constant", None), &axes, &fixed);
     bench_job(c, "W4 lugre, 10 s of stick-slip", &job, &variants());
