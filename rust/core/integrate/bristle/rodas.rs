@@ -225,7 +225,8 @@ impl<Q: Bristle, L: Lane> Bound<Q, L> {
 
 /// Sizes of x, m (rad), and v, m/s, below which their errors count as those of these sizes. Ringing
 /// bristles are slower than that most of the time: a tenth of this speed takes half as long again
-/// and moves no position by a micrometre, ten times this speed moves some by ten.
+/// and moves no position by a micrometre, ten times this speed moves some by ten. What replays leave
+/// is held by `cargo test --release --test replay bristles`.
 const FLOORS: [f64; 2] = [1e-6, 1e-3];
 
 /// Size of an error that just passes.
