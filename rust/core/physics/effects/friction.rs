@@ -19,6 +19,8 @@ pub struct Measured;
 #[derive(Debug, Clone, Copy)]
 pub struct Coefficients<L> {
     pub active: Active,
+    /// Whether the level of a bristle changes with place, time, load or direction.
+    pub varies: bool,
     /// Coulomb level forward and backward.
     pub forward: L,
     pub backward: L,
@@ -45,6 +47,22 @@ pub struct Coefficients<L> {
 }
 
 impl<L: Lane> Coefficients<L> {
+    /// The same with effects.
+    #[inline(always)]
+    pub fn with_effects(self, active: Active) -> Self {
+        let along = |effect: Effect| {
+            let variable = effect.info().variable;
+            effect == Effect::DirectionDependentFriction
+                || matches!(
+                    variable,
+                    Some(
+                        Variable::ContactState | Variable::Time | Variable::Load | Variable::Swept
+                    )
+                )
+        };
+        Coefficients { active, varies: active.iter().any(along), ..self }
+    }
+
     /// Dry level at rest's edge, without the fall and the buildup.
     #[inline(always)]
     fn level(&self, at: &ContactState<L>) -> L {
@@ -132,6 +150,7 @@ impl<L: Lane> Coefficients<L> {
         let zero = coulomb.splat(0.0);
         Coefficients {
             active: Active::default(),
+            varies: false,
             forward: coulomb,
             backward: coulomb,
             viscous,
@@ -192,13 +211,7 @@ impl Bristle for Measured {
 
     #[inline(always)]
     fn varies<L: Lane>(law: &Coefficients<L>) -> bool {
-        law.active.any(&[
-            Effect::DirectionDependentFriction,
-            Effect::PositionDependentFriction,
-            Effect::FrictionDrift,
-            Effect::LoadDependentFriction,
-            Effect::LubricantBuildup,
-        ])
+        law.varies
     }
 
     #[inline(always)]

@@ -160,8 +160,7 @@ impl<L: Lane> Plant<L> {
         let coulomb = coulomb.max(zero);
         let emf = given.get(Effect::BackEmf, 0, 0.0);
         let viscous = given.get(Effect::ViscousFriction, 0, 0.0) + (emf + nominal.viscous);
-        let mut friction = Coefficients::nominal(coulomb, viscous);
-        friction.active = active;
+        let mut friction = Coefficients::nominal(coulomb, viscous).with_effects(active);
         friction.quadratic = given.get(Effect::QuadraticDrag, 0, 0.0);
         friction.drop = values[Effect::StribeckFriction.first()] - reference;
         friction.per_stribeck = one / given.get(Effect::StribeckFriction, 1, 1.0);
