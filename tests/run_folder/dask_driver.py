@@ -27,7 +27,7 @@ from locosweep.run_folder.verify import verify
 SPEC: dict[str, Any] = {
     "quantity": "final_position", "mu_static": [0.3 + 0.002 * i for i in range(120)],
     "drive_amplitude": [0.5 + 0.05 * i for i in range(30)], "mu_coulomb": 0.3, "law": "lugre",
-    "drive": "sine",
+    "drive": "sine", "tolerance": 1e-10,
 }  # fmt: skip
 
 

@@ -33,7 +33,7 @@ SIGNALS = {signal.SIGTERM: 143, signal.SIGHUP: 129, signal.SIGINT: 130}
 # A chunk takes a tenth of a second, so that some are done, and there are many.
 SWEEP = ["sweep", "final_position", "--axis", "mu_static=0.3:0.6:400", "--axis",
          "drive_amplitude=0.5:2:60", "--law", "lugre", "--drive", "sine", "--set",
-         "mu_coulomb=0.3", "--threads", "1"]  # fmt: skip
+         "mu_coulomb=0.3", "--set", "tolerance=1e-8", "--threads", "1"]  # fmt: skip
 # A chunk is 64 MiB, and takes longer to write than to compute.
 STORE = ["sweep", "mean_velocity", "--axis", "mu_static=0.4:0.8:1000", "--axis",
          "slope_deg=0:5:1000", "--axis", "mass=0.1:1:100", "--set", "mu_coulomb=0.3", "--set",
