@@ -175,6 +175,7 @@ def test_a_fit_that_ended_beside_the_best_valley_is_taken_there() -> None:
     assert stuck.chi2 > best.chi2 + 10.0
     found = beyond_ridges(search, stuck)
     assert found.chi2 == pytest.approx(best.chi2, abs=0.1)
+    assert beyond_ridges(search, stuck, lambda _: best.chi2 - 1.0) is stuck
     (free,) = best.model.free
     at_the_end = replace(stuck, theta=np.array([free.low]))
     assert not free.log

@@ -19,7 +19,7 @@ from locosweep.diagnosis.select.thresholds import (
 from locosweep.diagnosis.select.whiteness import noise_level
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from locosweep.diagnosis.estimate.least_squares import Fit
     from locosweep.diagnosis.select.search import Collection, Found, Search
@@ -95,10 +95,13 @@ def takes_place(search: Search, fit: Fit) -> float:
     return float(min(noise + STALLED * (fit.chi2 - noise), fit.chi2 - TIE))
 
 
-def beyond_ridges(search: Search, fit: Fit) -> Fit:
+def beyond_ridges(
+    search: Search, fit: Fit, least: Callable[[Fit], float] = lambda fit: fit.chi2 - 1.0
+) -> Fit:
     """Return a fit from points along the axes of its covariance, if one comes further.
 
-    Contacts that open and close give chi2 many valleys: steps end in the first of them.
+    Contacts that open and close give chi2 many valleys: steps end in the first of them. `least`
+    says below which chi2 the end of another valley counts.
     """
     for _ in range(PARTNERS if fit.covariance.size else 0):
         sizes, axes = np.linalg.eigh(fit.covariance)
@@ -108,9 +111,11 @@ def beyond_ridges(search: Search, fit: Fit) -> Fit:
         trials = [fit.unfitted(u) for u in thetas if ((low <= u) & (u <= high)).all()]
         seen = sorted(evaluate(search.problem, trials, residuals=False), key=chi2_of)
         # What comes back to where it is already is not followed to its end.
-        starts = [replace(one.unfitted(), limit=fit.chi2 - 1.0) for one in seen[:FEW]]
-        end = min(fit_all(search.problem, starts, steps=search.steps), key=chi2_of, default=fit)
-        if end.chi2 > fit.chi2 - 1.0:
+        most = least(fit)
+        starts = [replace(one.unfitted(), limit=most) for one in seen[:FEW]]
+        begun = sorted(fit_all(search.problem, starts, steps=FEW), key=chi2_of)
+        end = min(fit_all(search.problem, begun[:1], steps=search.steps), key=chi2_of, default=fit)
+        if end.chi2 > most:
             break
         fit = replace(end, limit=np.inf)
     return fit

@@ -11,7 +11,7 @@ from locosweep.diagnosis.effects.catalogue import VARIABLES
 from locosweep.diagnosis.estimate.least_squares import Fit, point_of
 from locosweep.diagnosis.estimate.validation import validation_residuals
 from locosweep.diagnosis.select import thresholds as limits
-from locosweep.diagnosis.select.descent import beyond_ridges
+from locosweep.diagnosis.select.descent import beyond_ridges, takes_place
 from locosweep.diagnosis.select.equivalence import classes_of, is_limit, rivals_of
 from locosweep.diagnosis.select.extension import singles
 from locosweep.diagnosis.select.law_mismatch import (
@@ -198,7 +198,7 @@ def choose(search: Search, most: int) -> Choice:
     rest = [] if mismatch else remaining(problem, found)
     if rest and len(found.model.names) > 1 and found.chi2 < _NEAR_NOISE * problem.degrees():
         # Little more than noise: it may have ended in another valley than the right one.
-        found = beyond_ridges(search, found)
+        found = beyond_ridges(search, found, lambda fit: takes_place(search, fit))
         known = known.adding({frozenset(found.model.names): found})
         rest = remaining(problem, found)
     law_of_none = grown.law is not None and grown.law.of_none
