@@ -43,9 +43,11 @@ COMMANDS = {
     },
     "border": "python benches/border.py --json border.json",
     "diagnosis": "python benches/diagnosis.py --json diagnosis.json",
-    "dynamics": "python benches/dynamics_peers.py --json dynamics.json",
+    **dict.fromkeys(
+        ("dynamics", "dynamics_avx2"), "python benches/dynamics_peers.py --json dynamics.json"
+    ),
     "heatmap": "python benches/heatmap.py --json heatmap.json",
-    "peers": "python benches/peers.py --json peers.json",
+    **dict.fromkeys(("peers", "peers_avx2"), "python benches/peers.py --json peers.json"),
     "practice": "python benches/practice.py FOLDER --json practice.json",
     "stored": "python benches/stored.py --json stored.json",
 }
@@ -162,9 +164,9 @@ RESULTS: dict[str, Callable[[dict[str, Any]], Lines]] = {
     **dict.fromkeys((f"blind_{kind}" for kind in STRATA), blind_check),
     "border": border,
     "diagnosis": diagnosis,
-    "dynamics": dynamics,
+    **dict.fromkeys(("dynamics", "dynamics_avx2"), dynamics),
     "heatmap": heatmap,
-    "peers": peers,
+    **dict.fromkeys(("peers", "peers_avx2"), peers),
     "practice": practice,
     "stored": stored,
 }
