@@ -68,6 +68,41 @@ class TestSegments:
             assert np.isnan(found.values)
             assert found.status == Status.DIVERGED
 
+    def test_stiff_steps_far_longer_than_a_bristle_takes_to_bend_are_unresolved(self):
+        given = {"law": "dahl", "mass": 0.3, "drive_force": 0.5, "bristle_stiffness": 1e5, **MU}
+        coarse = ls.sweep("final_position", method="rosenbrock_fixed", time_step=0.01, **given)
+        assert coarse.status == Status.UNRESOLVED
+        fine = ls.sweep("final_position", method="rosenbrock_fixed", time_step=1e-4, **given)
+        assert fine.status == Status.OK
+        exact = ls.sweep("final_position", tolerance=1e-9, **given)
+        assert float(fine.values) == pytest.approx(float(exact.values), rel=1e-4)
+
+    @pytest.mark.slow
+    def test_stiff_steps_of_any_length_that_miss_all_of_the_motion_are_not_ok(self):
+        rng = np.random.default_rng(1)
+        right = wrong = refused = 0
+        for law in ("dahl", "lugre", "elasto_plastic", "maxwell_slip", "gonthier") * 30:
+            mass = 10 ** rng.uniform(-2, 1)
+            drive = str(rng.choice(["constant", "sine", "ramp", "pulse"]))
+            name = "drive_force" if drive == "constant" else "drive_amplitude"
+            given = {"law": law, "drive": drive, "mass": mass, **MU,
+                     name: mass * 9.81 * 10 ** rng.uniform(-1.5, 1.0),
+                     "bristle_stiffness": 10 ** rng.uniform(2, 6),
+                     "duration": 10 ** rng.uniform(-1, 0.5)}  # fmt: skip
+            step = 10 ** rng.uniform(-4, -1.5)
+            fixed = ls.sweep("final_position", method="rosenbrock_fixed", time_step=step, **given)
+            if fixed.status == Status.UNRESOLVED:
+                refused += 1
+            elif fixed.status == Status.OK:
+                exact, peak = (float(ls.sweep(quantity, tolerance=1e-8, **given).values)
+                               for quantity in ("final_position", "peak_motion"))  # fmt: skip
+                off = abs(float(fixed.values) - exact)
+                right += off <= 1e-2 * abs(peak) + 1e-6
+                wrong += off > abs(peak) + 1e-6
+        assert right > 100
+        assert refused > 5
+        assert wrong == 0
+
     def test_motion_ends_where_it_diverges(self):
         law, drive, method, values = DIVERGING[0]
         run = ls.simulate(law=law, drive=drive, method=method, **MU, **values, samples=51)

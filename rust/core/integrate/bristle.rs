@@ -31,6 +31,9 @@ const SMALLEST: f64 = 1e-13;
 /// Errors beyond which a step shrinks or grows by all that one may, also where there is no number.
 const LEAST_ERROR: f64 = 1e-9;
 const MOST_ERROR: f64 = 1e6;
+/// Error of the speed in a step of given length, as a share of the speed, from which on the step does
+/// not follow the bristle: all of it. What that finds, and what not, `tests/test_divergence.py` shows.
+const COARSE: f64 = 1.0;
 
 /// x, v, then the bristle states.
 type Vector<L> = [L; MOST_STATES + 2];
@@ -75,6 +78,8 @@ pub struct Step<L> {
     work: L,
     heat: L,
     error: L,
+    /// The part of the speed in that.
+    speed_error: L,
 }
 
 /// A bristle law with its coefficients, as the integrator meets it: a step at a time,
@@ -141,8 +146,13 @@ where
         let one = zero.splat(1.0);
         let finite = step.error.lt(zero.splat(f64::INFINITY));
         let mut accepted = active;
-        if !self.adaptive && self.segment.drive.swings() {
-            let rough = L::and(active, outruns_step(self.segment, state.t, dt));
+        if !self.adaptive {
+            let coarse = one.lt(step.speed_error * self.segment.tolerance * (1.0 / COARSE));
+            let mut rough = L::and(active, coarse);
+            if self.segment.drive.swings() {
+                let outrun = outruns_step(self.segment, state.t, dt);
+                rough = L::or(rough, L::and(active, outrun));
+            }
             tally.rough = L::select(rough, tally.rough + one, tally.rough);
         }
         if self.adaptive {

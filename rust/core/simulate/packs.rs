@@ -127,8 +127,9 @@ impl Fate {
     #[inline(always)]
     fn of<L: Lane>(tally: &Tally<L>, bounded: L::Mask) -> L {
         let size = tally.x;
-        let code = L::select(bounded, size.splat(Fate::FOUND), size.splat(Fate::DIVERGED));
-        let code = L::select(tally.lost.le(size.splat(0.0)), code, size.splat(Fate::LOST));
+        let followed = tally.lost.le(size.splat(0.0));
+        let code = L::select(followed, size.splat(Fate::FOUND), size.splat(Fate::LOST));
+        let code = L::select(bounded, code, size.splat(Fate::DIVERGED));
         L::select(tally.long.le(size.splat(0.0)), code, size.splat(Fate::LONG))
     }
 }

@@ -193,11 +193,15 @@ impl<Q: Bristle, L: Lane> Bound<Q, L> {
         }
         let [.., last] = k;
         let mut z = [zero; MOST_STATES];
-        let mut error = zero;
+        let (mut error, mut speed_error) = (zero, zero);
         for i in 0..size {
             let new = at[i] + last[i];
             let scale = scale::<Q, L>(segment.tolerance, i, y[i], new);
-            error = error.max((last[i] / scale).abs());
+            let own = (last[i] / scale).abs();
+            error = error.max(own);
+            if i == 1 {
+                speed_error = own;
+            }
             at[i] = new;
         }
         z[..count].copy_from_slice(&at[2..size]);
@@ -205,7 +209,7 @@ impl<Q: Bristle, L: Lane> Bound<Q, L> {
         let [.., last_work] = work;
         let [.., last_heat] = heat;
         let (work, heat) = (spent.0 + last_work, spent.1 + last_heat);
-        Step { x: at[0], v: at[1], z, work, heat, error }
+        Step { x: at[0], v: at[1], z, work, heat, error, speed_error }
     }
 
     /// The law at a state of a step from `from`, at a time and under what the drive gives then.
