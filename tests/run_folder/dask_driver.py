@@ -24,6 +24,7 @@ import locosweep as ls
 from locosweep.run_folder.overview import overview
 from locosweep.run_folder.verify import verify
 
+# The tolerance makes each cell slow: a worker has to be killed before all is done.
 SPEC: dict[str, Any] = {
     "quantity": "final_position", "mu_static": [0.3 + 0.002 * i for i in range(120)],
     "drive_amplitude": [0.5 + 0.05 * i for i in range(30)], "mu_coulomb": 0.3, "law": "lugre",

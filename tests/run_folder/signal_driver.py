@@ -30,7 +30,7 @@ from locosweep.run_folder.manifest import NAME
 from locosweep.run_folder.verify import verify
 
 SIGNALS = {signal.SIGTERM: 143, signal.SIGHUP: 129, signal.SIGINT: 130}
-# A chunk takes a tenth of a second, so that some are done, and there are many.
+# With this tolerance a chunk takes a tenth of a second, so that some are done, and there are many.
 SWEEP = ["sweep", "final_position", "--axis", "mu_static=0.3:0.6:400", "--axis",
          "drive_amplitude=0.5:2:60", "--law", "lugre", "--drive", "sine", "--set",
          "mu_coulomb=0.3", "--set", "tolerance=1e-8", "--threads", "1"]  # fmt: skip

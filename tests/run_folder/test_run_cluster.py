@@ -31,7 +31,7 @@ mu_static = {from = 0.3, to = 0.6, count = 400}
 drive_amplitude = {from = 0.5, to = 2, count = 60}
 [fixed]
 mu_coulomb = 0.3
-# A cell of an exact trajectory takes time whatever the engine learns.
+# Makes each cell slow: signals have to come before the sweep is done.
 tolerance = 1e-8
 """
 

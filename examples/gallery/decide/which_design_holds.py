@@ -26,8 +26,8 @@ print(p)
 # The share of points that meet the need is largest at five and six segments, although the median
 # alone would not tell them from four.
 
-figure, (left, right) = plt.subplots(1, 2, figsize=(13, 5), layout="constrained")
-p.plot(left)
+p.plot()
+plt.show()
 
 # %%
 # Static friction and the slope make nearly all of the variance: measure these two. Where the robot
@@ -35,5 +35,5 @@ p.plot(left)
 
 s = ls.sensitivity("mean_velocity", unknown, failed=0.0, segments=5, stroke=0.02)
 print(s)
-s.plot(right)
+s.plot()
 plt.show()

@@ -32,5 +32,8 @@ ax.contour(slope, mu, np.array(rows), levels=[1e-9], colors="white")
 fig.colorbar(image, label="least preload of each segment [N]")
 ax.set_xlabel("slope of the pipe [deg]")
 ax.set_ylabel("static friction of the wall")
-ax.set_title("Preload so that four segments climb, sliding friction half of static")
+ax.set_title(
+    "Preload so that four segments climb, sliding friction half of static\n"
+    "left of the white line: none"
+)
 plt.show()

@@ -53,7 +53,7 @@ print(f"{len(run.missing)} chunks are missing")
 speed = run.to_xarray()["mean_velocity"]
 fig, ax = plt.subplots(layout="constrained")
 speed.sel(segments=6).plot(ax=ax, cmap="viridis", cbar_kwargs={"label": "mean velocity [m/s]"})
-ax.set_title("six segments")
+ax.set_title("six segments; white: the robot does not move")
 ax.set_xlabel("slope [deg]")
 ax.set_ylabel("static friction of the anchors")
 plt.show()

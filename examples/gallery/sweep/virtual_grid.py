@@ -35,7 +35,7 @@ fig, (left, right) = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
 (1e3 * coarse).plot(ax=left, cbar_kwargs={"label": "mean velocity [mm/s]"})
 (1e3 * close).plot(ax=right, cbar_kwargs={"label": "mean velocity [mm/s]"})
 for ax, title in ((left, "every 20th point"), (right, "every point of a part")):
-    ax.set_title(title)
+    ax.set_title(f"{title}; white: no motion")
     ax.set_xlabel("slope [deg]")
     ax.set_ylabel("static friction of the anchors")
 plt.show()

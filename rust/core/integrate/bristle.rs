@@ -31,8 +31,9 @@ const SMALLEST: f64 = 1e-13;
 /// Errors beyond which a step shrinks or grows by all that one may, also where there is no number.
 const LEAST_ERROR: f64 = 1e-9;
 const MOST_ERROR: f64 = 1e6;
-/// Error of the speed in a step of given length, as a share of the speed, from which on the step does
-/// not follow the bristle: all of it. What that finds, and what not, `tests/test_divergence.py` shows.
+/// Estimated error of the speed in a step of fixed length, as a share of the speed (of 1 mm/s, where it
+/// is slower), beyond which the step follows no motion: with all of it, nothing of the speed is known.
+/// `pytest -m slow tests/test_divergence.py` holds that no run is left which misses all of its motion.
 const COARSE: f64 = 1.0;
 
 /// x, v, then the bristle states.
@@ -78,7 +79,7 @@ pub struct Step<L> {
     work: L,
     heat: L,
     error: L,
-    /// The part of the speed in that.
+    /// That of the speed alone.
     speed_error: L,
 }
 
@@ -147,8 +148,8 @@ where
         let finite = step.error.lt(zero.splat(f64::INFINITY));
         let mut accepted = active;
         if !self.adaptive {
-            let coarse = one.lt(step.speed_error * self.segment.tolerance * (1.0 / COARSE));
-            let mut rough = L::and(active, coarse);
+            let share = step.speed_error * self.segment.tolerance;
+            let mut rough = L::and(active, zero.splat(COARSE).lt(share));
             if self.segment.drive.swings() {
                 let outrun = outruns_step(self.segment, state.t, dt);
                 rough = L::or(rough, L::and(active, outrun));

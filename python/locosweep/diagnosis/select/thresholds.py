@@ -79,9 +79,9 @@ AT_AN_END = 0.02
 """Share of a shape's range, in its logarithm, within which it counts as at the end. Not derived."""
 STALLED = 0.5
 """Share of a rest, in chi2 beyond noise. With more left by a further effect, nothing is tried
-beside that or in its place; with more left by another set of as many effects, it does not take the
-place of the one that leaves the rest. So much is left where the cause is not in the list. Not
-derived."""
+beside that or in its place; with more left by another set of as many effects, or in another valley
+of the same one, it does not take the place of the one that leaves the rest. So much is left where
+the cause is not in the list. Not derived."""
 CLEAR_REST = 4.0
 """Deviations of chi2 from which a rest is clearly more than noise, whose level is estimated from
 third differences of the residuals: 3.5 deviations of the rest, that of one in 4000 sets of runs.
