@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -50,3 +52,37 @@ def test_too_few_samples_say_nothing() -> None:
     run = coasting(0.3)
     run.channels["x"][1:60] = np.nan
     assert initial_states(problem([run]), Nuisances(speed=0.3)).moving == ()
+
+
+def test_a_head_that_rests_again_within_few_samples_is_found_with_its_speed() -> None:
+    # It stops after 34 ms: a parabola through eight samples of 10 ms has less than half its speed.
+    run = coasting(0.1)
+    every = slice(None, None, 4)
+    coarse = replace(run, t=run.t[every], drive=run.drive[every],
+                     channels={"x": run.channels["x"][every]})  # fmt: skip
+    found = initial_states(problem([coarse]), Nuisances(speed=0.3))
+    assert found.moving == (0,)
+    np.testing.assert_allclose(found.speed, 0.1, atol=2e-3)
+
+
+def pushed_at_once(speed: float, noise: float) -> list[Run]:
+    """Heads that a drive pushes from the first sample on; the first one begins in motion."""
+    t = np.arange(0.0, 2.0, 0.01)
+    push = 4.4 * np.sin(np.pi * t / 0.11) * (t < 0.11)
+    runs = [Run(str(k), t, (1.0 - 0.2 * k) * push, {"x": np.zeros(t.size)}) for k in range(3)]
+    still = problem(runs)
+    speeds = np.array([speed, 0.0, 0.0])
+    x = still.replay([replace(still.plain(), speeds=speeds)])["x"].reshape(3, t.size)
+    x = x + noise * np.random.default_rng(3).standard_normal(x.shape)
+    return [replace(run, channels={"x": own}) for run, own in zip(runs, x, strict=True)]
+
+
+@pytest.mark.parametrize(("speed", "moving"), [(-0.128, (0,)), (0.0, ())])
+def test_a_start_speed_that_its_first_samples_hide_is_found_from_the_whole_run(
+    speed: float, moving: tuple[int, ...]
+) -> None:
+    noise = 1e-3
+    robot = replace(ROBOT, other={"sensor.position_noise": noise})
+    found = initial_states(problem(pushed_at_once(speed, noise), robot=robot), Nuisances(speed=0.4))
+    assert found.moving == moving
+    np.testing.assert_allclose(found.speed, [speed, 0.0, 0.0], atol=5e-3)

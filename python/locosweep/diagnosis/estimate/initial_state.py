@@ -25,6 +25,10 @@ _LEAST_SAMPLES = 5
 """Samples that a start speed is read off, at least."""
 _GAIN = 16.0
 """Gain in chi2 on its run that a start speed needs: four deviations."""
+_WHOLE, _NOISE = 0.9, 2.0
+"""Share of a run's squares that a start speed has to take, and squares a sample that it may leave,
+where its first samples do not show it: what else the model lacks takes part in all of a run. Not
+derived."""
 
 
 @dataclass(frozen=True)
@@ -34,8 +38,28 @@ class _StartSpeed:
     samples: int
     """Number of these samples."""
     speed: float
+    """As the samples show it; 0 where they show none."""
     driven: bool
     """True if the drive is on at the first sample, which may look like a speed."""
+    near: float = 0.0
+    """Speed with which the nominal model does best there: where a fit begins."""
+
+    def found(self, early: Floats, whole: Floats, count: int) -> bool:
+        """Return whether a fitted speed is one.
+
+        By squares of so many residuals, at rest and with it, in the first samples and in all.
+        """
+        # Over the whole run a gap can ask for a speed, in the first samples only motion.
+        shown = self.speed != 0.0 and not self.driven
+        if whole[0] - whole[1] <= _GAIN or early[0] - early[1] <= (0.0 if shown else _GAIN):
+            return False
+        return self.speed != 0.0 or bool(
+            whole[1] < (1.0 - _WHOLE) * whole[0] and whole[1] < _NOISE * count
+        )
+
+    def shown(self, early: Floats) -> bool:
+        """Return whether the speed is one as the samples show it, by their squares with it."""
+        return self.speed != 0.0 and not self.driven and bool(early[0] - early[2] > _GAIN)
 
 
 def initial_states(problem: Problem, nuisances: Nuisances) -> InitialStates:
@@ -44,33 +68,32 @@ def initial_states(problem: Problem, nuisances: Nuisances) -> InitialStates:
     A run begins in motion where both the parabola through its first samples and the nominal
     model ask for a start speed, over all of it or there. Where the drive is on at the first
     sample, which a parabola cannot tell from a speed, the nominal model must ask both
-    over all of it and there.
+    over all of it and there. Where no parabola asks for one, little more than noise may be left
+    with it, too, of a run that the nominal model does not describe from rest.
     """
     count = len(problem.runs)
-    found = {r: _start_speed(problem, r) for r in range(count)}
-    asked = {r: one for r, one in found.items() if one is not None}
     resting = problem.starts.position
+    x = [run.channels["x"] for run in problem.runs]
+    # The later resting position of a run in motion is not its first one.
+    first = np.array([one[np.isfinite(one)][0] if np.isfinite(one).any() else 0.0 for one in x])
+    asked = _asked(replace(problem, initial=InitialStates(first, np.zeros(count))), nuisances.speed)
     if not asked:
         return InitialStates(resting, np.zeros(count))
     position, read = resting.copy(), np.zeros(count)
     for r, start in asked.items():
-        # Its later resting position is not its first one.
-        x = problem.runs[r].channels["x"]
-        position[r], read[r] = x[np.isfinite(x)][0], start.speed
+        position[r], read[r] = first[r], start.speed
     moved = replace(problem, initial=InitialStates(position, read))
-    fitted, squares = _tried_speeds(moved, replace(nuisances, moving=tuple(asked)))
+    begins = np.array([start.near - start.speed for start in asked.values()])
+    fitted, squares = _tried_speeds(moved, replace(nuisances, moving=tuple(asked)), begins)
     speed = np.zeros(count)
     moving = []
     for r, start in asked.items():
         own = moved.of_run(r, range(count))
-        # Over the whole run a gap can ask for a speed, in the first samples only motion.
-        first = own[: start.samples]
-        whole = squares[0, own].sum() - squares[1:, own].sum(axis=1)
-        early = squares[0, first].sum() - squares[1:, first].sum(axis=1)
-        if whole[0] > _GAIN and early[0] > (_GAIN if start.driven else 0.0):
+        early = squares[:, own[: start.samples]].sum(axis=1)
+        if start.found(early, squares[:, own].sum(axis=1), own.size):
             speed[r] = fitted[r]
             moving.append(r)
-        elif not start.driven and early[1] > _GAIN:
+        elif start.shown(early):
             speed[r] = start.speed
             moving.append(r)
         else:
@@ -78,10 +101,49 @@ def initial_states(problem: Problem, nuisances: Nuisances) -> InitialStates:
     return InitialStates(position, speed, tuple(moving))
 
 
-def _tried_speeds(problem: Problem, nuisances: Nuisances) -> tuple[Floats, Floats]:
-    """Return the fitted start speeds, and squared residuals at rest, with these, and as read."""
+def _asked(problem: Problem, largest: float) -> dict[int, _StartSpeed]:
+    """Return the runs that may begin in motion, with their speeds.
+
+    Their first samples show it, or the nominal model does better there with a speed of a scan, of
+    which each is twice the last one.
+    """
+    every = range(len(problem.runs))
+    shown = {r: start for r in every if (start := _start_speed(problem, r)) is not None}
+    samples = [shown[r].samples if r in shown else _first_samples(problem.runs[r]) for r in every]
+    times = [run.since_start[:n][-1] for run, n in zip(problem.runs, samples, strict=True)]
+    # What moves less than noise in this time cannot be seen.
+    least = np.minimum(problem.noise["x"].sd / np.maximum(times, 1e-9), largest)
+    sizes = 2.0 ** np.arange(np.ceil(np.log2(largest / least.min())) + 1.0)
+    scan = np.minimum(sizes[:, None] * least, largest)
+    read = [shown[r].speed if r in shown else 0.0 for r in every]
+    scan = np.vstack([np.zeros(len(every)), scan, -scan, read])
+    nominal = problem.plain()
+    places = [problem.of_run(r, every)[:n] for r, n in zip(every, samples, strict=True)]
+    early = np.zeros(scan.shape)
+    for row, speeds in zip(early, scan, strict=True):
+        (e,) = problem.residuals([replace(nominal, speeds=speeds)], list(every))
+        row[:] = [float(e[own] @ e[own]) for own in places]
+    asked = {}
+    for r in every:
+        best = int(np.argmin(early[:, r]))
+        near = float(scan[best, r])
+        known = np.isfinite(problem.runs[r].channels["x"][: samples[r]]).sum()
+        if r in shown:
+            asked[r] = replace(shown[r], near=near)
+        elif known >= _LEAST_SAMPLES and early[0, r] - early[best, r] > _GAIN:
+            asked[r] = _StartSpeed(samples[r], 0.0, driven=True, near=near)
+    return asked
+
+
+def _tried_speeds(problem: Problem, nuisances: Nuisances, begins: Floats) -> tuple[Floats, Floats]:
+    """Return the fitted start speeds, and squared residuals at rest, with these, and as read.
+
+    Fits begin so much beside what was read.
+    """
     every = list(range(len(problem.runs)))
-    starts = start_fits(nuisances, Model((), ()), np.zeros((1, 0)))
+    zeros = np.zeros(len(nuisances.uncertain)), np.zeros(len(nuisances.start_offsets))
+    nuisance = np.concatenate([zeros[0], begins, zeros[1]])
+    starts = start_fits(nuisances, Model((), ()), np.zeros((1, 0)), nuisance)
     (with_speed,) = fit_all(problem, starts, runs=every)
     fitted = point_of(problem, with_speed)
     at_rest, read = fitted.speeds.copy(), fitted.speeds.copy()
