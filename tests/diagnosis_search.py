@@ -16,11 +16,16 @@ from locosweep.diagnosis.estimate.least_squares import (
     fit_all,
     start_fits,
 )
+from locosweep.diagnosis.estimate.problem import Problem
 from locosweep.diagnosis.select.search import Search
+from locosweep.files.runs import runs_from_frame
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    import polars as pl
+
+    from locosweep.files.robot import Robot
     from locosweep.files.runs import Run
 
 
@@ -48,3 +53,19 @@ def fit_of(search: Search, *names: str, values: Sequence[float] | None = None) -
 def ranked(found: Mapping[frozenset[str], Fit]) -> list[Fit]:
     """Return fits, best first."""
     return sorted(found.values(), key=chi2_of)
+
+
+def fits_of(
+    robot: Robot, frame: pl.DataFrame, *names: str, held: tuple[int, ...] = ()
+) -> tuple[Search, list[Fit]]:
+    """Return a search on measured runs, and fits of single effects in the order of their names."""
+    records = runs_from_frame(frame)
+    scale = scale_of(robot, records)
+    problem = Problem(robot, records, 1, held=held, speed_scale=scale.speed)
+    nuisances = Nuisances((), (0.0, 0.0, 0.0, 0.0), scale.speed)
+    search = Search(problem, nuisances, scale, names)
+    starts = []
+    for name in names:
+        model = search.model((name,))
+        starts += start_fits(nuisances, model, np.zeros((1, len(model.free))))
+    return search, fit_all(problem, starts, steps=20)

@@ -45,10 +45,10 @@ from locosweep.diagnosis.select.graded import (
     refitted,
 )
 from locosweep.diagnosis.select.isolated import isolated_readings
-from locosweep.diagnosis.select.law_mismatch import BY_TIME
 from locosweep.diagnosis.select.reading_steps import stepped_readings
 from locosweep.diagnosis.select.search import Search
 from locosweep.diagnosis.select.spectral_line import spectral_line
+from locosweep.diagnosis.select.unlisted_rival import BY_TIME
 from locosweep.diagnosis.select.verdict import (
     Choice,
     choose,

@@ -8,16 +8,14 @@ import numpy as np
 import polars as pl
 import pytest
 
+from diagnosis_search import fits_of
 from locosweep.diagnosis.effects.catalogue import VARIABLES
-from locosweep.diagnosis.effects.scale import scale_of
 from locosweep.diagnosis.estimate.least_squares import (
     Fit,
-    Nuisances,
     evaluate,
     fit_all,
     start_fits,
 )
-from locosweep.diagnosis.estimate.problem import Problem
 from locosweep.diagnosis.select import law_mismatch
 from locosweep.diagnosis.select.force_law import force_law
 from locosweep.diagnosis.select.law_mismatch import (
@@ -26,42 +24,13 @@ from locosweep.diagnosis.select.law_mismatch import (
     is_law_of,
     score_with_other_law,
     several_do_better,
-    unlisted_rival,
+    variables_of,
 )
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
-from locosweep.diagnosis.select.search import Collection, Search
+from locosweep.diagnosis.select.search import Search
 from locosweep.diagnosis.select.thresholds import OTHER_LAW_SHARE
-from locosweep.files.runs import Run, runs_from_frame
+from locosweep.files.runs import Run
 from test_diagnosis import ROBOT, drives, measured
-
-
-def fits_of(frame: pl.DataFrame, *names: str, held: tuple[int, ...] = ()) -> tuple[Search, list]:
-    """Fits of single effects to measured runs, in the order of their names."""
-    records = runs_from_frame(frame)
-    scale = scale_of(ROBOT, records)
-    problem = Problem(ROBOT, records, 1, held=held, speed_scale=scale.speed)
-    nuisances = Nuisances((), (0.0, 0.0, 0.0, 0.0), scale.speed)
-    search = Search(problem, nuisances, scale, names)
-    starts = []
-    for name in names:
-        model = search.model((name,))
-        starts += start_fits(nuisances, model, np.zeros((1, len(model.free))))
-    return search, fit_all(problem, starts, steps=20)
-
-
-def sprung(runs: list[Run], stiffness: float) -> pl.DataFrame:
-    """Runs that a weak spring pulls back to the start, told without it."""
-    nominal = measured({}, runs)
-    pulled = [
-        replace(
-            run,
-            drive=run.drive
-            - stiffness * nominal.filter(pl.col("run") == run.label)["x"].to_numpy(),
-        )
-        for run in runs
-    ]
-    told = pl.Series(np.concatenate([run.drive for run in runs]))
-    return measured({}, pulled).with_columns(drive=told)
 
 
 def test_another_law_has_to_hold_in_the_runs_kept_from_the_fit() -> None:
@@ -76,7 +45,7 @@ def test_another_law_has_to_hold_in_the_runs_kept_from_the_fit() -> None:
     )
     found = []
     for one in (frame, strange):
-        search, (fit,) = fits_of(one, "viscous_friction", held=(2,))
+        search, (fit,) = fits_of(ROBOT, one, "viscous_friction", held=(2,))
         found.append(score_with_other_law(search, fit) is not None)
     assert found == [True, False]
 
@@ -86,7 +55,7 @@ def test_what_the_other_runs_cannot_tell_is_no_contradiction() -> None:
     runs = drives(count=4)
     runs.append(replace(runs[0], label="fast", drive=1.3 * runs[0].drive))
     frame = measured({"quadratic_drag": {"c2": 0.02}}, runs)
-    search, (fit,) = fits_of(frame, "viscous_friction", held=(4,))
+    search, (fit,) = fits_of(ROBOT, frame, "viscous_friction", held=(4,))
     assert score_with_other_law(search, fit) is not None
 
 
@@ -94,7 +63,7 @@ def test_a_run_kept_from_the_fit_may_start_in_motion() -> None:
     runs = drives(count=5)
     whole = measured({"quadratic_drag": {"c2": 0.02}}, runs)
     frame = whole.filter((pl.col("run") != runs[4].label) | (pl.col("t") > 0.55))
-    search, (fit,) = fits_of(frame, "viscous_friction", held=(4,))
+    search, (fit,) = fits_of(ROBOT, frame, "viscous_friction", held=(4,))
     found = []
     for starting in ((), (4,)):
         starts = replace(search.problem.starts, moving=starting)
@@ -107,7 +76,7 @@ def test_a_law_far_off_by_its_own_formula_is_found_behind_others() -> None:
     frame = measured({"quadratic_drag": {"c2": 0.05}}, drives())
     others = ("sensor_drift", "sensor_delay", "drive_lag", "drive_delay", "friction_drift")
     search, level = fits_of(
-        frame, *others, "supply_sag", "position_dependent_friction", "viscous_friction"
+        ROBOT, frame, *others, "supply_sag", "position_dependent_friction", "viscous_friction"
     )
     found = best_with_other_law(search, level)
     assert found is not None
@@ -138,7 +107,7 @@ def late(runs: list[Run], *, loaded: bool) -> pl.DataFrame:
 def test_what_changes_at_once_is_no_drift_where_it_may_be_a_load(
     name: str, loaded: bool, may: bool
 ) -> None:
-    search, (fit,) = fits_of(late(drives(count=5), loaded=loaded), name)
+    search, (fit,) = fits_of(ROBOT, late(drives(count=5), loaded=loaded), name)
     law = force_law(search.problem, search.none, VARIABLES[name])
     assert law is not None
     assert law.found is not None
@@ -150,7 +119,9 @@ def test_no_effect_is_tried_twice_for_another_law(monkeypatch: pytest.MonkeyPatc
     """Fits are refitted when they are tried, and the list of those to try next is bounded."""
     frame = measured({"quadratic_drag": {"c2": 0.05}}, drives())
     behind = ("sensor_drift", "sensor_delay", "drive_lag", "friction_drift", "supply_sag")
-    search, level = fits_of(frame, "viscous_friction", *behind, "sensor_scale", "quadratic_drag")
+    search, level = fits_of(
+        ROBOT, frame, "viscous_friction", *behind, "sensor_scale", "quadratic_drag"
+    )
     tried = []
 
     def score(_: Search, fit: Fit) -> tuple[tuple[bool, bool, float] | None, list[str]]:
@@ -166,7 +137,7 @@ def test_no_effect_is_tried_twice_for_another_law(monkeypatch: pytest.MonkeyPatc
 def test_another_law_starts_from_where_a_formula_ends() -> None:
     """A search leaves fits that fall behind, far from their ends."""
     search, (end,) = fits_of(
-        measured({"quadratic_drag": {"c2": 0.05}}, drives()), "viscous_friction"
+        ROBOT, measured({"quadratic_drag": {"c2": 0.05}}, drives()), "viscous_friction"
     )
     (left,) = evaluate(search.problem, [end.unfitted(end.theta * 0.2)])
     assert left.chi2 > 2.0 * end.chi2
@@ -184,74 +155,11 @@ def test_several_causes_do_better_than_a_law_where_they_are_the_truth(
     both = {"viscous_friction": {"c": 0.1}, "sensor_drift": {"b": 4e-4}}
     found = []
     for effects in (both, {"quadratic_drag": {"c2": 0.05}}):
-        search, (alone,) = fits_of(measured(effects, drives(count=5)), pair[0], held=held)
+        search, (alone,) = fits_of(ROBOT, measured(effects, drives(count=5)), pair[0], held=held)
         model = search.model(pair)
         start = start_fits(search.nuisances, model, np.zeros((1, len(model.free))))
         found.append(several_do_better(search, alone, fit_all(search.problem, start, steps=20)))
     assert found == [True, False]
-
-
-def test_a_force_by_position_refutes_a_single_effect_that_it_outdoes() -> None:
-    """A spring to the start is no friction that drifts; but a slope stays a slope."""
-    runs = drives(count=5)
-    names = ("friction_drift", "slope_error")
-    spring = sprung(runs, 0.005)
-    for frame, refuted in (
-        (spring, "terrain"),
-        (measured({"slope_error": {"d_alpha_deg": 0.05}}, runs), ""),
-    ):
-        search, fits = fits_of(frame, *names)
-        found = min(fits, key=search.score)
-        known = Collection({frozenset(): search.none})
-        assert search.none.chi2 - found.chi2 > 100.0
-        rival, _ = unlisted_rival(search, known, found, search.score(found), mismatch=False)
-        assert rival == refuted
-
-
-def test_friction_along_a_way_passed_in_one_direction_is_not_refuted_by_a_force_by_place() -> None:
-    """The same spring both ways is no friction."""
-    for forward in (True, False):
-        runs = [replace(r, drive=np.abs(r.drive) if forward else r.drive) for r in drives(count=5)]
-        spring = sprung(runs, 0.02)
-        search, (found,) = fits_of(spring, "position_dependent_friction")
-        known = Collection({frozenset(): search.none})
-        score = search.score(found)
-        rival, _ = unlisted_rival(search, known, found, score, mismatch=False)
-        assert (rival == "terrain") == (not forward)
-
-
-def test_beside_another_cause_such_friction_is_not_refuted_either() -> None:
-    rough = {"position_dependent_friction": {"a": 0.02, "L": 0.05, "p": 0.3}}
-    names = ("position_dependent_friction", "sensor_drift")
-    runs = [replace(run, drive=np.abs(run.drive)) for run in drives(count=5)]
-    frame = measured({**rough, "sensor_drift": {"b": 2e-3}}, runs)
-    search, fits = fits_of(frame, *names)
-    model = search.model(names)
-    truth = np.array([[0.02, 0.05, 0.3, 2e-3]])
-    (found,) = fit_all(search.problem, start_fits(search.nuisances, model, truth), steps=20)
-    known = Collection({frozenset({"sensor_drift"}): fits[1]})
-    # As if the two did no better than the drift alone.
-    score = search.score(fits[1])
-    assert unlisted_rival(search, known, found, score, mismatch=False)[0] != "terrain"
-
-
-@pytest.mark.parametrize(("by_speed", "refuted"), [(125.0, ""), (110.0, "terrain")])
-def test_a_law_in_place_of_its_formula_is_not_refuted_by_another_force(
-    by_speed: float, refuted: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A force of any form that takes 100 of chi2, 10 more than a law beside the formula."""
-    search, (fit,) = fits_of(
-        measured({"quadratic_drag": {"c2": 0.05}}, drives(count=5)), "viscous_friction"
-    )
-    gains = {"speed": by_speed, "terrain": 100.0, "acceleration": 0.0}
-    monkeypatch.setattr(
-        NonparametricCorrection, "log_bayes_factor", lambda _, variables, __: gains[variables[0]]
-    )
-    monkeypatch.setattr(law_mismatch, "noise_level", lambda *_: 1.0)
-    monkeypatch.setattr(law_mismatch.RestForce, "log_bayes_factor", lambda *_: -1e9)
-    known = Collection({frozenset(): search.none})
-    score = search.score(search.none) - 90.0
-    assert unlisted_rival(search, known, fit, score, mismatch=True)[0] == refuted
 
 
 @pytest.mark.parametrize(("by_speed", "is_law"), [(130.0, True), (110.0, False)])
@@ -260,7 +168,7 @@ def test_a_formula_far_from_its_law_stands_where_no_other_variable_comes_near(
 ) -> None:
     """Friction that bends by the speed, of which its formula takes next to nothing."""
     search, (fit,) = fits_of(
-        measured({"quadratic_drag": {"c2": 0.05}}, drives(count=5)), "viscous_friction"
+        ROBOT, measured({"quadratic_drag": {"c2": 0.05}}, drives(count=5)), "viscous_friction"
     )
 
     def factor(_: object, variables: list[str], __: float) -> float:
@@ -272,32 +180,42 @@ def test_a_formula_far_from_its_law_stands_where_no_other_variable_comes_near(
     assert is_law_of(search, fit) == is_law
 
 
-def test_a_push_of_each_runs_own_refutes_what_does_no_better() -> None:
-    """Friction that drifts takes much of a push that grows; drag comes again in every run."""
-    runs = drives(count=5)
-    pushed = [
-        replace(run, drive=run.drive + 0.02 * np.sin(1.5 * run.t + 2.0 * i) * run.t)
-        for i, run in enumerate(runs)
-    ]
-    told = pl.Series(np.concatenate([r.drive for r in runs]))
-    names = ("viscous_friction", "friction_drift", "slope_error")
-    for frame, refuted in (
-        (measured({}, pushed).with_columns(drive=told), "push"),
-        (measured({"viscous_friction": {"c": 0.05}}, runs), ""),
-    ):
-        search, fits = fits_of(frame, *names)
-        found = min(fits, key=search.score)
-        assert search.none.chi2 - found.chi2 > 100.0
-        # No force by place is asked for without what is known of the nominal model.
-        known = Collection({})
-        rival, _ = unlisted_rival(search, known, found, search.score(found), mismatch=False)
-        assert rival == refuted
+@pytest.mark.parametrize(
+    ("name", "carrying", "is_law"),
+    [
+        ("supply_sag", ("sag", "time"), True),
+        ("supply_sag", ("sag", "place"), False),
+        # An encoder with play errs by place, too, and is no scale.
+        ("sensor_scale", ("reading",), False),
+    ],
+)
+def test_which_laws_stand_without_their_formula(
+    name: str, carrying: tuple[str, ...], is_law: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Variables that carry 130 of chi2; the others carry 100."""
+    search, (fit,) = fits_of(
+        ROBOT, measured({"quadratic_drag": {"c2": 0.05}}, drives(count=5)), name
+    )
+
+    def factor(_: object, variables: list[str], __: float) -> float:
+        return 130.0 if variables[0] in carrying else 100.0
+
+    monkeypatch.setattr(law_mismatch, "formula_share", lambda *_: 0.1)
+    monkeypatch.setattr(law_mismatch, "noise_level", lambda *_: 1.0)
+    monkeypatch.setattr(NonparametricCorrection, "log_bayes_factor", factor)
+    assert is_law_of(search, fit) == is_law
+
+
+def test_friction_and_a_drive_over_the_time_of_a_run_are_one_variable() -> None:
+    alike = ["supply_sag", "friction_drift", "viscous_friction", "slope_error"]
+    assert variables_of(alike[:2]) == {"time"}
+    assert variables_of(alike) == {"time", "speed", "slope_error"}
 
 
 def test_the_formula_of_a_cause_takes_most_of_its_gap_and_an_alien_one_little() -> None:
     """Drag by the square of the speed is near viscous friction; a drift of readings is not."""
     frame = measured({"quadratic_drag": {"c2": 0.05}}, drives(count=5))
-    search, fits = fits_of(frame, "viscous_friction", "sensor_drift", held=(4,))
+    search, fits = fits_of(ROBOT, frame, "viscous_friction", "sensor_drift", held=(4,))
     near, far = (formula_share(search, fit) for fit in fits)
     assert near > 0.5
     assert far < OTHER_LAW_SHARE
@@ -310,7 +228,7 @@ def test_a_gap_below_the_doubt_about_the_noise_is_shared_all_the_same(
     """Noise taken for a tenth larger than it is would hide the whole gap."""
     monkeypatch.setattr(law_mismatch, "noise_level", lambda *_: 1.1)
     frame = measured({"quadratic_drag": {"c2": 0.0018}}, drives(count=5))
-    search, fits = fits_of(frame, "viscous_friction", "sensor_drift")
+    search, fits = fits_of(ROBOT, frame, "viscous_friction", "sensor_drift")
     assert search.none.chi2 < 1.1 * np.count_nonzero(search.none.residual)
     near, far = (formula_share(search, fit) for fit in fits)
     assert near > 0.5
@@ -343,7 +261,7 @@ def test_changes_that_are_late_by_turns_are_another_law_of_a_delay() -> None:
     shares = np.random.default_rng(3).uniform(0.0, 0.05, 97)
     found = []
     for one in (shares, shares - 0.02):
-        search, (fit,) = fits_of(stepped(one), "drive_delay")
+        search, (fit,) = fits_of(ROBOT, stepped(one), "drive_delay")
         found.append(
             (search.is_noise(fit), score_with_other_law(search, fit), is_law_of(search, fit))
         )
@@ -358,7 +276,7 @@ def test_a_kept_run_without_a_gap_says_nothing_of_a_formula() -> None:
     runs = drives(count=5)
     runs[4] = replace(runs[4], drive=0.2 * runs[4].drive)
     frame = measured({"quadratic_drag": {"c2": 0.05}}, runs)
-    search, (fit,) = fits_of(frame, "viscous_friction", held=(4,))
+    search, (fit,) = fits_of(ROBOT, frame, "viscous_friction", held=(4,))
     assert formula_share(search, fit) > OTHER_LAW_SHARE
 
 
@@ -368,7 +286,7 @@ def test_a_law_may_be_behind_by_what_knots_make_out(
 ) -> None:
     """Of 1000 for every other variable."""
     search, (fit,) = fits_of(
-        measured({"quadratic_drag": {"c2": 0.05}}, drives(count=5)), "viscous_friction"
+        ROBOT, measured({"quadratic_drag": {"c2": 0.05}}, drives(count=5)), "viscous_friction"
     )
 
     def factor(_: NonparametricCorrection, variables: list[str], __: float) -> float:
@@ -383,7 +301,7 @@ def test_a_law_that_is_behind_comes_after_those_that_are_not(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     frame = measured({"quadratic_drag": {"c2": 0.05}}, drives(count=5))
-    search, level = fits_of(frame, "viscous_friction", "drive_lag")
+    search, level = fits_of(ROBOT, frame, "viscous_friction", "drive_lag")
     scored = {"viscous_friction": (False, True, 1.0), "drive_lag": (False, False, 2.0)}
 
     def score(_: Search, fit: Fit) -> tuple[tuple[bool, bool, float] | None, list[str]]:
@@ -395,3 +313,22 @@ def test_a_law_that_is_behind_comes_after_those_that_are_not(
         assert found is not None
         assert (found.score, found.fit.model.names) == (least, (name,))
         del scored[name]
+
+
+@pytest.mark.parametrize(("ahead", "name"), [(5.0, "viscous_friction"), (15.0, "drive_lag")])
+def test_of_laws_that_tie_the_one_with_the_better_formula_is_meant(
+    ahead: float, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    frame = measured({"quadratic_drag": {"c2": 0.05}}, drives(count=5))
+    search, level = fits_of(ROBOT, frame, "viscous_friction", "drive_lag")
+    scored = {"viscous_friction": (False, False, ahead), "drive_lag": (False, False, 0.0)}
+
+    def score(_: Search, fit: Fit) -> tuple[tuple[bool, bool, float] | None, list[str]]:
+        return scored.get("".join(fit.model.names)), []
+
+    monkeypatch.setattr(law_mismatch, "_score_with_other_law", score)
+    monkeypatch.setattr(law_mismatch, "_is_hopeless", lambda *_: False)
+    assert formula_share(search, level[0]) > formula_share(search, level[1])
+    found = best_with_other_law(search, level)
+    assert found is not None
+    assert found.fit.model.names == (name,)

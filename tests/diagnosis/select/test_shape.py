@@ -6,8 +6,9 @@ from diagnosis_search import search_of
 from diagnosis_small import tethered
 from locosweep.diagnosis.effects.catalogue import FURTHER
 from locosweep.diagnosis.estimate.motion import ALL
-from locosweep.diagnosis.select.law_mismatch import BY_TIME, MASS
+from locosweep.diagnosis.select.law_mismatch import MASS
 from locosweep.diagnosis.select.shape import KINDS, shape_of, shapes, unlisted_of
+from locosweep.diagnosis.select.unlisted_rival import BY_TIME
 
 
 def test_every_variable_has_words() -> None:

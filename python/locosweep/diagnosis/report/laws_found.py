@@ -12,11 +12,11 @@ from locosweep.diagnosis.estimate.rest import RestForce
 from locosweep.diagnosis.report.law_text import row_of
 from locosweep.diagnosis.select.by_place import ALONG, BY_PLACE, passes_both_ways
 from locosweep.diagnosis.select.force_law import force_law
-from locosweep.diagnosis.select.law_mismatch import BY_TIME
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.replayed_force import acts, settled, with_share
 from locosweep.diagnosis.select.shape import KINDS, unlisted_of
 from locosweep.diagnosis.select.stepwise import without
+from locosweep.diagnosis.select.unlisted_rival import BY_TIME
 from locosweep.diagnosis.select.whiteness import noise_level
 
 if TYPE_CHECKING:

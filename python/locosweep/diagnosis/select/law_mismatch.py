@@ -1,4 +1,4 @@
-"""Structural mismatch: another law of a listed cause, and out-of-library disturbances."""
+"""Structural mismatch: another law of a listed cause than its formula."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from scipy.special import ndtr
 
 from locosweep.diagnosis.effects.catalogue import FURTHER, VARIABLES, own_variables
 from locosweep.diagnosis.estimate.least_squares import Fit, evaluate, fit_all, point_of
-from locosweep.diagnosis.estimate.rest import RestForce
+from locosweep.diagnosis.estimate.motion import READINGS
 from locosweep.diagnosis.estimate.validation import validation_residuals
 from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.all_runs import fitted_to_all, with_all_starts
@@ -24,7 +24,7 @@ from locosweep.diagnosis.select.whiteness import noise_level, whiteness_test
 from locosweep.simulation.replay import effect
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -41,15 +41,10 @@ corrects most beside the nominal model, and four more. With ten, a polled delay 
 886 of `locosweep blind-check --cases 1000 --gap-free 500 --seed 17171`)."""
 _TRIED_NEXT = 3
 """Variables beside a fit whose effects are tried next."""
-UNLISTED = (BY_PLACE, "acceleration")
-"""Variables of forces that no effect stands for: the position in either direction, as of a tether,
-a magnet or a wall, and the acceleration."""
 OVER_TIME = ("time", "sag")
 """Variables of friction, and of a drive, that change over the time of a run."""
 MASS = "mass"
 """Variable of a mass that changes over the time of a run, which no effect stands for."""
-BY_TIME = "push"
-"""Variable of a force that no effect stands for, either: the time, other in each run."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +62,8 @@ def best_with_other_law(search: Search, level: Sequence[Fit]) -> OtherLaw | None
     """Find the fit that corrections in its own effects' variables bring down furthest, to noise.
 
     Tried are the best fits, and effects in the variables that correct most beside the nominal model
-    and beside them. A law of no effect is returned only where there is no other.
+    and beside them. Of those that tie, it is the one whose formula alone takes away most: the
+    others have to bend more. A law of no effect is returned only where there is no other.
     """
     tried = list(level[:_TRIED])
     # A formula far from the law leaves its effect behind many others.
@@ -92,7 +88,11 @@ def best_with_other_law(search: Search, level: Sequence[Fit]) -> OtherLaw | None
                 tried += islice(more, int(len(tried) < _MOST_TRIED))
     if not found:
         return None
-    of_none, _, score, i = min(found)
+    best = min(found)
+    tying = [one for one in found if one[:2] == best[:2] and one[2] < best[2] + limits.TIE]
+    if len(tying) > 1:
+        best = max(tying, key=lambda one: formula_share(search, tried[one[3]]))
+    of_none, _, score, i = best
     return OtherLaw(score, tried[i], of_none)
 
 
@@ -260,6 +260,12 @@ def is_law_of(search: Search, fit: Fit) -> bool:
     return bool(late) and all(_never_early(search, fit, name) for name in late)
 
 
+def variables_of(alike: Iterable[str]) -> set[str]:
+    """Return the variables that effects act through; the two over the time of a run are one."""
+    found = {VARIABLES.get(name, name) for name in alike}
+    return found - set(OVER_TIME) | ({OVER_TIME[0]} if found & set(OVER_TIME) else set())
+
+
 def most_alike(search: Search, fit: Fit) -> int:
     """Return how many variables may carry another law of a fit's effects as well.
 
@@ -273,14 +279,21 @@ def _is_likeliest(search: Search, fit: Fit) -> bool:
     """Return whether no law of another variable comes near a law of the fit's own variable.
 
     Both stand beside the nominal model, in place of the formula. A force by place is no other one
-    than friction along a way that is passed in one direction.
+    than friction along a way that is passed in one direction, and friction over the time of a run
+    goes with a drive over it. An error of the readings that shares
+    little with the formula is none of that effect: an encoder with play errs by place, too, where
+    it turns once.
     """
     own = own_variables(fit.model.names)
+    if set(own) & set(READINGS):
+        return False
     terms = NonparametricCorrection(search.problem, search.none)
     noise = noise_level(search.problem, search.none.residual)
     others = {v for v in terms.variables if v not in own}
     if own == [ALONG] and by_place_ahead(terms, noise) <= 0.0:
         others -= {BY_PLACE}
+    if set(own) <= set(OVER_TIME):
+        others -= set(OVER_TIME)
     rivals = [terms.log_bayes_factor([v], noise) for v in others]
     ahead = terms.log_bayes_factor(own, noise) - max(rivals, default=0.0)
     return ahead * noise >= limits.LEAST_GAIN
@@ -317,53 +330,6 @@ def formula_share(search: Search, fit: Fit) -> float:
         for one, e in zip((none, fit), validated, strict=True)
     )
     return 1.0 - float(np.sqrt(left / gap)) if gap > 0.0 else 0.0
-
-
-def unlisted_rival(
-    search: Search, known: Collection, found: Fit, score: float, *, mismatch: bool
-) -> tuple[str, Fit]:
-    """Return the variable of a force that no effect stands for and that refutes a set, if any.
-
-    And the model beside which it does that best.
-
-    It has to do better than one of several effects beside the others; as well as all of them, or
-    as another law of an effect, is enough, being one cause by a force as free. A single effect by
-    its own formula is nearly a special case of such a force: that has to do better by what a
-    wider law has to gain. Like is compared with like: where an effect has another law, a law of its
-    variable in place of its formula counts, too.
-    """
-    names = frozenset(found.model.names)
-    single = len(names) == 1 and not mismatch
-    alone = -limits.WIDER_LAW_GAIN if single else limits.LEAST_GAIN
-    # Terms by the acceleration hold friction of either direction: as well as another law of it is
-    # what they always do.
-    variables = UNLISTED if single else (BY_PLACE,)
-    sets = dict.fromkeys([frozenset[str](), *(names - {name} for name in names)])
-    noise = noise_level(search.problem, found.residual)
-    ahead, beside = {"": 0.0}, {"": search.none}
-    for key in (key for key in sets if key in known.fits):
-        fit = known.fits[key]
-        margin = 0.0 if fit.model.names else alone
-        terms = NonparametricCorrection(search.problem, fit)
-        own = own_variables(names - key)
-        if mismatch:
-            score = min(score, search.score(fit) - terms.log_bayes_factor(own, noise) * noise)
-        for variable in variables:
-            if (variable, own) == (BY_PLACE, [ALONG]) and by_place_ahead(terms, noise) <= 0:
-                # It is such friction, or the two are one.
-                continue
-            gain = terms.log_bayes_factor([variable], noise) * noise
-            by = score + margin - (search.score(fit) - gain)
-            if by >= ahead.get(variable, by):
-                ahead[variable], beside[variable] = by, fit
-    best = max(ahead, key=lambda variable: ahead[variable])
-    if best:
-        return best, beside[best]
-    # What the rig does comes again in each run, so that one law is likelier than a force in each.
-    pushed = RestForce(search.problem).log_bayes_factor(search.none.unfitted())
-    ahead_by = pushed - (search.score(search.none) - score)
-    likelier = ahead_by >= (limits.WIDER_LAW_GAIN if single else 0.0)
-    return BY_TIME if likelier else "", search.none
 
 
 def without_bending_effect(

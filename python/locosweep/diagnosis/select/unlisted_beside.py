@@ -13,10 +13,10 @@ from locosweep.diagnosis.estimate.unseen import groups_of
 from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.by_place import ALONG, BY_PLACE, by_place_ahead, passes_both_ways
 from locosweep.diagnosis.select.force_law import force_law
-from locosweep.diagnosis.select.law_mismatch import UNLISTED
 from locosweep.diagnosis.select.next_cause import is_far
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.replayed_force import acts, settled, under_force
+from locosweep.diagnosis.select.unlisted_rival import UNLISTED
 from locosweep.diagnosis.select.unseen_errors import seen_error
 
 if TYPE_CHECKING:

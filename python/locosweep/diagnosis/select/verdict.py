@@ -20,13 +20,14 @@ from locosweep.diagnosis.select.law_mismatch import (
     is_law_of,
     most_alike,
     several_do_better,
-    unlisted_rival,
+    variables_of,
     without_bending_effect,
 )
 from locosweep.diagnosis.select.prediction import misses
 from locosweep.diagnosis.select.score import gains, remaining, stalled_beside, total
 from locosweep.diagnosis.select.spectral_line import spectral_line
 from locosweep.diagnosis.select.stepwise import backward, exchanged, forward
+from locosweep.diagnosis.select.unlisted_rival import unlisted_rival
 from locosweep.diagnosis.select.whiteness import whiteness_test
 
 if TYPE_CHECKING:
@@ -243,7 +244,7 @@ def choose(search: Search, most: int) -> Choice:
         rivals = rivals_of(search, known, found)
         classes, sets = classes_of(search, known, found, rivals, mismatch)
     tried += rivals
-    alike = max(len({VARIABLES.get(n, n) for n in c}) for c in classes) if mismatch else 0
+    alike = max(len(variables_of(c)) for c in classes) if mismatch else 0
     if alike > 1 and alike > most_alike(search, found):
         choice = Choice("unexplained", found, known, whiteness, shape=remaining(problem, found))
         return _with_ranks(search, choice, tried)
