@@ -13,7 +13,11 @@ from locosweep.files.runs import Run
 from locosweep.simulation.replay import replay_runs
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
 
 NOISE = 1e-5
 ROBOT = Robot(
@@ -59,12 +63,22 @@ STIFFNESS = 0.002
 
 def tethered(count: int = 4, stiffness: float = STIFFNESS, rounds: int = 4) -> list[Run]:
     """Return runs that a spring pulls back to their start, told without it."""
+    return pulled(lambda x: -stiffness * x, count, rounds)
+
+
+def uneven(count: int = 4, force: float = 5e-4, length: float = 0.05) -> list[Run]:
+    """Return runs on a track that is steeper than stated, here more and there less."""
+    return pulled(lambda x: force * (1.0 + 0.3 * np.sin(2.0 * np.pi * x / length)), count)
+
+
+def pulled(by_place: Callable[[Floats], Floats], count: int = 4, rounds: int = 4) -> list[Run]:
+    """Return runs under a force by place, told without it."""
     runs, real = driven(count), driven(count)
     for _ in range(rounds):
         # The force of the way that the head goes, found by a few rounds.
         there = measured({}, real, noise=0.0)
         real = [
-            replace(told, drive=told.drive - stiffness * run.channels["x"])
+            replace(told, drive=told.drive + by_place(run.channels["x"]))
             for told, run in zip(runs, there, strict=True)
         ]
     read = measured({}, real)

@@ -130,6 +130,7 @@ _WORDS = {
     "further": "further variable of another functional form",
     "monotone": "rises or falls all along, whatever its functional form",
     "shown": "motion of the head that shows it",
+    "steady": "stays near its mean, whatever its functional form",
     "variable": "variable of another functional form",
 }
 

@@ -161,6 +161,11 @@ class Effect:
         Numbers of a rival whose values are fitted together.
         """
     @property
+    def steady(self, /) -> bool:
+        """
+        Whether its law in `variable` stays near its mean, by whatever formula.
+        """
+    @property
     def variable(self, /) -> str | None:
         """
         Variable that another law of the effect would follow; None where it is the

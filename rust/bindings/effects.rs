@@ -31,6 +31,8 @@ pub struct EffectRecord {
     monotone: bool,
     /// Whether its law in `variable` never jumps, by whatever formula.
     continuous: bool,
+    /// Whether its law in `variable` stays near its mean, by whatever formula.
+    steady: bool,
     /// What a rig must have for it: body, rear_sensor, slope.
     needs: Vec<&'static str>,
     /// Motion of the head without which it cannot show: at_rest (none), moving,
@@ -187,6 +189,7 @@ pub fn effects(py: Python<'_>) -> PyResult<Vec<EffectRecord>> {
             further: info.further.map(Variable::name),
             monotone: info.monotone,
             continuous: info.continuous,
+            steady: info.steady,
             needs: info.needs.iter().copied().map(Need::name).collect(),
             shown: info.shown.name(),
             contains: info.contains.to_vec(),

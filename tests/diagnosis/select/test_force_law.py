@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from diagnosis_search import fit_of, search_of
-from diagnosis_small import STIFFNESS, driven, measured, tethered
-from locosweep.diagnosis.select.force_law import force_law, monotone_loss
-from locosweep.diagnosis.select.thresholds import LEAST_GAIN
+from diagnosis_small import STIFFNESS, driven, measured, tethered, uneven
+from locosweep.diagnosis.select.force_law import force_law, is_monotone, is_steady
 
 
 def test_a_tether_pulls_back_in_proportion_to_the_way() -> None:
@@ -48,10 +47,16 @@ def test_some_variables_have_no_curve(variable: str) -> None:
 def test_a_law_that_rises_takes_no_less_than_a_curve_and_one_that_swings_less() -> None:
     rising = measured({"quadratic_drag": {"c2": 0.002}}, driven(4))
     search = search_of(rising, "quadratic_drag")
-    assert monotone_loss(search.problem, search.none, "speed") < LEAST_GAIN
+    assert is_monotone(search.problem, search.none, "speed")
     wave = {"position_dependent_friction": {"a": 0.001, "L": 0.05, "p": 0.0}}
     search = search_of(measured(wave, driven(4)), "position_dependent_friction")
-    assert monotone_loss(search.problem, search.none, "place") > 10.0 * LEAST_GAIN
+    assert not is_monotone(search.problem, search.none, "place")
+
+
+def test_an_uneven_slope_stays_near_its_mean_and_a_tether_does_not() -> None:
+    for runs, steady in ((uneven(), True), (tethered(), False)):
+        search = search_of(runs, "slope_error")
+        assert is_steady(search.problem, search.none, "terrain") == steady
 
 
 def test_the_formula_of_what_changes_at_once_jumps() -> None:
@@ -62,7 +67,7 @@ def test_the_formula_of_what_changes_at_once_jumps() -> None:
         read = measured({}, real)
         told = [replace(one, drive=run.drive) for one, run in zip(read, runs, strict=True)]
         search = search_of(told, "supply_sag")
-        assert monotone_loss(search.problem, search.none, "sag") < LEAST_GAIN
+        assert is_monotone(search.problem, search.none, "sag")
         law = force_law(search.problem, search.none, "sag")
         assert law is not None
         assert law.found is not None

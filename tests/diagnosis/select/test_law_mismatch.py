@@ -207,9 +207,9 @@ def test_which_laws_stand_without_their_formula(
 
 
 def test_friction_and_a_drive_over_the_time_of_a_run_are_one_variable() -> None:
-    alike = ["supply_sag", "friction_drift", "viscous_friction", "slope_error"]
+    alike = ["supply_sag", "friction_drift", "viscous_friction", "coulomb_error"]
     assert variables_of(alike[:2]) == {"time"}
-    assert variables_of(alike) == {"time", "speed", "slope_error"}
+    assert variables_of(alike) == {"time", "speed", "coulomb_error"}
 
 
 def test_the_formula_of_a_cause_takes_most_of_its_gap_and_an_alien_one_little() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from diagnosis_search import fit_of, search_for, search_of
-from diagnosis_small import driven, measured
+from diagnosis_small import driven, measured, tethered, uneven
 from locosweep.diagnosis.estimate.least_squares import evaluate
 from locosweep.diagnosis.select import law_mismatch, verdict
 from locosweep.diagnosis.select.law_mismatch import (
@@ -37,6 +37,15 @@ def test_a_cause_is_explained() -> None:
     assert choice.fit.parameters[0] == pytest.approx(0.03, rel=0.03)
     assert choice.weight(choice.fit) > 0.9
     assert sum(weight for _, weight in choice.ranked) == pytest.approx(1.0)
+
+
+def test_an_uneven_slope_is_named_and_a_tether_is_not() -> None:
+    """Both are forces by place; that of the slope stays near its mean."""
+    names = ("slope_error", "viscous_friction", "friction_drift")
+    choice = choose(search_of(uneven(), *names), 2)
+    assert (choice.classes, choice.law_mismatch) == ([["slope_error"]], True)
+    choice = choose(search_of(tethered(), *names), 2)
+    assert (choice.status, choice.classes) == ("unexplained", [])
 
 
 def test_two_causes_are_both_named() -> None:

@@ -69,7 +69,7 @@ class Motion:
         return Slides(self.v, step, last, self.mass, self.damping, self.keeps, self.stiffness)
 
 
-ALL = (*dict.fromkeys(VARIABLES.values()), "terrain", "acceleration")
+ALL = (*dict.fromkeys((*VARIABLES.values(), "terrain")), "acceleration")
 """Variables of effects, and of forces that no effect stands for."""
 
 

@@ -13,7 +13,7 @@ from locosweep.diagnosis.effects.catalogue import VARIABLES
 from locosweep.diagnosis.estimate.least_squares import evaluate
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.stepwise import without
-from locosweep.diagnosis.select.thresholds import LEAST_GAIN
+from locosweep.diagnosis.select.thresholds import FIRST_ORDER, LEAST_GAIN
 from locosweep.diagnosis.select.whiteness import noise_level
 
 if TYPE_CHECKING:
@@ -24,9 +24,6 @@ if TYPE_CHECKING:
 ALONG, BY_PLACE = "place", "terrain"
 """Variables of friction along the way, and of a force by place that no effect stands for."""
 
-_SAME = 1e-3
-"""Share of what a force takes of chi2 below which first order says nothing of a difference. Not
-derived."""
 _PLACES = 20
 """Parts of the travel that are passed both ways or not, about as many as laws along it have
 knots."""
@@ -45,7 +42,7 @@ def by_place_ahead(terms: NonparametricCorrection, noise: float) -> float:
     """
     along, place = (terms.log_bayes_factor([v], noise) * noise for v in (ALONG, BY_PLACE))
     ahead = place - along
-    return ahead if abs(ahead) >= max(LEAST_GAIN, _SAME * place) else 0.0
+    return ahead if abs(ahead) >= max(LEAST_GAIN, FIRST_ORDER * place) else 0.0
 
 
 def is_one_by_place(search: Search, choice: Choice) -> bool:

@@ -18,6 +18,7 @@ from locosweep.diagnosis.estimate.slides import corrections
 from locosweep.diagnosis.select.law_forms import Found, shortest
 from locosweep.diagnosis.select.nonparametric import likeliest
 from locosweep.diagnosis.select.shape import KINDS
+from locosweep.diagnosis.select.thresholds import FIRST_ORDER, LEAST_GAIN, STEADY
 from locosweep.diagnosis.select.whiteness import noise_level
 
 if TYPE_CHECKING:
@@ -95,14 +96,15 @@ def force_law(
     return ForceLaw(variable, at, size, deviation, found, log_factor, carried)
 
 
-def monotone_loss(problem: Problem, fit: Fit, variable: str) -> float:
-    """Return how much less a law that only rises, or falls, takes of a gap than one that bends.
+def is_monotone(problem: Problem, fit: Fit, variable: str) -> bool:
+    """Return whether a law that only rises, or falls, takes as much of a gap as one that bends.
 
-    In chi2, in units of what the law that bends leaves; 0 where the motion shows no law. The one
-    that only rises may do so in steps: where the cause is such a law, it takes about as much.
+    To `LEAST_GAIN` in chi2, in units of what the law that bends leaves, and to first order. The
+    one that only rises may do so in steps: where the cause is such a law, it takes about as much.
+    True where the motion shows no law.
     """
     if (acted := _acting(problem, fit, variable)) is None:
-        return 0.0
+        return True
     at, rows, gap = acted
     left = gap - _likeliest_curve(at, rows, gap, noise_level(problem, gap))[1] @ rows
     noise = max(noise_level(problem, left), float(left @ left) / max(problem.degrees(), 1))
@@ -115,7 +117,22 @@ def monotone_loss(problem: Problem, fit: Fit, variable: str) -> float:
     laws = [root @ np.hstack([level, way * rises]) for way in (1.0, -1.0)]
     rests = [2.0 * lsq_linear(law, along, (low, np.inf), method="bvls").cost for law in laws]
     monotone = float(gap @ gap - along @ along) + min(rests)
-    return float(monotone - left @ left) / noise
+    loss, fall = (monotone - left @ left) / noise, (gap @ gap - left @ left) / noise
+    return bool(loss <= max(LEAST_GAIN, FIRST_ORDER * fall))
+
+
+def is_steady(problem: Problem, fit: Fit, variable: str) -> bool:
+    """Return whether a law stays near its mean, within `STEADY` of it; True where there is none.
+
+    Where it is known well counts for more.
+    """
+    law = force_law(problem, fit, variable)
+    if law is None:
+        return True
+    weights = 1.0 / np.maximum(law.deviation, 1e-9 * np.abs(law.size).max(initial=1e-300)) ** 2
+    mean = float(weights @ law.size / weights.sum())
+    spread = float(np.sqrt(weights @ np.square(law.size - mean) / weights.sum()))
+    return spread <= STEADY * abs(mean)
 
 
 def _acting(problem: Problem, fit: Fit, variable: str) -> tuple[Floats, Floats, Floats] | None:

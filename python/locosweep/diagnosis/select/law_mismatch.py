@@ -17,7 +17,7 @@ from locosweep.diagnosis.select import thresholds as limits
 from locosweep.diagnosis.select.all_runs import fitted_to_all, with_all_starts
 from locosweep.diagnosis.select.by_place import ALONG, BY_PLACE, by_place_ahead
 from locosweep.diagnosis.select.effort import LEAST_ERROR
-from locosweep.diagnosis.select.force_law import force_law, monotone_loss
+from locosweep.diagnosis.select.force_law import force_law, is_monotone, is_steady
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
 from locosweep.diagnosis.select.stepwise import without
 from locosweep.diagnosis.select.whiteness import noise_level, whiteness_test
@@ -114,13 +114,20 @@ def _is_hopeless(problem: Problem, fit: Fit) -> bool:
 def _acting(variables: Sequence[str]) -> list[str]:
     """Return the first variables that effects act through.
 
-    None acts through the position alone, nor through the acceleration.
+    None acts through the acceleration.
     """
     return [v for v in variables if v in VARIABLES.values()][:_TRIED_NEXT]
 
 
 def _through(variable: str, level: Sequence[Fit]) -> Iterator[Fit]:
     return (fit for fit in level if variable in own_variables(fit.model.names))
+
+
+def law_through(search: Search, known: Collection, variable: str) -> Fit | None:
+    """Return the single effect that acts through a variable, if another law of it stands."""
+    level = [fit for fit in known.of_size(1) if VARIABLES.get(fit.model.names[0]) == variable]
+    ends = fit_all(search.problem, level, steps=search.steps, least=None)
+    return next((fit for fit in ends if score_with_other_law(search, fit) is not None), None)
 
 
 def score_with_other_law(search: Search, fit: Fit) -> float | None:
@@ -161,18 +168,20 @@ def _score_with_other_law(
 def _goes_as_it_may(search: Search, fit: Fit) -> bool:
     """Return whether the laws found in place of formulas go as laws of their effects may.
 
-    The registry says of which effects laws only rise, or fall (`monotone`), and of which they
-    never jump (`continuous`). A ground that rocks makes a force that rises and falls: it is no
-    drift of friction.
+    The registry says of which effects laws only rise, or fall (`monotone`), of which they never
+    jump (`continuous`), and of which they stay near their mean (`steady`). A ground that rocks
+    makes a force that rises and falls: it is no drift of friction. A tether is no uneven slope.
     """
     for name in fit.model.names:
         law = effect(name)
-        if not law.monotone and not law.continuous:
+        if not (law.monotone or law.continuous or law.steady):
             continue
         several, variable = len(fit.model.names) > 1, VARIABLES[name]
         base = without(search, fit, name) if several else search.none
         problem = search.problem
-        if law.monotone and monotone_loss(problem, base, variable) > limits.LEAST_GAIN:
+        if law.monotone and not is_monotone(problem, base, variable):
+            return False
+        if law.steady and not is_steady(problem, base, variable):
             return False
         if law.continuous and _jumps(problem, base, variable):
             return False

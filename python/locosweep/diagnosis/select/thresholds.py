@@ -61,6 +61,16 @@ AS_WELL_SHARE = 0.1
 likely than that in another one, which would be a second cause, beyond the gain that one has to
 show (`LEAST_GAIN`), where no effect comes nearer: laws bend between knots, too. With seed 8202 of
 `--only another-law`, right laws stay up to 0.09 behind."""
+FIRST_ORDER = 1e-3
+"""Share of what a law takes of chi2 below which a difference says nothing: a law moves heads to
+first order only. Of `locosweep blind-check --only another-law --cases 240` with seeds 40505 and
+41505, late drifts and sags lose at most half of it to a law that only rises or only falls; of
+`--only outside --cases 240 --seed 40404`, causes over time that come and go lose eight times of it
+and more."""
+STEADY = 0.25
+"""Spread of a law around its mean, in that mean, up to which it stays near it. Of the seeds above,
+uneven tracks have 0.13 to 0.16; forces by place that are none, 0.33 and more, but for a ground that
+rocks with 0.16."""
 ONE_LAW = 25.0
 """Difference in chi2 by which one law for all runs may be less likely than a law of its own
 in each: each of those bends to what the formula's refit leaves in its run."""

@@ -52,6 +52,9 @@ def unlisted_rival(
         if mismatch:
             score = min(score, search.score(fit) - terms.log_bayes_factor(own, noise) * noise)
         for variable in variables:
+            if mismatch and variable in own:
+                # It is that law.
+                continue
             if (variable, own) == (BY_PLACE, [ALONG]) and by_place_ahead(terms, noise) <= 0:
                 # It is such friction, or the two are one.
                 continue

@@ -18,6 +18,7 @@ from locosweep.diagnosis.select.law_mismatch import (
     OtherLaw,
     best_with_other_law,
     is_law_of,
+    law_through,
     most_alike,
     several_do_better,
     variables_of,
@@ -226,6 +227,10 @@ def choose(search: Search, most: int) -> Choice:
     whiteness = whiteness_test(problem, found.residual)
     score = search.score(found) if score is None else score
     unlisted, beside = unlisted_rival(search, known, found, score, mismatch=mismatch)
+    if listed := law_through(search, known, unlisted) if unlisted else None:
+        # What refutes the others is another law of this one.
+        found, mismatch, unlisted = listed, True, ""
+        whiteness = whiteness_test(problem, found.residual)
     if unlisted:
         choice = Choice("unexplained", found, known, whiteness, unlisted=unlisted, beside=beside)
         return _with_ranks(search, choice, tried)

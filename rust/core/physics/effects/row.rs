@@ -115,6 +115,8 @@ pub enum Variable {
     /// Distance moved since the last reversal.
     Turned,
     ContactState,
+    /// Position, in either direction alike.
+    Terrain,
     /// Drive force, against the motion.
     Load,
     Time,
@@ -142,6 +144,7 @@ impl Variable {
             Variable::Speed => "speed",
             Variable::Turned => "turned",
             Variable::ContactState => "place",
+            Variable::Terrain => "terrain",
             Variable::Load => "load",
             Variable::Time => "time",
             Variable::Swept => "swept",
@@ -173,6 +176,8 @@ pub struct EffectInfo {
     pub monotone: bool,
     /// Whether its law in `variable` never jumps, by whatever formula.
     pub continuous: bool,
+    /// Whether its law in `variable` stays near its mean, by whatever formula.
+    pub steady: bool,
     pub needs: &'static [Need],
     pub shown: Shown,
     /// Effects with fewer parameters that this one contains as a limit.
@@ -265,6 +270,7 @@ pub(super) const EFFECT: EffectInfo = EffectInfo {
     further: None,
     monotone: false,
     continuous: false,
+    steady: false,
     needs: &[],
     shown: Shown::Moving,
     contains: &[],

@@ -593,6 +593,8 @@ effects! {
         site: Site::Environment,
         formula: r"\alpha \to \alpha + \Delta\alpha",
         meaning: "the ground is steeper or flatter than assumed",
+        variable: Some(Variable::Terrain),
+        steady: true,
         needs: &[Slope],
         magnitude: Magnitude { high: "1", ..EFFECT.magnitude },
         params: &[EffectParam {
