@@ -65,11 +65,11 @@ FIRST_ORDER = 1e-3
 """Share of what a law takes of chi2 below which a difference says nothing: a law moves heads to
 first order only. Of `locosweep blind-check --only another-law --cases 240` with seeds 40505 and
 41505, late drifts and sags lose at most half of it to a law that only rises or only falls; of
-`--only outside --cases 240 --seed 40404`, causes over time that come and go lose eight times of it
+`--only outside --cases 240 --seed 40404`, causes over time that come and go lose seven times of it
 and more."""
 STEADY = 0.25
 """Spread of a law around its mean, in that mean, up to which it stays near it. Of the seeds above,
-uneven tracks have 0.13 to 0.16; forces by place that are none, 0.33 and more, but for a ground that
+uneven tracks have 0.13 to 0.16; forces by place that are none, 0.39 and more, but for a ground that
 rocks with 0.16."""
 ONE_LAW = 25.0
 """Difference in chi2 by which one law for all runs may be less likely than a law of its own
