@@ -39,6 +39,8 @@ _AXES = "--x drive_amplitude=1:3:{} --y mu_coulomb=0.1:0.5:{}"
 _SET = "--set mu_static=0.6 --set viscous=0.2 --set duration=1"
 LIMIT_MB, LIMIT_SECONDS = 64, 0.25
 _INTERRUPTED = 130
+_ENDED = (0, _INTERRUPTED, -signal.SIGINT)
+"""Exit codes where the map was there as a whole: an interpreter that ends no longer catches."""
 # The last chunk of every PNG file: no bytes, its name, its checksum.
 _PNG_END = b"\0\0\0\0IEND\xaeB`\x82"
 
@@ -136,7 +138,7 @@ def stopped(work: str, shape: tuple[int, int], after: float) -> Stop | None:
         left = sorted(path.name for path in Path(folder).iterdir())
         # The map was there as a whole, and only the interpreter was still ending.
         ended = left == ["map.png"] and _is_whole(Path(folder, "map.png"))
-    if ended and process.returncode in (0, _INTERRUPTED) and latency <= LIMIT_SECONDS:
+    if ended and process.returncode in _ENDED and latency <= LIMIT_SECONDS:
         return None
     return Stop(after, latency, process.returncode, left)
 
