@@ -9,6 +9,7 @@ import pytest
 
 from diagnosis_search import fit_of, search_of
 from diagnosis_small import STIFFNESS, driven, measured, tethered, uneven
+from locosweep.diagnosis.select import force_law as module
 from locosweep.diagnosis.select.force_law import force_law, is_monotone, is_steady
 
 
@@ -51,6 +52,19 @@ def test_a_law_that_rises_takes_no_less_than_a_curve_and_one_that_swings_less() 
     wave = {"position_dependent_friction": {"a": 0.001, "L": 0.05, "p": 0.0}}
     search = search_of(measured(wave, driven(4)), "position_dependent_friction")
     assert not is_monotone(search.problem, search.none, "place")
+
+
+def test_a_large_gap_may_be_told_by_a_law_that_rises_as_far_as_first_order_says(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A drive that falls by a tenth in the middle of a run moves heads beyond first order."""
+    runs = driven(4)
+    real = [replace(r, drive=r.drive * (0.95 - 0.05 * np.tanh((r.t - 1.0) / 0.1))) for r in runs]
+    told = [replace(one, drive=r.drive) for one, r in zip(measured({}, real), runs, strict=True)]
+    search = search_of(told, "supply_sag")
+    assert is_monotone(search.problem, search.none, "sag")
+    monkeypatch.setattr(module, "FIRST_ORDER", 0.0)
+    assert not is_monotone(search.problem, search.none, "sag")
 
 
 def test_an_uneven_slope_stays_near_its_mean_and_a_tether_does_not() -> None:

@@ -8,7 +8,8 @@ import numpy as np
 import polars as pl
 import pytest
 
-from diagnosis_search import fits_of
+from diagnosis_search import fit_of, fits_of, search_of
+from diagnosis_small import tethered, uneven
 from locosweep.diagnosis.effects.catalogue import VARIABLES
 from locosweep.diagnosis.estimate.least_squares import (
     Fit,
@@ -22,12 +23,13 @@ from locosweep.diagnosis.select.law_mismatch import (
     best_with_other_law,
     formula_share,
     is_law_of,
+    law_through,
     score_with_other_law,
     several_do_better,
     variables_of,
 )
 from locosweep.diagnosis.select.nonparametric import NonparametricCorrection
-from locosweep.diagnosis.select.search import Search
+from locosweep.diagnosis.select.search import Collection, Search
 from locosweep.diagnosis.select.thresholds import OTHER_LAW_SHARE
 from locosweep.files.runs import Run
 from test_diagnosis import ROBOT, drives, measured
@@ -332,3 +334,14 @@ def test_of_laws_that_tie_the_one_with_the_better_formula_is_meant(
     found = best_with_other_law(search, level)
     assert found is not None
     assert found.fit.model.names == (name,)
+
+
+def test_a_force_by_place_is_a_slope_only_where_it_stays_near_its_mean() -> None:
+    for runs, named in ((uneven(), ("slope_error",)), (tethered(), None)):
+        search = search_of(runs, "slope_error", "viscous_friction")
+        known = Collection({
+            frozenset({name}): fit_of(search, name) for name in ("viscous_friction", "slope_error")
+        })  # fmt: skip
+        found = law_through(search, known, "terrain")
+        assert (found.model.names if found else None) == named
+        assert law_through(search, known, "acceleration") is None

@@ -33,6 +33,17 @@ def sprung(runs: list[Run], stiffness: float) -> pl.DataFrame:
     return measured({}, pulled).with_columns(drive=told)
 
 
+def laws_take(monkeypatch: pytest.MonkeyPatch, gains: dict[str, float]) -> None:
+    """Let laws of variables take so much of chi2, those of others nothing, and a push nothing."""
+
+    def factor(_: object, variables: list[str], __: float) -> float:
+        return gains.get(variables[0], 0.0)
+
+    monkeypatch.setattr(NonparametricCorrection, "log_bayes_factor", factor)
+    monkeypatch.setattr(module, "noise_level", lambda *_: 1.0)
+    monkeypatch.setattr(module.RestForce, "log_bayes_factor", lambda *_: -1e9)
+
+
 def test_a_force_by_position_refutes_a_single_effect_that_it_outdoes() -> None:
     """A spring to the start is no friction that drifts; but a slope stays a slope."""
     runs = drives(count=5)
@@ -85,12 +96,7 @@ def test_a_law_in_place_of_its_formula_is_not_refuted_by_another_force(
     search, (fit,) = fits_of(
         ROBOT, measured({"quadratic_drag": {"c2": 0.05}}, drives(count=5)), "viscous_friction"
     )
-    gains = {"speed": by_speed, "terrain": 100.0, "acceleration": 0.0}
-    monkeypatch.setattr(
-        NonparametricCorrection, "log_bayes_factor", lambda _, variables, __: gains[variables[0]]
-    )
-    monkeypatch.setattr(module, "noise_level", lambda *_: 1.0)
-    monkeypatch.setattr(module.RestForce, "log_bayes_factor", lambda *_: -1e9)
+    laws_take(monkeypatch, {"speed": by_speed, "terrain": 100.0})
     known = Collection({frozenset(): search.none})
     score = search.score(search.none) - 90.0
     assert unlisted_rival(search, known, fit, score, mismatch=True)[0] == refuted
@@ -104,14 +110,7 @@ def test_a_force_by_acceleration_refutes_only_what_no_listed_variable_does_as_we
     search, (fit,) = fits_of(
         ROBOT, measured({"viscous_friction": {"c": 0.05}}, drives(count=5)), "viscous_friction"
     )
-    gains = {"drive": by_drive, "acceleration": 110.0}
-    monkeypatch.setattr(
-        NonparametricCorrection,
-        "log_bayes_factor",
-        lambda _, variables, __: gains.get(variables[0], 0.0),
-    )
-    monkeypatch.setattr(module, "noise_level", lambda *_: 1.0)
-    monkeypatch.setattr(module.RestForce, "log_bayes_factor", lambda *_: -1e9)
+    laws_take(monkeypatch, {"drive": by_drive, "acceleration": 110.0})
     known = Collection({frozenset(): search.none})
     score = search.score(search.none) - 90.0
     assert unlisted_rival(search, known, fit, score, mismatch=False)[0] == refuted

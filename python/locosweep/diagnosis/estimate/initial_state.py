@@ -44,22 +44,30 @@ class _StartSpeed:
     near: float = 0.0
     """Speed with which the nominal model does best there: where a fit begins."""
 
+    @property
+    def sure(self) -> bool:
+        """True if the samples show a speed that no drive could make."""
+        return self.speed != 0.0 and not self.driven
+
     def found(self, early: Floats, whole: Floats, count: int) -> bool:
         """Return whether a fitted speed is one.
 
         By squares of so many residuals, at rest and with it, in the first samples and in all.
         """
         # Over the whole run a gap can ask for a speed, in the first samples only motion.
-        shown = self.speed != 0.0 and not self.driven
-        if whole[0] - whole[1] <= _GAIN or early[0] - early[1] <= (0.0 if shown else _GAIN):
+        least = 0.0 if self.sure else _GAIN
+        if whole[0] - whole[1] <= _GAIN or early[0] - early[1] <= least:
             return False
         return self.speed != 0.0 or bool(
             whole[1] < (1.0 - _WHOLE) * whole[0] and whole[1] < _NOISE * count
         )
 
     def shown(self, early: Floats) -> bool:
-        """Return whether the speed is one as the samples show it, by their squares with it."""
-        return self.speed != 0.0 and not self.driven and bool(early[0] - early[2] > _GAIN)
+        """Return whether the speed is one as the samples show it.
+
+        By their squares: at rest, with a fitted speed, and with this one.
+        """
+        return self.sure and bool(early[0] - early[2] > _GAIN)
 
 
 def initial_states(problem: Problem, nuisances: Nuisances) -> InitialStates:
@@ -104,8 +112,8 @@ def initial_states(problem: Problem, nuisances: Nuisances) -> InitialStates:
 def _asked(problem: Problem, largest: float) -> dict[int, _StartSpeed]:
     """Return the runs that may begin in motion, with their speeds.
 
-    Their first samples show it, or the nominal model does better there with a speed of a scan, of
-    which each is twice the last one.
+    Their first samples show it, or the nominal model does better there with one of the speeds that
+    are tried, each twice the one before.
     """
     every = range(len(problem.runs))
     shown = {r: start for r in every if (start := _start_speed(problem, r)) is not None}
@@ -141,8 +149,8 @@ def _tried_speeds(problem: Problem, nuisances: Nuisances, begins: Floats) -> tup
     Fits begin so much beside what was read.
     """
     every = list(range(len(problem.runs)))
-    zeros = np.zeros(len(nuisances.uncertain)), np.zeros(len(nuisances.start_offsets))
-    nuisance = np.concatenate([zeros[0], begins, zeros[1]])
+    before, behind = len(nuisances.uncertain), len(nuisances.start_offsets)
+    nuisance = np.concatenate([np.zeros(before), begins, np.zeros(behind)])
     starts = start_fits(nuisances, Model((), ()), np.zeros((1, 0)), nuisance)
     (with_speed,) = fit_all(problem, starts, runs=every)
     fitted = point_of(problem, with_speed)

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from locosweep.diagnosis.select.verdict import Choice
 
 ALONG, BY_PLACE = "place", "terrain"
-"""Variables of friction along the way, and of a force by place that no effect stands for."""
+"""Variables of friction along the way, and of a force by place: of an uneven slope, or of what no
+effect stands for."""
 
 _PLACES = 20
 """Parts of the travel that are passed both ways or not, about as many as laws along it have

@@ -124,7 +124,10 @@ def _through(variable: str, level: Sequence[Fit]) -> Iterator[Fit]:
 
 
 def law_through(search: Search, known: Collection, variable: str) -> Fit | None:
-    """Return the single effect that acts through a variable, if another law of it stands."""
+    """Return the effect that acts through a variable, where a law of its stands beside its formula.
+
+    None where no effect acts through the variable, or its law does not go as that effect's may.
+    """
     level = [fit for fit in known.of_size(1) if VARIABLES.get(fit.model.names[0]) == variable]
     ends = fit_all(search.problem, level, steps=search.steps, least=None)
     return next((fit for fit in ends if score_with_other_law(search, fit) is not None), None)
@@ -270,7 +273,7 @@ def is_law_of(search: Search, fit: Fit) -> bool:
 
 
 def variables_of(alike: Iterable[str]) -> set[str]:
-    """Return the variables that effects act through; the two over the time of a run are one."""
+    """Return the variables that effects act through; the two of `OVER_TIME` count as one."""
     found = {VARIABLES.get(name, name) for name in alike}
     return found - set(OVER_TIME) | ({OVER_TIME[0]} if found & set(OVER_TIME) else set())
 
@@ -288,10 +291,9 @@ def _is_likeliest(search: Search, fit: Fit) -> bool:
     """Return whether no law of another variable comes near a law of the fit's own variable.
 
     Both stand beside the nominal model, in place of the formula. A force by place is no other one
-    than friction along a way that is passed in one direction, and friction over the time of a run
-    goes with a drive over it. An error of the readings that shares
-    little with the formula is none of that effect: an encoder with play errs by place, too, where
-    it turns once.
+    than friction along a way that is passed in one direction, and friction that changes over the
+    time of a run does much the same as a drive that does. Errors of the readings never stand so: an
+    encoder with play errs by place, too, and is no scale.
     """
     own = own_variables(fit.model.names)
     if set(own) & set(READINGS):

@@ -62,13 +62,14 @@ likely than that in another one, which would be a second cause, beyond the gain 
 show (`LEAST_GAIN`), where no effect comes nearer: laws bend between knots, too. With seed 8202 of
 `--only another-law`, right laws stay up to 0.09 behind."""
 FIRST_ORDER = 1e-3
-"""Share of what a law takes of chi2 below which a difference says nothing: a law moves heads to
-first order only. Of `locosweep blind-check --only another-law --cases 240` with seeds 40505 and
-41505, late drifts and sags lose at most half of it to a law that only rises or only falls; of
-`--only outside --cases 240 --seed 40404`, causes over time that come and go lose seven times of it
-and more."""
+"""Share of what a law takes of chi2 below which a difference between laws says nothing: a law moves
+heads to first order only. Set on the numbers inside `is_monotone`, which no command prints, for
+`locosweep blind-check --cases 240 --only another-law` with seeds 40505 and 41505: late drifts and
+sags lose at most half of this share to a law that only rises or only falls. With `--only outside
+--seed 40404`, pushes, gusts and ground that rocks lose seven times of it and more."""
 STEADY = 0.25
-"""Spread of a law around its mean, in that mean, up to which it stays near it. Of the seeds above,
+"""Spread of a law around its mean, as a share of that mean, up to which it stays near it. Set on
+`unlisted.curve` of the reports of the same seeds, each place weighed by how well it is known:
 uneven tracks have 0.13 to 0.16; forces by place that are none, 0.39 and more, but for a ground that
 rocks with 0.16."""
 ONE_LAW = 25.0

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 BY_ACCELERATION = "acceleration"
 UNLISTED = (BY_PLACE, BY_ACCELERATION)
 """Variables of forces that no effect stands for: the position in either direction, as of a tether,
-a magnet or a wall, and the acceleration."""
+a magnet or a wall (but for a slope, whose law is `steady`), and the acceleration."""
 BY_TIME = "push"
 """Variable of a force that no effect stands for, either: the time, other in each run."""
 
